@@ -1,0 +1,234 @@
+"""From what is known of a pair to the pair itself: nominal gears, their deviations, both on their axes.
+
+Deviations come from the inspection where there is one, from a seeded draw within the grade or stated limits where
+there is not, and are zero otherwise. Nothing is drawn for an inspected gear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.errors import GearpolyError, InputFileError
+from gearpoly.files.pairfile import GearSection, Inspection, PairFile, profile_csv_path
+from gearpoly.files.traces import read_traces
+from gearpoly.gear.deviations import (
+    Crowning,
+    Deviations,
+    Shape,
+    Slope,
+    Traces,
+    pitch_and_thickness,
+    tip_relief,
+)
+from gearpoly.gear.draw import draw_deviations, streams
+from gearpoly.gear.flank import draw_flanks, points_for
+from gearpoly.gear.gear import Gear
+from gearpoly.gear.rack import Rack
+from gearpoly.gear.root import form_point
+from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
+from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
+from gearpoly.units import DEG, UM, FloatArray, read_only
+
+NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assembled:
+    """A pair made from a file: ``pair`` itself, and how each gear came by its deviations ("ideal", "inspected" or
+    "drawn")."""
+
+    pair: GearPair
+    origin: tuple[str, str]
+    limits: tuple[Limits | None, Limits | None]
+
+
+def nominal_gear(section: GearSection) -> Gear:
+    """The deviation-free gear of one gear section. Raises ``GeometryError`` where it cannot be cut."""
+    rack = Rack(
+        alpha=section.pressure_angle_deg * DEG,
+        h_aP=section.addendum,
+        h_fP=section.dedendum,
+        rho_fP=section.root_radius,
+    )
+    return Gear(
+        z=section.teeth,
+        m=section.module_mm,
+        x=section.profile_shift,
+        rack=rack,
+        b=section.face_width_mm,
+        d_bore=section.bore_mm,
+    )
+
+
+def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
+    """Both gears of ``file`` (read from ``path``) drawn and mounted; ``seed`` decides what the file leaves to chance.
+
+    Raises ``InputFileError`` naming file and section for a gear that cannot be cut, limits that no gear keeps, or
+    gears that cannot reach each other.
+    """
+    sections = (file.driving, file.driven)
+    gears: list[Gear] = []
+    for name, section in zip(("driving", "driven"), sections, strict=True):
+        with _Blame(path, name):
+            gears.append(nominal_gear(section))
+    with _Blame(path, "driving, driven"):
+        a_w = tight_centre_distance(gears[0], gears[1])
+    flanks, origins, limits = [], [], []
+    for k, name in enumerate(NAMES):
+        section = sections[k]
+        gear, mate = gears[k], gears[1 - k]
+        with _Blame(path, name):
+            l_form = form_point(gear)[1]
+            made = _Making(
+                section=section,
+                gear=gear,
+                l_start=active_start(gear, mate, l_form=l_form),
+                l_form=l_form,
+            )
+            if section.inspection is not None:
+                shapes, origin, limit = (
+                    _inspected(made, section.inspection, path),
+                    "inspected",
+                    None,
+                )
+            elif section.grade is not None or section.limits is not None:
+                limit = stated_limits(section, gear, a=a_w)
+                shapes, origin = _drawn(made, limit, streams(seed)[k], NAMES[k]), "drawn"
+            else:
+                shapes, origin, limit = Deviations(), "ideal", None
+            flanks.append(draw_flanks(gear, shapes + _relief(section, gear), l_start=made.l_start, points=made.points))
+        origins.append(origin)
+        limits.append(limit)
+    eccentricities = [
+        (s.eccentricity.amplitude_um * UM, s.eccentricity.angle_deg * DEG) if s.eccentricity else (0.0, 0.0)
+        for s in sections
+    ]
+    with _Blame(path, "pair"):
+        pair = mount(
+            flanks[0],
+            flanks[1],
+            a=file.pair.centre_distance_mm,
+            eccentricity_1=eccentricities[0],
+            eccentricity_2=eccentricities[1],
+        )
+    return Assembled(pair=pair, origin=(origins[0], origins[1]), limits=(limits[0], limits[1]))
+
+
+class _Blame:
+    """Turns an error of geometry or limits into one that names the file and the section it came from."""
+
+    def __init__(self, path: Path | str, where: str) -> None:
+        self.path, self.where = path, where
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, GearpolyError) and not isinstance(error, InputFileError):
+            raise InputFileError(self.path, where=self.where, wish=str(error)) from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Making:
+    section: GearSection
+    gear: Gear
+    l_start: float
+    l_form: float
+
+    @property
+    def points(self) -> int:
+        if self.section.points_per_flank is not None:
+            return self.section.points_per_flank
+        return points_for(self.gear, l_form=self.l_form, chord_error=self.section.chord_error_um * UM)
+
+
+def stated_limits(section: GearSection, gear: Gear, *, a: float) -> Limits:
+    """Limits in mm of a graded gear: its ``[limits]`` over its grade's; ``a`` centre distance in mm for the default
+    backlash.
+
+    Raises ``OutOfRangeError`` where the gear lies outside the standard's range.
+    """
+    graded = (
+        tolerances(d=2.0 * gear.r, m=gear.m, b=gear.b, grade=section.grade, edition=section.grade_edition)
+        if section.grade is not None
+        else None
+    )
+    stated = {
+        key: None if value is None else value * UM
+        for key in LIMIT_KEYS
+        for value in [getattr(section.limits, f"{key}_um", None)]
+    }
+    thickness = default_thickness(a=a, m=gear.m, alpha=gear.alpha, F_pT=graded.F_pT) if graded is not None else None
+    return limits_for(gear, grade=graded, stated=stated, thickness=thickness)
+
+
+def _drawn(made: _Making, limits: Limits, rng: np.random.Generator, which: Literal["driving", "driven"]) -> Deviations:
+    """Deviations drawn within ``limits``."""
+    return draw_deviations(
+        made.gear,
+        limits,
+        rng=rng,
+        which=which,
+        profile_errors=made.section.profile_errors,
+        thickness_errors=made.section.thickness_errors,
+        roll_lengths=np.linspace(made.l_start, made.gear.l_a, made.points),
+    ).deviations
+
+
+def _per_tooth(value: float | tuple[float, ...] | None, z: int) -> FloatArray:
+    return read_only(np.broadcast_to(np.asarray(0.0 if value is None else value, dtype=float) * UM, (z,)))
+
+
+def _inspected(made: _Making, sheet: Inspection, path: Path | str) -> Deviations:
+    """Deviations as measured: pitch, thickness, slope and crowning from the sheet, whole traces in place of the last
+    two."""
+    gear, z = made.gear, made.gear.z
+    coast = sheet.pitch_coast_um
+    where = pitch_and_thickness(
+        gear,
+        index=_per_tooth(sheet.pitch_um, z),
+        E_s=_per_tooth(sheet.tooth_thickness_um, z),
+        index_coast=None if coast is None else _per_tooth(coast, z),
+    )
+    csv = profile_csv_path(path, made.section)
+    traces = read_traces(csv, z) if csv is not None else ()
+    sides: dict[str, tuple[Shape, ...]] = {}
+    for flank, slope, crowning in (
+        ("drive", sheet.profile_slope_um, sheet.profile_crowning_um),
+        (
+            "coast",
+            sheet.profile_slope_um if sheet.profile_slope_coast_um is None else sheet.profile_slope_coast_um,
+            sheet.profile_crowning_um if sheet.profile_crowning_coast_um is None else sheet.profile_crowning_coast_um,
+        ),
+    ):
+        mine = {trace.tooth: trace for trace in traces if trace.flank == flank}
+        # A whole trace holds slope and crowning already.
+        plain = np.array([tooth not in mine for tooth in range(z)], dtype=float)
+        empty = np.empty(0)
+        sides[flank] = (
+            Slope(_per_tooth(slope, z) * plain),
+            Crowning(_per_tooth(crowning, z) * plain),
+            Traces(
+                tuple(mine[k].roll_length if k in mine else empty for k in range(z)),
+                tuple(mine[k].deviation if k in mine else empty for k in range(z)),
+            ),
+        )
+    return where + Deviations(drive=sides["drive"], coast=sides["coast"])
+
+
+def _relief(section: GearSection, gear: Gear) -> Deviations:
+    """The tip relief that the design asks for."""
+    relief = section.tip_relief
+    if relief is None:
+        return Deviations()
+    shape: tuple[Shape, ...] = (
+        tip_relief(gear, amount=relief.amount_um * UM, length=relief.length_mm, shape=relief.shape),
+    )
+    return Deviations(
+        drive=shape if relief.flank != "coast" else (),
+        coast=shape if relief.flank != "drive" else (),
+    )

@@ -1,0 +1,53 @@
+"""Every error that gearpoly raises on purpose, under one root.
+
+A message names what was found and what would do. The command line prints it and exits 2; anything
+that is not a ``GearpolyError`` is a bug and exits 1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class GearpolyError(Exception):
+    """Root of all errors that a user can cure."""
+
+
+class OutOfRangeError(GearpolyError, ValueError):
+    """A quantity lies outside the range in which its formula or standard holds."""
+
+
+class GeometryError(GearpolyError, ValueError):
+    """Such a gear cannot be cut, or such a pair cannot be mounted."""
+
+
+class JammedError(GearpolyError):
+    """The teeth leave no backlash at some position, so the gears cannot turn."""
+
+
+class NotConvergedError(GearpolyError):
+    """A search ended without a certified answer; nothing uncertified leaves the kernel."""
+
+
+class NoGearPassesError(GearpolyError):
+    """No drawn gear stays within its limits, so the limits contradict one another."""
+
+
+class MissingExtraError(GearpolyError, ImportError):
+    """An optional package is not installed; the message says which extra brings it."""
+
+
+class InputFileError(GearpolyError, ValueError):
+    """A file breaks a rule of its format.
+
+    ``where`` is the key (``driving.teeth``) or the line (``line 12``); ``found`` is what stands there, ``wish`` what
+    would do. ``str()`` gives the one message that a user sees.
+    """
+
+    def __init__(self, file: Path | str, *, where: str = "", found: str = "", wish: str) -> None:
+        self.file = str(file)
+        self.where = where
+        self.found = found
+        self.wish = wish
+        place = f"{self.file}: {where}" if where else self.file
+        super().__init__(f"{place}: {found}; {wish}" if found else f"{place}: {wish}")

@@ -1,0 +1,69 @@
+"""Results on disk: written aside and renamed, so that a file is there whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from gearpoly.errors import InputFileError
+
+
+def check_target(target: Path) -> None:
+    """Raise ``InputFileError`` where ``target`` plainly cannot be written, before long work is done for it; ``-``
+    always can."""
+    if str(target) == "-":
+        return
+    if not target.parent.is_dir():
+        raise InputFileError(
+            target,
+            found=f"there is no folder {target.parent}",
+            wish="make it, or write somewhere else",
+        )
+    if target.is_dir():
+        raise InputFileError(target, found="this is a folder", wish="want the name of a file")
+
+
+@contextmanager
+def written_aside(target: Path) -> Iterator[Path]:
+    """A temporary path beside ``target`` that replaces it on success and vanishes on any error.
+
+    The temporary file keeps the target's ending, since writers choose their format by it. Raises ``InputFileError``
+    where the folder is missing or cannot be written to.
+    """
+    check_target(target)
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=".gearpoly-", suffix=target.suffix)
+    except OSError as error:
+        raise InputFileError(
+            target, found=error.strerror or str(error), wish="want a folder that can be written to"
+        ) from None
+    os.close(handle)
+    aside = Path(name)
+    try:
+        yield aside
+        # mkstemp makes private files; a result gets what the user's umask gives any new file.
+        umask = os.umask(0)
+        os.umask(umask)
+        aside.chmod(0o666 & ~umask)
+        aside.replace(target)
+    except OSError as error:
+        raise InputFileError(
+            target,
+            found=error.strerror or str(error),
+            wish="could not be written; check space and rights",
+        ) from None
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def write_text(target: Path | str, text: str) -> None:
+    """Write ``text`` to ``target``, or to standard output where that is ``-``."""
+    if str(target) == "-":
+        sys.stdout.write(text if text.endswith("\n") else text + "\n")
+        return
+    with written_aside(Path(target)) as aside:
+        aside.write_text(text, encoding="utf-8")

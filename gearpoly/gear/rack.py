@@ -1,0 +1,53 @@
+"""The basic rack with its rounded tip, after ISO 53: the tool that gives every gear its shape."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from gearpoly.errors import GeometryError
+from gearpoly.units import DEG
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rack:
+    """A standard basic rack tooth profile, in multiples of the module.
+
+    Profile A of ISO 53:1998, Table 2, is the default. ``alpha`` is the pressure angle in rad, ``h_aP`` the addendum
+    and ``h_fP`` the dedendum of the gear that the rack makes, ``rho_fP`` the radius of its root fillet, that is, of
+    the tip of the cutting rack (all dimensionless, times m).
+
+    Raises ``GeometryError`` where the tip round does not fit between the two flanks of the cutting tooth.
+    """
+
+    alpha: float = 20.0 * DEG
+    h_aP: float = 1.0
+    h_fP: float = 1.25
+    rho_fP: float = 0.38
+
+    def __post_init__(self) -> None:
+        if self.half_land < 0.0:
+            raise GeometryError(
+                f"the cutting rack's tip round root_radius = {self.rho_fP:g} does not fit its tooth; at this pressure angle "
+                f"and dedendum at most {self.rho_fP_max:.4f} would do"
+            )
+        if self.depth_round < -self.h_aP:
+            raise GeometryError(
+                f"root_radius = {self.rho_fP:g} is larger than the whole rack tooth; use at most {self.rho_fP_max:.4f}"
+            )
+
+    @property
+    def depth_round(self) -> float:
+        """Depth of the centre of the tip round below the datum line, h_fP - rho_fP, in modules."""
+        return self.h_fP - self.rho_fP
+
+    @property
+    def half_land(self) -> float:
+        """Half the width of the flat between the two tip rounds of the cutting tooth, in modules (0: full radius)."""
+        return math.pi / 4.0 - self.depth_round * math.tan(self.alpha) - self.rho_fP / math.cos(self.alpha)
+
+    @property
+    def rho_fP_max(self) -> float:
+        """The largest tip round that fits, in modules: full radius, ``half_land`` = 0 (derived here)."""
+        sine, tangent = math.sin(self.alpha), math.tan(self.alpha)
+        return (math.pi / 4.0 - self.h_fP * tangent) * math.cos(self.alpha) / (1.0 - sine)

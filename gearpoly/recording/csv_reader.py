@@ -1,0 +1,188 @@
+"""Recordings as CSV: comment lines with the condition, a header row, numbers.
+
+The numbers go through numpy's own parser. Only where that stops (an empty cell, a word, a short
+row) a slow pass in Python reads them again, which either understands them or names the line.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import tomllib
+from array import array
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import (
+    check_file,
+    check_header,
+    nearest,
+    not_utf8,
+    parse_number,
+    shorten,
+    split_row,
+    unreadable,
+)
+from gearpoly.recording.recording import (
+    COLUMNS,
+    KEYS,
+    Recording,
+    check_complete,
+    check_key,
+    recording_from_columns,
+)
+from gearpoly.units import FloatArray
+
+RECORDING_LIMIT_BYTES = 4 * 2**30
+"""Largest recording that is read: about 10^8 samples, whose arrays still fit an ordinary memory."""
+
+LINE_LIMIT = 2**20
+"""Longest line before the data, in characters; a file without line ends must not be taken in as one
+line.
+"""
+
+KEY_CUTOFF = 0.7
+"""Likeness (difflib, 0..1) from which a comment's key counts as one of ours misspelt, not as a
+remark.
+"""
+
+
+def read_csv(path: Path | str) -> Recording:
+    """Read one recording.
+
+    Empty cells and ``nan`` are drop-outs. Raises ``InputFileError`` with the line (from 1) and
+    column at fault.
+    """
+    file = Path(path)
+    check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
+    try:
+        with file.open("rb") as start:
+            if b"\0" in start.read(4096):
+                wish = "want a CSV file in UTF-8 (other formats need their own file name ending)"
+                raise InputFileError(file, found="not a text file", wish=wish)
+        with file.open(encoding="utf-8-sig") as stream:
+            keys, names, head_lines = _read_head(file, stream)
+            table = _read_numbers(file, names, head_lines, stream)
+    except UnicodeDecodeError:
+        raise not_utf8(file) from None
+    except OSError as error:
+        raise unreadable(file, error) from None
+    return recording_from_columns(file, {name: table[:, i] for i, name in enumerate(names)}, keys)
+
+
+def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:
+    """The stated keys, the column names and the number of lines up to the header, leaving
+    ``stream`` at the data.
+    """
+    keys: dict[str, object] = {}
+    number = 0
+    while line := stream.readline(LINE_LIMIT):
+        number += 1
+        where = f"line {number}"
+        if len(line) >= LINE_LIMIT:
+            raise InputFileError(
+                file,
+                where=where,
+                found=f"more than {LINE_LIMIT} characters",
+                wish="want a CSV file with lines",
+            )
+        if line.lstrip().startswith("#"):
+            _read_comment(file, where, line.strip()[1:].strip(), keys)
+        elif line.strip():
+            names = split_row(line)
+            check_header(file, where, names, COLUMNS)
+            check_complete(file, where, names)
+            return keys, names, number
+    found = "an empty file" if number == 0 else "no header row"
+    raise InputFileError(
+        file,
+        found=found,
+        wish="want a header row with driving_angle_deg, driven_angle_deg, then numbers",
+    )
+
+
+def _read_comment(file: Path, where: str, text: str, keys: dict[str, object]) -> None:
+    """Take ``key = value`` from a comment line into ``keys``; leave remarks alone."""
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals:
+        return
+    if key not in KEYS:
+        if close := nearest(key, KEYS, cutoff=KEY_CUTOFF):
+            wish = f'the nearest known key is "{close}" (known: {", ".join(KEYS)})'
+            raise InputFileError(file, where=where, found=f'unknown key "{shorten(key)}"', wish=wish)
+        return
+    if key in keys:
+        raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
+    try:
+        found = tomllib.loads(text)[key]
+    except (ValueError, RecursionError):  # TOMLDecodeError, or an integer with too many digits
+        wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
+        raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
+    check_key(file, where, key, found)
+    keys[key] = found
+
+
+def _read_numbers(file: Path, names: list[str], head_lines: int, stream: TextIO) -> FloatArray:
+    """The table (n, columns) under the header; ``nan`` where a cell is empty."""
+    start = next((line for line in stream if line.strip()), None)
+    if start is None:
+        raise InputFileError(
+            file,
+            where=f"line {head_lines}",
+            found="no rows under the header",
+            wish="want rows of numbers",
+        )
+    rows = itertools.chain([start], stream)
+    try:
+        table = np.loadtxt(rows, delimiter=",", comments=None, quotechar='"', ndmin=2, dtype=np.float64)
+    except UnicodeDecodeError:
+        raise
+    except ValueError:
+        table = None
+    if table is not None and table.shape[1] == len(names) and not np.isinf(table).any():
+        return np.asarray(table, dtype=np.float64)
+    with file.open(encoding="utf-8-sig") as again:
+        return _read_slowly(file, names, head_lines, again)
+
+
+def _read_slowly(file: Path, names: list[str], head_lines: int, stream: TextIO) -> FloatArray:
+    """The same table cell by cell, or the ``InputFileError`` that names the line."""
+    values = array("d")
+    for number, line in enumerate(stream, start=1):
+        if number <= head_lines or not line.strip():
+            continue
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        plain = "_" not in line and line.isascii()  # float() takes 1_000 and foreign digits too
+        if len(row) != len(names) or not plain or math.inf in row or -math.inf in row:
+            row = _read_row(file, names, number, line)
+        values.extend(row)
+    return np.frombuffer(values, dtype=np.float64).reshape(-1, len(names))
+
+
+def _read_row(file: Path, names: list[str], number: int, line: str) -> list[float]:
+    """One row with empty cells or quotes, or the ``InputFileError`` for what is wrong with it."""
+    where = f"line {number}"
+    # Only the last line can lack its end, and it does where a logger was stopped while it wrote.
+    cut = "" if line.endswith("\n") else "; the last line looks cut off, delete it"
+    if line.lstrip().startswith("#"):
+        wish = "want comment lines before the header row only"
+        raise InputFileError(file, where=where, found=f"the comment `{shorten(line.strip())}`", wish=wish)
+    cells = split_row(line)
+    if len(cells) != len(names):
+        comma = ", and decimal points, not commas" if len(cells) > len(names) else ""
+        wish = f"want {len(names)}, as in the header{comma}{cut}"
+        raise InputFileError(file, where=where, found=f"{len(cells)} cells", wish=wish)
+    row = []
+    for name, cell in zip(names, cells, strict=True):
+        value = parse_number(cell) if cell else math.nan
+        if value is None or math.isinf(value):
+            wish = f"want a finite number (an empty cell or nan for a drop-out){cut}"
+            raise InputFileError(file, where=f"{where}, column {name}", found=f'"{shorten(cell)}"', wish=wish)
+        row.append(value)
+    return row

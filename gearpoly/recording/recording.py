@@ -1,0 +1,178 @@
+"""What a rig recorded under one condition, as read: no alignment, no direction, no unwrapping yet.
+
+Every format carries the same columns and keys under the same names; :func:`recording_from_columns`
+is where their rules are kept, so a reader of another format only has to find them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
+
+Flank = Literal["drive", "coast"]
+
+TE_COLUMNS = ("te_um", "te_urad", "te_arcsec")
+ANGLE_COLUMNS = ("driving_angle_deg", "driven_angle_deg")
+COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+"""The columns that a recording may have, in any order."""
+
+KEYS = (
+    "torque_nm",
+    "speed_rpm",
+    "flank",
+    "driving_zero_deg",
+    "driven_zero_deg",
+    "driving_direction",
+    "driven_direction",
+)
+"""The keys that state the condition and the set-up of a recording."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recording:
+    """The samples of one recording and the condition under which it was made.
+
+    All arrays are (n,), float64 and read-only, and ``nan`` marks a drop-out. ``time_s`` in s.
+    ``driving_angle_rad`` and ``driven_angle_rad``: encoder readings in rad, wrapped or not,
+    increasing with the encoder's own count. Transmission error, where the rig computed it:
+    ``te_rad``, the angle on the driven side in rad, or ``te_mm``, the same times the driven base
+    radius in mm, since only the pair file knows that radius. ``torque_samples_nm`` in N.m and
+    ``speed_samples_rpm`` in rpm per sample.
+
+    ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
+    condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
+    to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
+    while the pair runs forward.
+
+    Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
+    """
+
+    source: Path
+    time_s: FloatArray | None = None
+    driving_angle_rad: FloatArray | None = None
+    driven_angle_rad: FloatArray | None = None
+    te_rad: FloatArray | None = None
+    te_mm: FloatArray | None = None
+    torque_samples_nm: FloatArray | None = None
+    speed_samples_rpm: FloatArray | None = None
+    torque_nm: float | None = None
+    speed_rpm: float | None = None
+    flank: Flank = "drive"
+    driving_zero_rad: float | None = None
+    driven_zero_rad: float | None = None
+    driving_direction: Literal[1, -1] = 1
+    driven_direction: Literal[1, -1] = 1
+
+    def __post_init__(self) -> None:
+        shapes = set()
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, field.name, read_only(value))
+                shapes.add(value.shape)
+        if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+            raise ValueError(f"the arrays of a recording share one length, not the shapes {sorted(shapes)}")
+        angles = (self.driving_angle_rad is not None) + (self.driven_angle_rad is not None)
+        errors = (self.te_rad is not None) + (self.te_mm is not None)
+        if errors > 1 or angles + errors < 2:
+            raise ValueError("a recording has both angles, or one transmission error and an angle")
+
+    @property
+    def size(self) -> int:
+        """Number of samples, drop-outs among them."""
+        held = (self.driving_angle_rad, self.driven_angle_rad)
+        return next(array.size for array in held if array is not None)
+
+
+def check_complete(file: Path, where: str, names: list[str]) -> None:
+    """Raise ``InputFileError`` unless the columns suffice: both angles, or one transmission error
+    and one angle.
+    """
+    te = [name for name in names if name in TE_COLUMNS]
+    if len(te) > 1:
+        found = f"{len(te)} columns of transmission error, {' and '.join(te)}"
+        raise InputFileError(file, where=where, found=found, wish="want at most one of them")
+    missing = [name for name in ANGLE_COLUMNS if name not in names]
+    if len(missing) > (1 if te else 0):
+        both, any_te = " and ".join(ANGLE_COLUMNS), ", ".join(TE_COLUMNS)
+        wish = f"want both {both}, or one of them and a column of {any_te}"
+        raise InputFileError(file, where=where, found=f"no column {' and no '.join(missing)}", wish=wish)
+
+
+def check_key(file: Path, where: str, key: str, value: object) -> None:
+    """Raise ``InputFileError`` unless the known key ``key`` may have ``value``, in the units of the
+    file.
+    """
+    number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    if key == "flank":
+        good, want = value in ("drive", "coast"), '"drive" or "coast"'
+    elif key.endswith("_direction"):
+        good, want = number in (1.0, -1.0), "1, or -1 where the encoder counts down"
+    elif key.endswith("_zero_deg"):
+        good, want = math.isfinite(number), "the reading in deg at angle zero, a finite number"
+    elif key == "torque_nm":
+        good, want = (
+            0.0 <= number < math.inf,
+            "a torque in N.m, 0 or more (the flank says which way it acts)",
+        )
+    else:
+        good, want = (
+            0.0 < number < math.inf,
+            "a speed in rpm, above 0 (leave it out where it is not known)",
+        )
+    if not good:
+        shown = f'"{value}"' if isinstance(value, str) else str(value)
+        raise InputFileError(file, where=where, found=f"{key} = {shown}", wish=f"want {want}")
+
+
+def recording_from_columns(file: Path, columns: Mapping[str, FloatArray], keys: Mapping[str, object]) -> Recording:
+    """The recording that a reader found under the contract's names and units.
+
+    ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants; ``keys``
+    holds values that passed :func:`check_key`. Raises ``InputFileError`` where a column holds no
+    number at all, or a torque that points backward.
+    """
+    for name, values in columns.items():
+        if np.isnan(values).all():
+            wish = "want numbers in it, or no such column"
+            raise InputFileError(file, where=f"column {name}", found="not one number", wish=wish)
+    torque = columns.get("torque_nm")
+    # The middle value, since noise may take single samples of an unloaded pair below zero.
+    if torque is not None and float(np.nanmedian(torque)) < 0.0:
+        found = f"a median of {float(np.nanmedian(torque)):g} N.m"
+        wish = "want a torque of 0 or more (the flank says which way it acts)"
+        raise InputFileError(file, where="column torque_nm", found=found, wish=wish)
+
+    def scaled(name: str, unit: float) -> FloatArray | None:
+        return columns[name] * unit if name in columns else None
+
+    def stated(key: str, unit: float = 1.0) -> float | None:
+        value = keys.get(key)
+        return float(value) * unit if isinstance(value, int | float) else None
+
+    te_unit = {"te_urad": URAD, "te_arcsec": ARCSEC}
+    return Recording(
+        source=file,
+        time_s=scaled("time_s", 1.0),
+        driving_angle_rad=scaled("driving_angle_deg", DEG),
+        driven_angle_rad=scaled("driven_angle_deg", DEG),
+        te_rad=next((scaled(name, unit) for name, unit in te_unit.items() if name in columns), None),
+        te_mm=scaled("te_um", UM),
+        torque_samples_nm=scaled("torque_nm", 1.0),
+        speed_samples_rpm=scaled("speed_rpm", 1.0),
+        torque_nm=stated("torque_nm"),
+        speed_rpm=stated("speed_rpm"),
+        flank="coast" if keys.get("flank") == "coast" else "drive",
+        driving_zero_rad=stated("driving_zero_deg", DEG),
+        driven_zero_rad=stated("driven_zero_deg", DEG),
+        driving_direction=-1 if stated("driving_direction") == -1.0 else 1,
+        driven_direction=-1 if stated("driven_direction") == -1.0 else 1,
+    )

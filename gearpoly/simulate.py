@@ -1,0 +1,225 @@
+"""The main job: one pair over its hunting cycle, or at a recording's own samples, and what an engineer reads off it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearpoly import __version__
+from gearpoly.assemble import Assembled
+from gearpoly.errors import OutOfRangeError
+from gearpoly.mesh.contact import Feature
+from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.transmission import (
+    Backlash,
+    FlankContacts,
+    Progress,
+    both_flanks,
+    mean_pairs,
+)
+from gearpoly.recording.recording import Recording
+from gearpoly.units import ARCMIN, DEG, UM, URAD, FloatArray
+
+POINTS_PER_MESH = 40
+"""Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
+
+CSV_HEADER = "driven_angle_deg,driving_angle_deg,te_urad,te_um,backlash_um,contact_pairs"
+
+
+def cycle_positions(
+    pair: GearPair, *, turns: float | None = None, points_per_mesh: int = POINTS_PER_MESH
+) -> FloatArray:
+    """Driven rotations (N,) in rad: ``turns`` of the driven gear (default: a whole hunting cycle) at
+    ``points_per_mesh`` a pitch."""
+    meshes = pair.meshes_per_cycle if turns is None else turns * pair.driven.gear.z
+    count = max(1, round(meshes * points_per_mesh))
+    return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
+
+
+def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArray, list[str]]:
+    """Driven rotations (N,) in rad at the samples of ``recording``, drop-outs left out, and remarks on what had to be
+    assumed.
+
+    From the driven encoder where there is one, else from the driving encoder and the recorded TE. Raises
+    ``OutOfRangeError`` where no sample is left.
+    """
+    remarks = []
+
+    def forward(angle: FloatArray, zero: float | None, direction: int, name: str) -> FloatArray:
+        if zero is None:
+            remarks.append(
+                f"{name}_zero_deg is not stated: taken as 0, so teeth are numbered from the encoder's own zero"
+            )
+        return direction * (np.unwrap(angle) - (zero or 0.0))
+
+    if recording.driven_angle_rad is not None:
+        keep = np.isfinite(recording.driven_angle_rad)
+        theta_2 = forward(
+            recording.driven_angle_rad[keep],
+            recording.driven_zero_rad,
+            recording.driven_direction,
+            "driven",
+        )
+    else:
+        assert recording.driving_angle_rad is not None  # a Recording has one of the two
+        te = recording.te_rad if recording.te_mm is None else recording.te_mm / pair.r_b2
+        assert te is not None  # and TE beside a single angle
+        keep = np.isfinite(recording.driving_angle_rad) & np.isfinite(te)
+        theta_1 = forward(
+            recording.driving_angle_rad[keep],
+            recording.driving_zero_rad,
+            recording.driving_direction,
+            "driving",
+        )
+        theta_2 = te[keep] + pair.ratio * theta_1
+    dropped = keep.size - theta_2.size
+    if dropped:
+        remarks.append(f"{dropped} drop-outs of {keep.size} samples are left out")
+    if theta_2.size == 0:
+        raise OutOfRangeError(f"{recording.source}: no sample is left, all are drop-outs")
+    return theta_2, remarks
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulation:
+    """Unloaded run of one pair: contacts of both flanks at the same driven rotations, seen on ``flank``.
+
+    ``contact_ratio`` is the mean number of touching pairs, None where the positions are not evenly spaced.
+    """
+
+    assembled: Assembled
+    flank: Flank
+    backlash: Backlash
+    contact_ratio: float | None
+    seed: int
+
+    @property
+    def pair(self) -> GearPair:
+        """The simulated pair."""
+        return self.assembled.pair
+
+    @property
+    def contacts(self) -> FlankContacts:
+        """Contacts of the flank asked for."""
+        return self.backlash.drive if self.flank == "drive" else self.backlash.coast
+
+    @property
+    def te_um(self) -> FloatArray:
+        """Transmission error (N,) along the line of action, um."""
+        return self.contacts.te * self.pair.r_b2 / UM
+
+    @property
+    def theta_1(self) -> FloatArray:
+        """Driving rotation (N,) in rad at which the flank touches, (theta_2 - TE) z_2/z_1."""
+        return (self.contacts.theta_2 - self.contacts.te) / self.pair.ratio
+
+    def table(self) -> FloatArray:
+        """The columns of ``CSV_HEADER`` as (N, 6)."""
+        found = self.contacts
+        return np.column_stack(
+            (
+                found.theta_2 / DEG,
+                self.theta_1 / DEG,
+                found.te / URAD,
+                self.te_um,
+                self.backlash.j_bn / UM,
+                found.pairs,
+            )
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Key figures in the units of the edge; angles of TE on the driven shaft, of lost motion on the driving
+        shaft."""
+        te, pair, found = self.contacts.te, self.pair, self.contacts
+        te_pp = float(np.ptp(te))
+        j_bn = self.backlash.j_bn
+        corners = found.touching & (found.feature != int(Feature.FLANK))
+        return {
+            "positions": int(te.size),
+            "te_pp_um": te_pp * pair.r_b2 / UM,
+            "te_pp_urad": te_pp / URAD,
+            "te_pp_arcmin": te_pp / ARCMIN,
+            "te_mean_um": float(np.mean(te)) * pair.r_b2 / UM,
+            "backlash_mean_um": float(np.mean(j_bn)) / UM,
+            "backlash_least_um": float(np.min(j_bn)) / UM,
+            "lost_motion_mean_arcmin": float(np.mean(j_bn)) / pair.r_b1 / ARCMIN,
+            "contact_ratio": self.contact_ratio,
+            "contact_ratio_theoretical": pair.eps_alpha,
+            "corner_contacts": int(np.count_nonzero(corners)),
+            "chord_noise_um": pair.chord_noise / UM,
+            "certified": int(self.backlash.drive.gap.size + self.backlash.coast.gap.size),
+            "repaired": self.backlash.drive.repaired + self.backlash.coast.repaired,
+        }
+
+
+def simulate(
+    assembled: Assembled,
+    theta_2: FloatArray,
+    *,
+    flank: Flank,
+    seed: int,
+    evenly: bool,
+    progress: Progress,
+) -> Simulation:
+    """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad; ``evenly`` spaced ones also give the
+    contact ratio.
+
+    Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do.
+    """
+    backlash = both_flanks(assembled.pair, theta_2, progress=progress)
+    found = backlash.drive if flank == "drive" else backlash.coast
+    return Simulation(
+        assembled=assembled,
+        flank=flank,
+        backlash=backlash,
+        contact_ratio=mean_pairs(assembled.pair, found) if evenly else None,
+        seed=seed,
+    )
+
+
+def csv_text(simulation: Simulation) -> str:
+    """The run as CSV: angles to 1e-9 deg, TE and backlash to 1e-6 um, which is finer than the chords allow."""
+    lines = [CSV_HEADER]
+    lines += [
+        f"{row[0]:.9f},{row[1]:.12f},{row[2]:.6f},{row[3]:.6f},{row[4]:.6f},{int(row[5])}"
+        for row in simulation.table().tolist()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, object]], remarks: list[str]) -> str:
+    """The run as JSON: summary, columns, and every near contact with tooth numbers, place, normal and what touches."""
+    found, pair = simulation.contacts, simulation.pair
+    table = simulation.table()
+    radius_2 = np.hypot(found.point[:, 0] - pair.a, found.point[:, 1])
+    document = {
+        "gearpoly": __version__,
+        "pair": name,
+        "flank": simulation.flank,
+        "seed": simulation.seed,
+        "gears": dict(zip(("driving", "driven"), simulation.assembled.origin, strict=True)),
+        "centre_distance_mm": pair.a,
+        "tight_centre_distance_mm": pair.a_w,
+        "working_pressure_angle_deg": pair.alpha_w / DEG,
+        "base_radius_mm": [pair.r_b1, pair.r_b2],
+        "defaults": dict(defaults),
+        "remarks": remarks,
+        "summary": simulation.summary(),
+        "columns": {key: table[:, k].tolist() for k, key in enumerate(CSV_HEADER.split(","))},
+        "contacts": {
+            "position": found.position.tolist(),
+            "driving_tooth": found.driving.tolist(),
+            "driven_tooth": found.driven.tolist(),
+            "touches": found.touching.tolist(),
+            "gap_um": (found.gap / UM).tolist(),
+            "point_mm": found.point.tolist(),
+            "normal": found.normal.tolist(),
+            "driving_radius_mm": np.hypot(found.point[:, 0], found.point[:, 1]).tolist(),
+            "driven_radius_mm": radius_2.tolist(),
+            "feature": [("flank", "driving_tip_corner", "driven_tip_corner")[k] for k in found.feature.tolist()],
+        },
+    }
+    return json.dumps(document, allow_nan=False)
