@@ -71,9 +71,10 @@ class Crowning:
 
 @dataclass(frozen=True)
 class Form:
-    """A smooth form deviation without slope: sum over k of a[:, k] cos((k + 2) pi u), ``a`` (z, K) in mm.
+    """A smooth form deviation: sum over k of a[:, k] cos((k + 2) pi u), ``a`` (z, K) in mm.
 
-    The half waves start at two, so that mean and slope stay with pitch and slope.
+    The half waves start at two and none has a mean. Odd ones have a slope (of -0.27 a at three half waves, by least
+    squares), which whoever draws them takes off the slope.
     """
 
     a: FloatArray
@@ -118,6 +119,12 @@ class Traces:
             if x.size:
                 out[k] = np.interp(rows[k], x, y)
         return out
+
+
+@dataclass(frozen=True)
+class Scatter(Traces):
+    """Point-wise scatter, too steep to be a flank of its own: each drawn point is set off by the deviation at its own
+    place (its string length L, not the l below it), so that a rough flank never folds over itself."""
 
 
 @dataclass(frozen=True, kw_only=True)

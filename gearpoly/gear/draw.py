@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import NoGearPassesError, OutOfRangeError
-from gearpoly.gear.deviations import Deviations, Form, Shape, Slope, Traces, pitch_and_thickness
+from gearpoly.gear.deviations import Deviations, Form, Scatter, Shape, Slope, pitch_and_thickness
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.tolerances import Limits
 from gearpoly.units import UM, FloatArray, IntArray, read_only
@@ -426,5 +426,5 @@ def _scatter(gear: Gear, limits: Limits, rng: np.random.Generator, l: FloatArray
     d = np.stack([tooth.uniform(-half, half, (2, l.size)) for tooth in rng.spawn(gear.z)], axis=1)
     slope, form, _total = profile_deviations((l - l[0]) / (l[-1] - l[0]), d)
     grid = (read_only(l),) * gear.z
-    drive, coast = (Traces(grid, tuple(read_only(row) for row in side)) for side in d)
+    drive, coast = (Scatter(grid, tuple(read_only(row) for row in side)) for side in d)
     return slope, form, (drive,), (coast,)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from gearpoly.errors import GeometryError, NotConvergedError
-from gearpoly.gear.deviations import Deviations, Shape, Span, total
+from gearpoly.gear.deviations import Deviations, Scatter, Shape, Span, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.root import Root, draw_root
 from gearpoly.units import UM, FloatArray, read_only
@@ -119,12 +119,16 @@ def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, sp
 
     The search contracts by |d'|, a few um per mm; a deviation steeper than its own base tangent has no such flank.
     """
-    l = np.broadcast_to(L, (gear.z, L.size))
+    rough = tuple(shape for shape in shapes if isinstance(shape, Scatter))
+    smooth = tuple(shape for shape in shapes if not isinstance(shape, Scatter))
+    target = L - total(rough, np.broadcast_to(L, (gear.z, L.size)), z=gear.z, span=span)
+    l = target
     for _ in range(200):
-        change = L - total(shapes, l, z=gear.z, span=span) - l
+        change = target - total(smooth, l, z=gear.z, span=span) - l
         l = l + change
         if np.max(np.abs(change)) <= SOLVE_TOLERANCE * max(1.0, gear.l_a):
-            return gear.psi_b - l / gear.r_b + np.arctan(L / gear.r_b)
+            angles: FloatArray = gear.psi_b - l / gear.r_b + np.arctan(L / gear.r_b)
+            return angles
     raise NotConvergedError(
         "a profile deviation is so steep that the flank folds over; check its size (um) against its length (mm)"
     )

@@ -141,7 +141,8 @@ class Gear:
         r_y = self.r + self.x * self.m
         alpha_y = math.acos(min(1.0, self.r_b / r_y))
         k = self.z / math.pi * (math.tan(alpha_y) - 2.0 * self.x * math.tan(self.alpha) / self.z - inv(self.alpha))
-        return max(2, min(self.z - 1, round(k + 0.5)))
+        # Halves go up, as in the handbooks' tables (3 teeth for z = 18); 1e-9 keeps them from falling in binary.
+        return max(2, min(self.z - 1, math.floor(k + 1.0 + 1e-9)))
 
     @property
     def W_k(self) -> float:

@@ -44,7 +44,9 @@ class Rack:
     @property
     def half_land(self) -> float:
         """Half the width of the flat between the two tip rounds of the cutting tooth, in modules (0: full radius)."""
-        return math.pi / 4.0 - self.depth_round * math.tan(self.alpha) - self.rho_fP / math.cos(self.alpha)
+        width = math.pi / 4.0 - self.depth_round * math.tan(self.alpha) - self.rho_fP / math.cos(self.alpha)
+        # A full radius leaves 0 up to rounding of 1e-16; no tool is made to 1e-12 of its module.
+        return 0.0 if abs(width) < 1e-12 else width
 
     @property
     def rho_fP_max(self) -> float:

@@ -23,6 +23,10 @@ FILLET_CHORD_ERROR = 0.05 * UM
 promised to. Smaller costs points on every flank that contact never uses; larger breaks that promise."""
 
 
+HIDDEN = 1e-14
+"""rad. Undercut so slight (below 3e-5 of the base radius) that rounding of angles hides where trochoid and involute cross."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Root:
     """One side of a tooth root, from the middle of the tooth space up to the true form circle.
@@ -90,7 +94,10 @@ def form_point(gear: Gear) -> tuple[float, float, bool]:
             return float(fillet_point(gear, np.array(gamma))[0]) - gear.r_b
 
         low = float(brentq(above_base, 0.0, gamma_end)) if above_base(gamma_end) > 0.0 else gamma_end
-        if stands_off(low) > 0.0 or stands_off(gamma_end) < 0.0:
+        if stands_off(gamma_end) <= HIDDEN:
+            # They still meet where the rack's straight flank ends.
+            return gamma_end, -l_tangent, True
+        if stands_off(low) > 0.0:
             raise GeometryError(
                 f"z = {gear.z}, x = {gear.x:g}: the root fillet and the involute do not meet; such a gear cannot be cut"
             )
@@ -127,9 +134,8 @@ def draw_root(gear: Gear, *, chord_error: float = FILLET_CHORD_ERROR) -> Root:
         raise GeometryError(
             f"z = {gear.z}, x = {gear.x:g}: undercut leaves no tooth at its waist; such a gear cannot be cut"
         )
-    land = 0.5 * gear.tau - float(psi[0])
-    if land < 0.0:
-        raise GeometryError(f"z = {gear.z}, x = {gear.x:g}: neighbouring fillets overlap; use a smaller root_radius")
+    land = gear.rack.half_land * gear.m / gear.r
+    psi[0] = 0.5 * gear.tau - land
     n_land = max(1, math.ceil(land / math.sqrt(8.0 * chord_error / gear.r_f)))
     angle = np.linspace(0.5 * gear.tau, float(psi[0]), n_land + 1)[:-1] if land > 0.0 else np.empty(0)
     radius = np.concatenate((np.full(angle.size, gear.r_f), radius))

@@ -86,7 +86,7 @@ class Mounted:
         pitch point."""
         gear = self.gear
         half = gear.psi(gear.r_b / math.cos(self.alpha_w))
-        return self.origin + self.sign * gear.tau * np.arange(gear.z) - half
+        return read_only(self.origin + self.sign * gear.tau * np.arange(gear.z) - half)
 
     @cached_property
     def centre(self) -> FloatArray:
