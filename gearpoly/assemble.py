@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import GearpolyError, InputFileError
-from gearpoly.files.pairfile import GearSection, Inspection, PairFile, profile_csv_path
+from gearpoly.files.models import GearSection, Inspection, PairFile
+from gearpoly.files.pairfile import profile_csv_path
 from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
@@ -30,20 +31,25 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.rack import Rack
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
+from gearpoly.mesh.deflection import Elasticity
+from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
-from gearpoly.units import DEG, UM, FloatArray, read_only
+from gearpoly.units import DEG, GPA, UM, FloatArray, read_only
 
 NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Assembled:
-    """A pair made from a file: ``pair`` itself, and how each gear came by its deviations ("ideal", "inspected" or
-    "drawn")."""
+    """A pair made from a file: ``pair`` itself, how each gear came by its deviations ("ideal", "inspected" or
+    "drawn"), and what bends: None where teeth stay rigid.
+    """
 
     pair: GearPair
     origin: tuple[str, str]
     limits: tuple[Limits | None, Limits | None]
+    elasticity: Elasticity | None
+    sharing: Sharing
 
 
 def nominal_gear(section: GearSection) -> Gear:
@@ -115,7 +121,19 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
             eccentricity_1=eccentricities[0],
             eccentricity_2=eccentricities[1],
         )
-    return Assembled(pair=pair, origin=(origins[0], origins[1]), limits=(limits[0], limits[1]))
+    bends = Elasticity(
+        E=file.material.youngs_modulus_gpa * GPA,
+        nu=file.material.poisson_ratio,
+        law=file.model.compliance,
+        contact=file.model.contact,
+    )
+    return Assembled(
+        pair=pair,
+        origin=(origins[0], origins[1]),
+        limits=(limits[0], limits[1]),
+        elasticity=bends if file.model.tooth_deflection else None,
+        sharing=file.model.load_sharing,
+    )
 
 
 class _Blame:

@@ -75,6 +75,7 @@ def simulate(
     from gearpoly.files.output import check_target, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
+    from gearpoly.units import NM
 
     outputs = [target for target in (csv, json, plot) if target is not None]
     if sum(str(target) == "-" for target in outputs) > 1:
@@ -88,6 +89,7 @@ def simulate(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     remarks: list[str] = []
+    torque = file.pair.torque_nm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:
@@ -97,6 +99,7 @@ def simulate(
         recording = read_csv(at)
         theta_2, remarks = run.recording_positions(assembled.pair, recording)
         side = recording.flank if flank is None else side
+        torque = run.recorded_torque(recording, default=torque)
     else:
         theta_2 = run.cycle_positions(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or run.POINTS_PER_MESH
@@ -107,11 +110,13 @@ def simulate(
         simulation = run.simulate(
             assembled,
             theta_2,
+            torque=torque * NM,
             flank="coast" if side == "coast" else "drive",
             seed=seed,
             evenly=at is None,
             progress=progress,
         )
+    remarks += run.strength_remarks(simulation)
     defaults = effective_defaults(file)
     if csv is not None:
         write_text(csv, run.csv_text(simulation))

@@ -12,8 +12,11 @@ from gearpoly import __version__
 from gearpoly.assemble import Assembled
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.contact import Feature
+from gearpoly.mesh.deflection import pair_compliance
+from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.transmission import (
+    NEAR,
     Backlash,
     FlankContacts,
     Progress,
@@ -21,7 +24,7 @@ from gearpoly.mesh.transmission import (
     mean_pairs,
 )
 from gearpoly.recording.recording import Recording
-from gearpoly.units import ARCMIN, DEG, UM, URAD, FloatArray
+from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, FloatArray, IntArray
 
 POINTS_PER_MESH = 40
 """Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
@@ -83,9 +86,19 @@ def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArra
     return theta_2, remarks
 
 
+def recorded_torque(recording: Recording, *, default: float) -> float:
+    """Torque in N.m of a recording: as stated, else the mean of its torque column, else ``default``."""
+    if recording.torque_nm is not None:
+        return recording.torque_nm
+    if recording.torque_samples_nm is not None:
+        return max(0.0, float(np.nanmean(recording.torque_samples_nm)))
+    return default
+
+
 @dataclass(frozen=True, kw_only=True)
 class Simulation:
-    """Unloaded run of one pair: contacts of both flanks at the same driven rotations, seen on ``flank``.
+    """One run of one pair: contacts of both flanks at the same driven rotations, seen on ``flank``, and its ``load``
+    if any.
 
     ``contact_ratio`` is the mean number of touching pairs, None where the positions are not evenly spaced.
     """
@@ -93,6 +106,7 @@ class Simulation:
     assembled: Assembled
     flank: Flank
     backlash: Backlash
+    load: LoadedContacts | None
     contact_ratio: float | None
     seed: int
 
@@ -107,33 +121,42 @@ class Simulation:
         return self.backlash.drive if self.flank == "drive" else self.backlash.coast
 
     @property
+    def te(self) -> FloatArray:
+        """Transmission error (N,) in rad, loaded where there is load."""
+        return self.contacts.te if self.load is None else self.load.te
+
+    @property
+    def pairs(self) -> IntArray:
+        """Number of touching pairs (N,), of carrying ones where there is load."""
+        return self.contacts.pairs if self.load is None else self.load.pairs
+
+    @property
     def te_um(self) -> FloatArray:
         """Transmission error (N,) along the line of action, um."""
-        return self.contacts.te * self.pair.r_b2 / UM
+        return self.te * self.pair.r_b2 / UM
 
     @property
     def theta_1(self) -> FloatArray:
         """Driving rotation (N,) in rad at which the flank touches, (theta_2 - TE) z_2/z_1."""
-        return (self.contacts.theta_2 - self.contacts.te) / self.pair.ratio
+        return (self.contacts.theta_2 - self.te) / self.pair.ratio
 
     def table(self) -> FloatArray:
         """The columns of ``CSV_HEADER`` as (N, 6)."""
-        found = self.contacts
         return np.column_stack(
             (
-                found.theta_2 / DEG,
+                self.contacts.theta_2 / DEG,
                 self.theta_1 / DEG,
-                found.te / URAD,
+                self.te / URAD,
                 self.te_um,
                 self.backlash.j_bn / UM,
-                found.pairs,
+                self.pairs,
             )
         )
 
     def summary(self) -> dict[str, Any]:
         """Key figures in the units of the edge; angles of TE on the driven shaft, of lost motion on the driving
         shaft."""
-        te, pair, found = self.contacts.te, self.pair, self.contacts
+        te, pair, found = self.te, self.pair, self.contacts
         te_pp = float(np.ptp(te))
         j_bn = self.backlash.j_bn
         corners = found.touching & (found.feature != int(Feature.FLANK))
@@ -152,6 +175,20 @@ class Simulation:
             "chord_noise_um": pair.chord_noise / UM,
             "certified": int(self.backlash.drive.gap.size + self.backlash.coast.gap.size),
             "repaired": self.backlash.drive.repaired + self.backlash.coast.repaired,
+        } | self._load_summary()
+
+    def _load_summary(self) -> dict[str, Any]:
+        load = self.load
+        if load is None:
+            return {"torque_nm": 0.0}
+        b = self.pair.common_face_width
+        return {
+            "torque_nm": load.torque / NM,
+            "mesh_stiffness_mean_n_per_um": float(np.mean(load.stiffness)) * UM,
+            "mesh_stiffness_per_width_n_per_mm_um": float(np.mean(load.stiffness)) * UM / b,
+            "deflection_mean_um": float(np.mean(load.approach)) / UM,
+            "share_largest": float(np.max(load.share)),
+            "force_largest_n": float(np.max(load.force)),
         }
 
 
@@ -159,25 +196,58 @@ def simulate(
     assembled: Assembled,
     theta_2: FloatArray,
     *,
+    torque: float,
     flank: Flank,
     seed: int,
     evenly: bool,
     progress: Progress,
 ) -> Simulation:
-    """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad; ``evenly`` spaced ones also give the
-    contact ratio.
+    """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
+    shaft).
 
-    Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do.
+    Evenly spaced positions (``evenly``) also give the contact ratio. Teeth stay rigid where the pair's file says so.
+    Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do, ``OutOfRangeError`` for a
+    load beyond small deflections.
     """
-    backlash = both_flanks(assembled.pair, theta_2, progress=progress)
+    pair, bends = assembled.pair, assembled.elasticity
+    loaded_teeth = bends is not None and torque > 0.0
+    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None and loaded_teeth else None
+    near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
+    backlash = both_flanks(pair, theta_2, near=near, progress=progress)
     found = backlash.drive if flank == "drive" else backlash.coast
-    return Simulation(
-        assembled=assembled,
-        flank=flank,
-        backlash=backlash,
-        contact_ratio=mean_pairs(assembled.pair, found) if evenly else None,
-        seed=seed,
+    load = None if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing)
+    ratio = None
+    if evenly:
+        ratio = mean_pairs(pair, found) if load is None else load.mean_pairs
+    return Simulation(assembled=assembled, flank=flank, backlash=backlash, load=load, contact_ratio=ratio, seed=seed)
+
+
+YIELD = 700.0
+"""MPa. Nominal stress in the tooth root above which most heat-treated gear steels would yield; only a remark hangs on
+it."""
+
+
+def strength_remarks(simulation: Simulation) -> list[str]:
+    """A warning where the nominal bending stress at a tooth root says that the torque would make teeth yield.
+
+    Stress of a beam, 6 F h / (b s^2), for the largest force at the tip and the thinnest root section (Lewis 1892), no
+    factors.
+    """
+    load = simulation.load
+    if load is None:
+        return []
+    force, pair = float(np.max(load.force)), simulation.pair
+    worst, gear = max(
+        (6.0 * force * height / (pair.common_face_width * thickness**2), name)
+        for name, mounted in (("driving", pair.driving), ("driven", pair.driven))
+        for height, thickness in [mounted.flanks.root_section()]
     )
+    if worst <= YIELD:
+        return []
+    return [
+        f"the nominal bending stress in the {gear} gear's tooth root is {worst:.0f} MPa, above {YIELD:.0f} MPa: teeth of most "
+        "steels would yield under this torque; lower torque_nm or widen the faces"
+    ]
 
 
 def csv_text(simulation: Simulation) -> str:
@@ -192,7 +262,7 @@ def csv_text(simulation: Simulation) -> str:
 
 def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, object]], remarks: list[str]) -> str:
     """The run as JSON: summary, columns, and every near contact with tooth numbers, place, normal and what touches."""
-    found, pair = simulation.contacts, simulation.pair
+    found, pair, load = simulation.contacts, simulation.pair, simulation.load
     table = simulation.table()
     radius_2 = np.hypot(found.point[:, 0] - pair.a, found.point[:, 1])
     document = {
@@ -208,7 +278,8 @@ def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, ob
         "defaults": dict(defaults),
         "remarks": remarks,
         "summary": simulation.summary(),
-        "columns": {key: table[:, k].tolist() for k, key in enumerate(CSV_HEADER.split(","))},
+        "columns": {key: table[:, k].tolist() for k, key in enumerate(CSV_HEADER.split(","))}
+        | ({} if load is None else {"mesh_stiffness_n_per_um": (load.stiffness * UM).tolist()}),
         "contacts": {
             "position": found.position.tolist(),
             "driving_tooth": found.driving.tolist(),
@@ -219,6 +290,7 @@ def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, ob
             "normal": found.normal.tolist(),
             "driving_radius_mm": np.hypot(found.point[:, 0], found.point[:, 1]).tolist(),
             "driven_radius_mm": radius_2.tolist(),
+            **({} if load is None else {"force_n": load.force.tolist(), "share": load.share.tolist()}),
             "feature": [("flank", "driving_tip_corner", "driven_tip_corner")[k] for k in found.feature.tolist()],
         },
     }

@@ -11,20 +11,12 @@ import pytest
 from scipy.stats import ks_2samp, kstest
 
 from gearpoly.errors import NoGearPassesError, OutOfRangeError
+from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.deviations import Span, total
-from gearpoly.gear.draw import (
-    Drawn,
-    Which,
-    base_tangent_deviations,
-    closed_chain,
-    cumulative_pitch,
-    draw_deviations,
-    profile_deviations,
-    single_pitch,
-    streams,
-)
+from gearpoly.gear.draw import Drawn, draw_deviations, streams
 from gearpoly.gear.flank import Flanks, draw_flanks
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.metrology import Which, base_tangent_deviations, cumulative_pitch, profile_deviations, single_pitch
 from gearpoly.gear.polygon import rotate
 from gearpoly.gear.tolerances import Limits, default_thickness, limits_for, tolerances
 from gearpoly.units import FloatArray

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearpoly.errors import InputFileError
+from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import (
-    PairFile,
     dump_pair,
     effective_defaults,
     moved,

@@ -18,21 +18,25 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import NoGearPassesError, OutOfRangeError
+from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.deviations import Deviations, Form, Scatter, Shape, Slope, pitch_and_thickness
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.metrology import (
+    Which,
+    base_tangent_deviations,
+    cumulative_pitch,
+    profile_deviations,
+    single_pitch,
+    spans,
+)
 from gearpoly.gear.tolerances import Limits
 from gearpoly.units import UM, FloatArray, IntArray, read_only
-
-Which = Literal["driving", "driven"]
 
 MAX_GEARS = 400
 """Gears drawn before the limits count as contradicting one another. Smaller refuses limits that a
 few gears in a hundred keep; larger makes the refusal wait (0.1 s a gear at 200 teeth)."""
 MAX_FLANKS = 1000
 """Profiles drawn for one flank before its profile limits count as contradicting one another."""
-MAX_CHAINS = 200_000
-"""Proposals for one chain of index deviations. The worst accepted rate in use is about 1 in
-1000."""
 SLACK = 1e-12
 """mm. Rounding in sums of a thousand deviations; no measurement resolves it. 0 refuses gears that
 lie on their limit."""
@@ -48,169 +52,6 @@ def streams(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
     on the other's use."""
     driving, driven = (np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(i,))) for i in range(2))
     return driving, driven
-
-
-# Metrology: what an inspector would find. These know nothing of how the numbers were drawn.
-
-
-def single_pitch(index: FloatArray, *, alpha: float) -> FloatArray:
-    """Single pitch deviations f_p (z,) in mm of one side, arcs on the reference circle, tooth n to
-    n + 1 and the last to 0.
-
-    ``index`` (z,) normal index deviations in mm; an arc is its normal part / cos(alpha)
-    (ISO 1328-1:2013, clause 3).
-    """
-    f_p: FloatArray = (np.roll(index, -1) - index) / math.cos(alpha)
-    return f_p
-
-
-def cumulative_pitch(index: FloatArray, *, alpha: float) -> float:
-    """Total cumulative pitch deviation F_p in mm, the range of all index deviations as arcs (ISO
-    1328-1:2013, clause 3)."""
-    return float(np.ptp(index)) / math.cos(alpha)
-
-
-def spans(gear: Gear, which: Which) -> tuple[IntArray, IntArray]:
-    """Drive flank and coast flank (tooth numbers, each (z,)) between which the base tangent over k
-    teeth is measured.
-
-    The drive side is the counter-clockwise one on both gears, but the driving gear's teeth are
-    numbered clockwise.
-    """
-    first = np.arange(gear.z)
-    last = (first + gear.k_span - 1) % gear.z
-    return (first, last) if which == "driving" else (last, first)
-
-
-def base_tangent_deviations(gear: Gear, *, index: FloatArray, index_coast: FloatArray, which: Which) -> FloatArray:
-    """Deviations (z,) in mm of the base tangent length W_k at every place round the gear.
-
-    Both flanks are met along their normals, so their normal deviations ``index`` and
-    ``index_coast`` (z,) in mm add up (derived here).
-    """
-    drive, coast = spans(gear, which)
-    return index[drive] + index_coast[coast]
-
-
-def profile_deviations(u: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slope, form and total profile deviation (...) in mm of traces ``d`` (..., n) at places ``u``
-    (n,) of the profile.
-
-    Least-squares mean line over the active profile: its rise from 0 to 1, the range about it, and
-    the range of all (ISO 1328-1:2013, clause 4).
-    """
-    # Trapezoids: points at any spacing, and none of the ends' double weight.
-    share = np.concatenate(([0.0], np.diff(u))) + np.concatenate((np.diff(u), [0.0]))
-    centred = u - np.sum(share * u) / np.sum(share)
-    slope = d @ (share * centred) / np.sum(share * centred**2)
-    rest = d - slope[..., None] * centred
-    return slope, np.ptp(rest, axis=-1), np.ptp(d, axis=-1)
-
-
-# Pitch: closed chains of index deviations.
-
-
-def closed_chain(z: int, *, f: float, F: float, rng: np.random.Generator) -> FloatArray:
-    """Index deviations (z,) in mm of one side, the first 0: uniform among all that keep both pitch
-    limits and close.
-
-    Steps are at most ``f`` (mm), also from the last tooth to the first, and the range is at most
-    ``F`` (mm): independent uniform steps, given that they close and keep F. Loose limits are met by
-    drawing again. Tight ones, which chance meets once in millions, by forward filtering and
-    backward sampling in cells, with the place within each cell drawn last; what then breaks a limit
-    is drawn again, so the cells leave no trace in the distribution (derived here).
-    """
-    f = min(f, F)
-    if f <= 0.0:
-        return np.zeros(z)
-    # A closed chain ranges over 1.25 of this root on average; below it fewer than 1 in 50 fit.
-    if min(f * math.sqrt(z / 3.0), f * (z // 2)) <= F:
-        return _chain_by_rejection(z, f, F, rng)
-    return _chain_in_corridor(z, f, F, rng)
-
-
-def _chain_by_rejection(z: int, f: float, F: float, rng: np.random.Generator) -> FloatArray:
-    rows = max(1, 20_000 // z)
-    for _ in range(1 + MAX_CHAINS // rows):
-        chains = np.zeros((rows, z))
-        np.cumsum(rng.uniform(-f, f, (rows, z - 1)), axis=1, out=chains[:, 1:])
-        good = (np.abs(chains[:, -1]) <= f) & (np.ptp(chains, axis=1) <= F)
-        if np.any(good):
-            first: FloatArray = chains[int(np.argmax(good))].copy()
-            return first
-    raise NoGearPassesError(_chain_message(z, f, F))
-
-
-def _chain_message(z: int, f: float, F: float) -> str:
-    return (
-        f"no chain of {z} index deviations within f_pT = {f / UM:.3g} um and F_pT = {F / UM:.3g} "
-        f"um was found; "
-        f"a larger F_pT (or a smaller f_pT) would do"
-    )
-
-
-def _chain_in_corridor(z: int, f: float, F: float, rng: np.random.Generator) -> FloatArray:
-    """The same distribution as by rejection, for tight F: a corridor a little wider than F, of
-    cells of width f/K."""
-    # The number of chains grows as exp(range / gap) near F; one gap wider accepts most.
-    gap = min(0.5 * F, 3.0 * F**3 / (z * math.pi**2 * f**2))
-    # K cells a step lose exp(-z/2K) of all draws; 8e6 cells in all (64 MB) bound the memory.
-    K = math.ceil(min(max(z, 64), 8e6 * f / (z * F)))
-    h = f / K
-    N = math.ceil((F + gap) / h)
-    slack = N * h - F
-    centre = _forward(z, N, K, N // 2)[1]
-    for _ in range(MAX_CHAINS):
-        start = int(rng.integers(N))
-        # Chains that start at the centre are the most: the count is log-concave and even.
-        messages, ways = _forward(z, N, K, start)
-        if rng.random() > math.exp(min(0.0, ways - centre)):
-            continue
-        cells = _backward(messages, K, start, rng)
-        chain = (cells + rng.random(z)) * h
-        # A chain wider than F goes; the others fit the corridor in (N h - range) places.
-        if np.max(np.abs(np.roll(chain, -1) - chain)) > f or np.ptp(chain) > F:
-            continue
-        if rng.random() * (N * h - float(np.ptp(chain))) <= slack:
-            index: FloatArray = chain - chain[0]
-            return index
-    raise NoGearPassesError(_chain_message(z, f, F))
-
-
-def _forward(z: int, N: int, K: int, start: int) -> tuple[FloatArray, float]:
-    """Weights (z, N) of reaching each cell from ``start`` by steps of at most K cells, each row of
-    sum 1; and the log of the number of closed chains."""
-    messages = np.zeros((z, N))
-    messages[0, start] = 1.0
-    low = np.maximum(np.arange(N) - K, 0)
-    high = np.minimum(np.arange(N) + K + 1, N)
-    total = np.zeros(N + 1)
-    ways = 0.0
-    for t in range(1, z):
-        np.cumsum(messages[t - 1], out=total[1:])
-        row = total[high] - total[low]
-        size = float(np.sum(row))
-        messages[t] = row / size
-        ways += math.log(size)
-    return messages, ways + math.log(float(np.sum(messages[-1, low[start] : high[start]])))
-
-
-def _backward(messages: FloatArray, K: int, start: int, rng: np.random.Generator) -> IntArray:
-    """One closed chain of cells (z,) drawn from the last to the first by its ``messages``."""
-    z, N = (int(size) for size in messages.shape)
-    cells = np.empty(z, dtype=np.int64)
-    cells[0] = at = start
-    pick = rng.random(z)
-    for t in range(z - 1, 0, -1):
-        low = max(at - K, 0)
-        weights = np.cumsum(messages[t, low : min(at + K + 1, N)])
-        mark = pick[t] * weights[-1]
-        at = low + int(np.searchsorted(weights, mark, side="right"))
-        cells[t] = at
-    return cells
-
-
-# The finished gear.
 
 
 @dataclass(frozen=True, kw_only=True)

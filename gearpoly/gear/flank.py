@@ -57,6 +57,14 @@ class Flanks:
         """Coast flanks as points (z, n, 2) in mm in each tooth's frame."""
         return _points(self.r, -self.psi_coast)
 
+    def root_section(self) -> tuple[float, float]:
+        """Height in mm from the root circle to the tip, and the least tooth thickness in mm there and above it in the
+        fillet."""
+        fillet = slice(0, self.root.n)
+        half = 0.5 * (self.psi_drive[:, fillet] + self.psi_coast[:, fillet])
+        thickness = 2.0 * self.r[fillet] * np.sin(np.minimum(half, 0.5 * np.pi))
+        return self.gear.r_a - self.gear.r_f, float(np.min(thickness))
+
 
 def _points(r: FloatArray, angle: FloatArray) -> FloatArray:
     return read_only(np.stack((r * np.cos(angle), r * np.sin(angle)), axis=-1))

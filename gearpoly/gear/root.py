@@ -24,7 +24,8 @@ promised to. Smaller costs points on every flank that contact never uses; larger
 
 
 HIDDEN = 1e-14
-"""rad. Undercut so slight (below 3e-5 of the base radius) that rounding of angles hides where trochoid and involute cross."""
+"""rad. Undercut so slight (below 3e-5 of the base radius) that rounding of angles hides where trochoid and involute
+cross."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,6 @@ solved again where that fails (``certificate``). Nothing uncertified leaves the 
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -29,20 +28,14 @@ from gearpoly.mesh.bodies import (
     lines,
 )
 from gearpoly.mesh.certificate import CERTIFIED, certify
+from gearpoly.mesh.features import Feature as Feature  # part of what Closings says
+from gearpoly.mesh.features import describe
 from gearpoly.mesh.impact import BACK_OFF, coarse, refine
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 CHUNK = 384
 """Poses worked at once; keeps each chunk's whole faces (poses x pairs x 2000 points x 16 bytes) near the processor's
 cache."""
-
-
-class Feature(enum.IntEnum):
-    """What of the two bodies touches."""
-
-    FLANK = 0
-    TURNING_CORNER = 1
-    FIXED_CORNER = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,28 +130,19 @@ def _describe(m: Meeting, jobs: Jobs, repaired: BoolArray, *, start: int, positi
     ends = complex_points(shapely.get_coordinates(shapely.shortest_line(lines(mine), lines(mates))).reshape(-1, 2, 2))
     places = [_place(line, end) for line, end in ((mine, ends[:, 0]), (mates, ends[:, 1]))]
     frame = jobs.back * np.exp(-1j * before)
-    slopes = [
-        _tangent(m.turning, jobs.turning, at[0][:, 0] + places[0]),
-        _tangent(m.fixed, jobs.fixed, at[1][:, 0] + places[1]) * jobs.turn * frame,
-    ]
     # Polylines touch with a vertex of one on an edge of the other: the vertex is the one nearer to its witness end.
     to_vertex = [
         np.abs(line[rows, np.rint(place).astype(np.int64)] - end)
         for line, place, end in ((mine, places[0], ends[:, 0]), (mates, places[1], ends[:, 1]))
     ]
-    mine_is_vertex = to_vertex[0] <= to_vertex[1]
-    normal = np.where(mine_is_vertex, -1j * slopes[1], 1j * slopes[0])
-    # At a corner the outline goes on clockwise over the tip; the mate's tangent has turned that way once it left the
-    # flank.
-    past = np.angle(-slopes[0] / slopes[1])
-    feature = np.full(len(jobs), int(Feature.FLANK))
-    overrun = np.zeros(len(jobs))
-    for vertex, side, index, body, turned in (
-        (mine_is_vertex, Feature.TURNING_CORNER, at[0][:, 0] + places[0], m.turning, past),
-        (~mine_is_vertex, Feature.FIXED_CORNER, at[1][:, 0] + places[1], m.fixed, -past),
-    ):
-        corner = vertex & (index > body.faces.shape[1] - 1.5) & (turned > 0.0)
-        feature[corner], overrun[corner] = int(side), turned[corner]
+    normal, feature, overrun = describe(
+        m.turning,
+        m.fixed,
+        teeth=(jobs.turning, jobs.fixed),
+        places=(at[0][:, 0] + places[0], at[1][:, 0] + places[1]),
+        turning_is_vertex=to_vertex[0] <= to_vertex[1],
+        spin=jobs.turn * frame,
+    )
     first = np.full(int(jobs.pose.max(initial=-1)) + 1, np.inf)
     np.minimum.at(first, jobs.pose, jobs.rotation)
     order = np.lexsort((jobs.rotation, jobs.pose))
@@ -187,12 +171,3 @@ def _place(line: ComplexArray, point: ComplexArray) -> FloatArray:
     best = np.argmin(off, axis=1)
     place: FloatArray = best + share[np.arange(len(best)), best]
     return place
-
-
-def _tangent(body: Body, tooth: IntArray, place: FloatArray) -> ComplexArray:
-    """Unit tangent root to tip of the smooth face behind the polyline at vertex number ``place``, straight between
-    vertices."""
-    low = np.minimum(place.astype(np.int64), body.faces.shape[1] - 2)
-    share = place - low
-    slope = (1.0 - share) * body.tangents[tooth, low] + share * body.tangents[tooth, low + 1]
-    return np.asarray(slope / np.abs(slope))

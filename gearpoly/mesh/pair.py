@@ -172,6 +172,15 @@ class GearPair:
         return max(0.0, end - entry) / gear_1.p_b
 
     @property
+    def common_face_width(self) -> float:
+        """The face width in mm that both gears share. Raises ``GeometryError`` where one has none."""
+        widths = [mounted.gear.b for mounted in (self.driving, self.driven)]
+        for name, width in zip(("driving", "driven"), widths, strict=True):
+            if width is None:
+                raise GeometryError(f"{name}.face_width_mm is missing; teeth that bend need a face width")
+        return min(width for width in widths if width is not None)
+
+    @property
     def meshes_per_cycle(self) -> int:
         """Tooth meshes until the same two teeth meet again, the hunting cycle, lcm(z_1, z_2)."""
         return math.lcm(self.driving.gear.z, self.driven.gear.z)

@@ -65,10 +65,11 @@ def contacts(
     theta_2: FloatArray,
     *,
     flank: Flank = "drive",
+    near: float = NEAR,
     progress: Progress = _no_progress,
 ) -> FlankContacts:
     """First touch and all near pairs of one ``flank`` at driven rotations ``theta_2`` (N,) in rad, unloaded and
-    certified.
+    certified; pairs are near that close within ``near`` mm along the line of action.
 
     Raises ``GeometryError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
@@ -82,7 +83,7 @@ def contacts(
         axis_distance=pair.a,
         poses=-sense * theta_2,
         guesses=sense * guess,
-        near=NEAR / pair.r_b1,
+        near=near / pair.r_b1,
     ):
         parts.append(part)
         progress(part.positions)
@@ -173,14 +174,16 @@ class Backlash:
     j_bn: FloatArray
 
 
-def both_flanks(pair: GearPair, theta_2: FloatArray, *, progress: Progress = _no_progress) -> Backlash:
+def both_flanks(
+    pair: GearPair, theta_2: FloatArray, *, near: float = NEAR, progress: Progress = _no_progress
+) -> Backlash:
     """Drive and coast contacts at ``theta_2`` (N,) in rad, and the backlash between them, j_bn = (TE_coast -
     TE_drive) r_b2.
 
     Raises ``JammedError`` where there is none left.
     """
-    drive = contacts(pair, theta_2, flank="drive", progress=progress)
-    coast = contacts(pair, theta_2, flank="coast", progress=progress)
+    drive = contacts(pair, theta_2, flank="drive", near=near, progress=progress)
+    coast = contacts(pair, theta_2, flank="coast", near=near, progress=progress)
     j_bn = (coast.te - drive.te) * pair.r_b2
     worst = int(np.argmin(j_bn))
     if j_bn[worst] < -JAM:

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.output import written_aside
+from gearpoly.report.summary import load_words
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, UM
 
@@ -50,17 +51,17 @@ def plot_run(simulation: Simulation, *, name: str, target: Path) -> None:
     axes[1].set_ylabel("normal backlash\n$j_{bn}$ / um")
     axes[2].plot(
         angle,
-        found.pairs[order],
+        simulation.pairs[order],
         color=GREEN,
         linewidth=0.4 if turns else 0.9,
         drawstyle="steps-post",
     )
     axes[2].set_ylabel("touching\npairs")
-    axes[2].set_yticks(range(int(found.pairs.max()) + 2))
+    axes[2].set_yticks(range(int(simulation.pairs.max()) + 2))
     axes[2].set_xlabel("driven angle / deg")
     figures = simulation.summary()
     axes[0].set_title(
-        f"{name}: {simulation.flank} flank, unloaded    TEpp {figures['te_pp_um']:.3f} um = "
+        f"{name}: {simulation.flank} flank, {load_words(simulation)}    TEpp {figures['te_pp_um']:.3f} um = "
         f"{figures['te_pp_arcmin']:.3f} arcmin    mean backlash {figures['backlash_mean_um']:.2f} um",
         loc="left",
         fontsize=10,

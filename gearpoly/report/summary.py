@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gearpoly.simulate import Simulation
-from gearpoly.units import DEG
+from gearpoly.units import DEG, NM
 
 
 def print_summary(
@@ -37,10 +37,7 @@ def print_summary(
             "mounted",
             f"a = {pair.a:.4f} mm (tight mesh {pair.a_w:.4f} mm), working pressure angle {pair.alpha_w / DEG:.4f} deg",
         ),
-        (
-            "flank",
-            f"{simulation.flank}, unloaded, {figures['positions']} positions of the driven gear",
-        ),
+        ("flank", f"{simulation.flank}, {load_words(simulation)}, {figures['positions']} positions of the driven gear"),
         (
             "transmission error",
             f"TEpp {figures['te_pp_um']:.4f} um = {figures['te_pp_urad']:.3f} urad = {figures['te_pp_arcmin']:.4f} arcmin, "
@@ -67,6 +64,16 @@ def print_summary(
             f"chords let TE lag by at most {1e3 * figures['chord_noise_um']:.3f} nm",
         ),
     ]
+    if simulation.load is not None:
+        rows.insert(
+            6,
+            (
+                "under load",
+                f"mean deflection {figures['deflection_mean_um']:.3f} um, mean mesh stiffness "
+                f"{figures['mesh_stiffness_mean_n_per_um']:.1f} N/um = "
+                f"{figures['mesh_stiffness_per_width_n_per_mm_um']:.2f} N/(mm um), largest share {figures['share_largest']:.3f}",
+            ),
+        )
     if "drawn" in simulation.assembled.origin:
         rows.append(("drawn with seed", str(simulation.seed)))
     for label, text in rows:
@@ -80,6 +87,13 @@ def print_summary(
         )
     for remark in remarks:
         console.print(f"note: {remark}", style="yellow", highlight=False)
+
+
+def load_words(simulation: Simulation) -> str:
+    """The load of a run in words."""
+    if simulation.load is not None:
+        return f"{simulation.load.torque / NM:g} N.m"
+    return "rigid teeth" if simulation.assembled.elasticity is None else "unloaded"
 
 
 def _short(value: object) -> str:

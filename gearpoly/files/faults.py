@@ -1,0 +1,159 @@
+"""Faults of a pair file in words: the one message for the most basic fault, with file, key, value and what would do."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.models import LIST, NUMBER, PairFile, Section
+from gearpoly.files.traces import nearest, shorten
+
+
+def parse(file: Path, text: str) -> dict[str, Any]:
+    """The tables of a TOML text; raises ``InputFileError`` with line and column where it is none."""
+    wish = "want TOML: `key = value`, text in quotes, decimal points, each key and section once"
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputFileError(file, found="lists or tables nested too deep", wish=wish) from None
+    except ValueError as error:  # TOMLDecodeError, or an integer with more digits than Python converts
+        message = str(error)
+    place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
+    if place is None:
+        raise InputFileError(file, found=shorten(message), wish=wish)
+    lines = text.splitlines() or [""]
+    line, column = (int(place[1]), int(place[2])) if place[1] else (len(lines), len(lines[-1]) + 1)
+    standing = lines[line - 1].strip() if line <= len(lines) else ""
+    found = f"`{shorten(standing)}` ({message[: place.start()]})"
+    raise InputFileError(file, where=f"line {line}, column {column}", found=found, wish=wish)
+
+
+def _sections(
+    model: type[Section] = PairFile, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], type[Section]]]:
+    """Every section that a pair file can have, with its path."""
+    yield path, model
+    for key, info in model.model_fields.items():
+        for kind in (info.annotation, *get_args(info.annotation)):
+            if isinstance(kind, type) and issubclass(kind, Section):
+                yield from _sections(kind, (*path, key))
+
+
+_SECTIONS = dict(_sections())
+_WANT = {
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "bool_type": "true or false",
+    "string_type": "text in quotes",
+    "string_too_short": "text that is not empty",
+    "tuple_type": "a list of numbers",
+}
+_BOUND = {
+    "greater_than_equal": ("ge", "too small", "{} or more"),
+    "greater_than": ("gt", "too small", "more than {}"),
+    "less_than_equal": ("le", "too large", "{} or less"),
+    "less_than": ("lt", "too large", "less than {}"),
+}
+
+
+def explain(file: Path, raw: dict[str, Any], error: ValidationError) -> InputFileError:
+    """The one message for the most basic fault, and of equals the first in the file."""
+    faults = error.errors(include_url=False)
+    fault = min(faults, key=lambda fault: (_rank(fault), _position(raw, _loc(fault))))
+    loc, kind, context = _loc(fault), fault["type"], fault.get("ctx", {})
+    if kind == "rule":
+        where = ".".join((*(str(key) for key in loc), context["key"]))
+        return InputFileError(file, where=where, found=context["found"], wish=context["wish"])
+    where = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in loc).lstrip(".")
+    if kind == "extra_forbidden":
+        return InputFileError(file, where=shorten(where), found="unknown key", wish=_place_for(loc))
+    path = tuple(key for key in loc if isinstance(key, str))
+    info = _SECTIONS[path[:-1]].model_fields[path[-1]]
+    found = _shown(fault["input"])
+    want = ""
+    if kind == "missing":
+        found = "missing"
+    elif kind in _BOUND:
+        bound, verdict, want = _BOUND[kind]
+        found, want = f"{found} is {verdict}", want.format(f"{context[bound]:g}") + ": "
+    elif kind != "model_type":
+        want = f"{_WANT.get(kind) or context.get('expected', 'another value')}: "
+    return InputFileError(file, where=where, found=found, wish=f"want {want}{info.description}")
+
+
+def _rank(fault: ErrorDetails) -> int:
+    return {"extra_forbidden": 0, "missing": 2, "rule": 3}.get(fault["type"], 1)
+
+
+def _loc(fault: ErrorDetails) -> tuple[int | str, ...]:
+    if fault["type"] == "extra_forbidden":  # the writer's own key, whatever it is called
+        return fault["loc"]
+    return tuple(key for key in fault["loc"] if key not in (NUMBER, LIST))
+
+
+def _position(raw: dict[str, Any], loc: tuple[int | str, ...]) -> tuple[float, ...]:
+    """Where the key stands in the file; a missing key comes after what its section holds."""
+    position: list[float] = []
+    here: Any = raw
+    for key in loc:
+        if isinstance(key, int):
+            position.append(key)
+        else:
+            known = isinstance(here, dict) and key in here
+            position.append(list(here).index(key) if known else math.inf)
+            here = here[key] if known else None
+    return tuple(position)
+
+
+def _place_for(loc: tuple[int | str, ...]) -> str:
+    """What the writer of an unknown key most likely meant."""
+    path, name = tuple(str(key) for key in loc[:-1]), str(loc[-1])
+    here = f"in [{'.'.join(path)}]" if path else "at the top of the file"
+    # The other gear's sections hold the same keys: look in this gear's, from the outermost in.
+    in_gear = path[:1] in (("driving",), ("driven",))
+    gear = path[0] if in_gear else "driving"
+    mate = {"driving": "driven", "driven": "driving"}[gear]
+    others = [other for other in _SECTIONS if other != path and other[:1] != (mate,)]
+
+    def called(other: tuple[str, ...]) -> str:
+        if not other:
+            return "at the top of the file, before any [section]"
+        text = f"in [{'.'.join(other)}]"
+        if not in_gear and other[0] == gear:
+            text += f" and [{'.'.join((mate, *other[1:]))}]"
+        return text
+
+    for other in others:
+        if name in _SECTIONS[other].model_fields:
+            return f"there is none {here}, it belongs {called(other)}"
+    own = _SECTIONS[path].model_fields
+    if close := nearest(name, own, cutoff=0.6):  # difflib's own idea of a close match
+        return f'the nearest known key {here} is "{close}"'
+    for other in others:  # farther away, so it must look closer
+        if close := nearest(name, _SECTIONS[other].model_fields, cutoff=0.75):
+            return f'none {here} is like it, the nearest known key is "{close}" {called(other)}'
+    return f'the nearest known key {here} is "{nearest(name, own)}" (known: {", ".join(own)})'
+
+
+def _shown(value: object) -> str:
+    """A value as the file has it, short."""
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)} values"
+    if isinstance(value, str):
+        return shorten(json.dumps(value, ensure_ascii=False))
+    try:
+        return shorten(str(value).lower() if isinstance(value, bool) else str(value))
+    except ValueError:  # a hexadecimal integer with more digits than Python prints
+        return "a huge integer"

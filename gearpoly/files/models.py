@@ -1,0 +1,249 @@
+"""The keys of a pair file: names, units, bounds, defaults and which contradict one another.
+
+The models hold the file's own keys in the file's own units (um, deg, N.m); geometry converts them. A section that is
+absent is ``None`` where its absence means something (no limits, not inspected, no relief, no eccentricity).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NoReturn, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+# Bounds catch a mistaken unit or digit; whether the gear can be cut is for the geometry to say.
+Um = Annotated[float, Field(ge=-1e4, le=1e4)]
+UmSize = Annotated[float, Field(ge=0.0, le=1e4)]
+Length = Annotated[float, Field(gt=0.0, le=1e5)]
+
+NUMBER, LIST = "@number", "@list"
+
+
+def _number_or_list(value: object) -> str:
+    return LIST if isinstance(value, list | tuple) else NUMBER
+
+
+PerTooth = Annotated[
+    Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False)], Tag(LIST)],
+    Discriminator(_number_or_list),
+]
+"""One number for all teeth, or one per tooth in the order of meshing."""
+
+
+def _field(description: str, default: Any = None, **bounds: Any) -> Any:
+    return Field(default=default, description=description, **bounds)
+
+
+def _broken(key: str, found: str, wish: str) -> NoReturn:
+    """Refuse values that are fine one by one but not together; ``key`` counts from the model that
+    checks.
+    """
+    raise PydanticCustomError("rule", "{key}: {found}; {wish}", {"key": key, "found": found, "wish": wish})
+
+
+class Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class PairSection(Section):
+    """How the two gears are mounted and run."""
+
+    centre_distance_mm: Length | None = _field(
+        "centre distance in mm, above 0; default: tight mesh of the deviation-free gears"
+    )
+    torque_nm: float = _field(
+        "torque on the driven shaft in N.m, 0 or more; its flank says which way it acts",
+        0.0,
+        ge=0.0,
+        le=1e9,
+    )
+    speed_rpm: float | None = _field(
+        "speed of the driving shaft in rpm, above 0; default: quasi-static", gt=0.0, le=1e6
+    )
+
+
+class ModelSection(Section):
+    """What the simulation takes into account."""
+
+    tooth_deflection: bool = _field("true: teeth bend under load, false: rigid teeth", True)
+    compliance: Literal["cantilever", "cantilever_published", "weber_banaschek", "potential_energy", "iso6336"] = (
+        _field("law by which a tooth bends, see docs/compliance.md", "cantilever")
+    )
+    contact: Literal["palmgren", "linear", "weber_banaschek"] = _field("law by which two flanks flatten", "palmgren")
+    load_sharing: Literal["equilibrium", "paper"] = _field(
+        "equilibrium: only pressed pairs carry; paper: pairs join one by one and none leaves", "equilibrium"
+    )
+
+
+class MaterialSection(Section):
+    """The material of both gears; default: steel."""
+
+    youngs_modulus_gpa: float = _field("Young's modulus in GPa, above 0 to 10000", 206.0, gt=0.0, le=1e4)
+    poisson_ratio: float = _field("Poisson's ratio, between -1 and 0.5", 0.3, gt=-1.0, lt=0.5)
+
+
+class Limits(Section):
+    """Limits instead of, or over, those of the grade, in um."""
+
+    f_pt_um: UmSize | None = _field("single pitch limit in um, 0 or more")
+    F_p_um: UmSize | None = _field("total cumulative pitch limit in um, 0 or more")
+    F_alpha_um: UmSize | None = _field("total profile limit in um, 0 or more")
+    f_Halpha_um: UmSize | None = _field("profile slope limit in um, 0 or more")
+    f_falpha_um: UmSize | None = _field("profile form limit in um, 0 or more")
+    E_sns_um: Um | None = _field("upper tooth thickness deviation in um, along the reference circle; negative thins")
+    E_sni_um: Um | None = _field("lower tooth thickness deviation in um, along the reference circle; negative thins")
+    W_kns_um: Um | None = _field("upper base tangent length deviation in um; a drawn gear above it is drawn again")
+    W_kni_um: Um | None = _field("lower base tangent length deviation in um; a drawn gear below it is drawn again")
+
+    @model_validator(mode="after")
+    def _upper_above_lower(self) -> Self:
+        for symbol in ("E_sn", "W_kn"):
+            upper, lower = getattr(self, f"{symbol}s_um"), getattr(self, f"{symbol}i_um")
+            if upper is not None and lower is not None and upper < lower:
+                found = f"{upper}, below {symbol}i_um = {lower}"
+                _broken(
+                    f"{symbol}s_um",
+                    found,
+                    f"want the upper deviation {symbol}s_um at or above the lower {symbol}i_um",
+                )
+        return self
+
+
+class Inspection(Section):
+    """Measured deviations in um; each a number for all teeth or a list with one per tooth."""
+
+    uncertainty_um: UmSize = _field("standard uncertainty of the inspection in um, 0 or more", 0.5)
+    pitch_um: PerTooth | None = _field("index deviation of the drive flanks in um, positive = more material")
+    pitch_coast_um: PerTooth | None = _field(
+        "index deviation of the coast flanks in um; default: from pitch and thickness"
+    )
+    profile_slope_um: PerTooth | None = _field(
+        "rise of material from active root to tip in um, of both flanks unless per flank"
+    )
+    profile_slope_coast_um: PerTooth | None = _field(
+        "profile slope of the coast flanks in um; default: the drive flanks'"
+    )
+    profile_crowning_um: PerTooth | None = _field(
+        "material missing at both ends in um, of both flanks unless per flank"
+    )
+    profile_crowning_coast_um: PerTooth | None = _field(
+        "profile crowning of the coast flanks in um; default: the drive flanks'"
+    )
+    tooth_thickness_um: PerTooth | None = _field(
+        "tooth thickness deviation E_s in um along the reference circle; negative thins"
+    )
+    profile_csv: str | None = _field("file of measured traces in quotes, relative to the pair file", min_length=1)
+
+
+class TipRelief(Section):
+    """Material taken off towards the tip on purpose."""
+
+    amount_um: UmSize = Field(description="relief at the tip in um, 0 or more")
+    length_mm: Length = Field(description="radial length down from the tip in mm, above 0")
+    shape: Literal["linear", "parabolic"] = _field("how the relief grows towards the tip", "linear")
+    flank: Literal["both", "drive", "coast"] = _field("which flanks are relieved", "both")
+
+
+class Eccentricity(Section):
+    """The gear's own centre as seen from its axis of rotation."""
+
+    amplitude_um: UmSize = Field(description="distance of the gear's centre from its axis in um, 0 or more")
+    angle_deg: float = _field(
+        "angle in deg from the pitch point of tooth 0's drive flank, in the order of meshing",
+        0.0,
+        ge=-1e4,
+        le=1e4,
+    )
+
+
+class GearSection(Section):
+    """One gear: its rack, its blank, its quality, and what was measured of it."""
+
+    teeth: int = Field(ge=5, le=10_000, description="number of teeth, 5 or more")
+    module_mm: float = Field(ge=0.05, le=100.0, description="module in mm, 0.05 to 100")
+    pressure_angle_deg: float = _field("pressure angle in deg, 10 to 35", 20.0, ge=10.0, le=35.0)
+    addendum: float = _field("addendum over the module, above 0 to 3", 1.0, gt=0.0, le=3.0)
+    dedendum: float = _field("dedendum over the module, above 0 to 4", 1.25, gt=0.0, le=4.0)
+    root_radius: float = _field("tip radius of the rack over the module, 0 to 1", 0.38, ge=0.0, le=1.0)
+    profile_shift: float = _field("profile shift coefficient, -5 to 5", 0.0, ge=-5.0, le=5.0)
+    face_width_mm: Length | None = _field("face width in mm, above 0")
+    bore_mm: Length | None = _field("diameter of the bore in mm, above 0; default: half the root diameter")
+    grade: int | None = _field("ISO 1328-1 grade; default: ideal gear", ge=0, le=12)
+    grade_edition: Literal[1995, 2013] = _field("edition of ISO 1328-1, 1995 or 2013", 2013)
+    points_per_flank: int | None = _field(
+        "points on each involute flank, 8 to 200000; default: from chord_error_um", ge=8, le=200_000
+    )
+    chord_error_um: float = _field(
+        "largest distance of a chord from its flank in um, 0.000001 to 10", 0.001, ge=1e-6, le=10.0
+    )
+    profile_errors: Literal["smooth", "scatter"] = _field(
+        "how drawn profile errors vary: in smooth waves, or (the paper's) each point on its own",
+        "smooth",
+    )
+    thickness_errors: Literal["graded", "independent"] = _field(
+        "drawn thickness: the coast flank keeps the grade's pitch limits too, or (the paper's) "
+        "each tooth's E_s on its own",
+        "graded",
+    )
+    limits: Limits | None = _field("limits over the grade's, a table")
+    inspection: Inspection | None = _field("what was measured, a table")
+    tip_relief: TipRelief | None = _field("tip relief, a table")
+    eccentricity: Eccentricity | None = _field("eccentricity, a table")
+
+    @model_validator(mode="after")
+    def _keys_agree(self) -> Self:
+        if self.grade is not None and self.grade_edition == 2013 and not 1 <= self.grade <= 11:
+            wish = "want 1 to 11, which the 2013 edition defines, or grade_edition = 1995 for 0 to 12"
+            _broken("grade", f"{self.grade}, outside the 2013 edition", wish)
+        if self.points_per_flank is not None and "chord_error_um" in self.model_fields_set:
+            found = f"{self.points_per_flank}, and chord_error_um = {self.chord_error_um} too"
+            _broken(
+                "points_per_flank",
+                found,
+                "want one of the two, since each sets the number of points",
+            )
+        for key, values in self.inspection or ():
+            if isinstance(values, tuple) and len(values) != self.teeth:
+                wish = f"want {self.teeth}, one per tooth, or one number for all teeth"
+                _broken(f"inspection.{key}", f"a list of {len(values)} values", wish)
+        return self
+
+
+class PairFile(Section):
+    """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
+
+    name: str = _field("name of the pair in quotes", "unnamed pair")
+    pair: PairSection = _field("how the gears are mounted and run, a table", PairSection())
+    model: ModelSection = _field("what is taken into account, a table", ModelSection())
+    material: MaterialSection = _field("material of both gears, a table", MaterialSection())
+    driving: GearSection = Field(description="the driving gear, a table")
+    driven: GearSection = Field(description="the driven gear, a table")
+
+    @model_validator(mode="after")
+    def _gears_agree(self) -> Self:
+        for key, called in (("module_mm", "module"), ("pressure_angle_deg", "pressure angle")):
+            mine, mate = getattr(self.driven, key), getattr(self.driving, key)
+            if mine != mate:
+                default = "" if key in self.driven.model_fields_set else " by default"
+                mate_default = "" if key in self.driving.model_fields_set else " by default"
+                found = f"{mine}{default}, but driving.{key} = {mate}{mate_default}"
+                _broken(
+                    f"driven.{key}",
+                    found,
+                    f"want the same {called} in both gears, or they do not mesh",
+                )
+        if self.model.tooth_deflection and self.pair.torque_nm > 0.0:
+            for gear in ("driving", "driven"):
+                if getattr(self, gear).face_width_mm is None:
+                    torque = f"pair.torque_nm = {self.pair.torque_nm} bends the teeth"
+                    wish = f"want a face width in mm, since {torque} (or tooth_deflection = false)"
+                    _broken(f"{gear}.face_width_mm", "missing", wish)
+        return self

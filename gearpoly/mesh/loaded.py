@@ -1,0 +1,221 @@
+"""The pair under torque: how the touching teeth share the load and how far the driving gear turns on while they give.
+
+Every near pair closes at its own rotation. Turned on by phi from the first touch, pair i is pressed together by
+lever_i (phi - phi_i) along its normal, and gives c_i W_i in its teeth and h(W_i) in its contact. Equilibrium: only
+pressed pairs carry, and their moments about the driven axis balance the torque. The study's own procedure (Liu et al.
+2020, Eqs. 17-21) adds pairs one by one as they come into touch and never lets one go.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.errors import NotConvergedError, OutOfRangeError
+from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
+from gearpoly.mesh.transmission import FlankContacts
+from gearpoly.units import NM, UM, BoolArray, FloatArray, IntArray
+
+Sharing = Literal["equilibrium", "paper"]
+
+BALANCED = 1e-12
+"""Relative change of every force at which the iteration for the contact law stops; moments then balance to 1e-9 of
+the torque with room to spare, since each step balances them anew."""
+
+ROUNDS = 60
+"""Iterations allowed; the load enters its own stiffness only by its tenth power, so each gains a digit and 13 are
+usual."""
+
+SMALL = 0.05
+"""Of the module. Deflections above it are no longer small against the teeth, and the outline that was used has
+moved."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadedContacts:
+    """The pair under one torque at the positions of its unloaded contacts (N positions, rows as in ``FlankContacts``).
+
+    ``te`` (N,) loaded transmission error in rad; ``approach`` (N,) how far the driving gear turned on along the line of
+    action, mm; ``force`` (rows,) normal force in N, 0 where a pair does not touch; ``share`` (rows,) of the force sum;
+    ``pairs`` (N,) touching pairs and ``mean_pairs`` their mean, contact beginning and ending between positions by
+    interpolation; ``stiffness`` (N,) tangent mesh stiffness in N/mm along the line of action.
+    """
+
+    contacts: FlankContacts
+    torque: float
+    te: FloatArray
+    approach: FloatArray
+    force: FloatArray
+    share: FloatArray
+    pairs: IntArray
+    mean_pairs: float
+    stiffness: FloatArray
+
+
+def load_reach(compliance: PairCompliance, torque: float) -> float:
+    """The most that a pair alone under the whole ``torque`` (N.mm) can give, mm: near pairs up to this may carry
+    load."""
+    force = torque / compliance.pair.r_b2
+    # A contact anywhere on the path; laws that ask for the place vary with it only in their logarithm.
+    pitch_point = np.array([compliance.pair.driving.gear.r, 0.0])
+    flattening, _ = compliance.contact(np.array(force), pitch_point)
+    return 1.2 * (force * compliance.softest() + float(flattening))
+
+
+def loaded(
+    contacts: FlankContacts, compliance: PairCompliance, *, torque: float, sharing: Sharing = "equilibrium"
+) -> LoadedContacts:
+    """Share ``torque`` (N.mm on the driven shaft) among the near pairs of ``contacts``.
+
+    The contacts must hold every pair that closes within ``load_reach``. Raises ``OutOfRangeError`` for a negative
+    torque or deflections that are no longer small, ``NotConvergedError`` where forces do not settle.
+    """
+    if not torque >= 0.0:
+        raise OutOfRangeError(
+            f"torque {torque / NM:g} N.m: a torque is a magnitude, 0 or more; the flank says which way"
+        )
+    pair = compliance.pair
+    grid = _Grid.of(contacts)
+    point, normal = contacts.point, contacts.normal
+    lever_1 = np.abs(point[:, 0] * normal[:, 1] - point[:, 1] * normal[:, 0])
+    lever_2 = np.abs((point[:, 0] - pair.a) * normal[:, 1] - point[:, 1] * normal[:, 0])
+    problem = _Problem(
+        closing=grid.fill(contacts.gap / pair.r_b1, np.inf),
+        lever_1=grid.fill(lever_1, 1.0),
+        lever_2=grid.fill(lever_2, 1.0),
+        teeth=grid.fill(compliance.teeth(contacts.driving, contacts.driven, point), 1.0),
+        point=np.stack([grid.fill(point[:, k], 0.0) for k in (0, 1)], axis=-1),
+        torque=torque,
+    )
+    phi, force = _equilibrium(problem, compliance, keep=sharing == "paper")
+    worst = int(np.argmax(phi))
+    if phi[worst] * pair.r_b1 > SMALL * pair.driving.gear.m:
+        raise OutOfRangeError(
+            f"torque {torque / NM:g} N.m bends the teeth by {phi[worst] * pair.r_b1 / UM:.0f} um, more than {SMALL:.0%} of the "
+            "module; small deflections no longer hold, so lower the torque or widen the faces"
+        )
+    _, slope = compliance.contact(np.maximum(force, LEAST_LOAD * torque / pair.r_b2), problem.point)
+    touches = force > 0.0
+    tangent = np.where(touches, problem.lever_1 * problem.lever_2 / (problem.teeth + slope), 0.0)
+    sense = 1.0 if contacts.flank == "drive" else -1.0
+    rows = force[grid.position, grid.place]
+    total = np.sum(force, axis=1)
+    return LoadedContacts(
+        contacts=contacts,
+        torque=torque,
+        te=contacts.te - sense * pair.ratio * phi,
+        approach=phi * pair.r_b1,
+        force=rows,
+        share=rows / np.where(total > 0.0, total, 1.0)[grid.position],
+        pairs=contacts.pairs if torque == 0.0 else np.count_nonzero(touches, axis=1),
+        mean_pairs=_mean_touching(contacts, grid, problem, phi, z_2=pair.driven.gear.z),
+        stiffness=np.sum(tangent, axis=1) / (pair.r_b1 * pair.r_b2),
+    )
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Rows of contacts laid out as positions by near pairs, first touch first."""
+
+    position: IntArray
+    place: IntArray
+    shape: tuple[int, int]
+
+    @staticmethod
+    def of(contacts: FlankContacts) -> _Grid:
+        count = np.bincount(contacts.position, minlength=contacts.theta_2.size)
+        start = np.concatenate(([0], np.cumsum(count)[:-1]))
+        place = np.arange(contacts.position.size) - start[contacts.position]
+        return _Grid(contacts.position, place, (contacts.theta_2.size, int(count.max(initial=1))))
+
+    def fill(self, rows: FloatArray, empty: float) -> FloatArray:
+        """Rows as an array of positions by pairs, ``empty`` where there is no pair."""
+        out = np.full(self.shape, empty)
+        out[self.position, self.place] = rows
+        return out
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Problem:
+    """All positions by near pairs: closing rotations (rad, inf: none), levers (mm), tooth compliance (mm/N), contact
+    points."""
+
+    closing: FloatArray
+    lever_1: FloatArray
+    lever_2: FloatArray
+    teeth: FloatArray
+    point: FloatArray
+    torque: float
+
+
+def _equilibrium(problem: _Problem, compliance: PairCompliance, *, keep: bool) -> tuple[FloatArray, FloatArray]:
+    """Rotation phi (N,) in rad beyond the first touch and forces (N, K) in N that balance the torque.
+
+    With secant contact stiffness the problem is linear for a given set of touching pairs; the set is found exactly
+    and the stiffness brought up to date until the forces stand still. ``keep``: a pair once in touch stays, the
+    study's procedure.
+    """
+    force = np.full(problem.closing.shape, problem.torque / compliance.pair.r_b2)
+    least = LEAST_LOAD * problem.torque / compliance.pair.r_b2
+    if problem.torque == 0.0:
+        return np.zeros(problem.closing.shape[0]), np.zeros(problem.closing.shape)
+    for _ in range(ROUNDS):
+        load = np.maximum(force, least)
+        flattening, _ = compliance.contact(load, problem.point)
+        k = 1.0 / (problem.teeth + flattening / load)
+        phi, touches = _turn(problem, k, keep=keep)
+        pressed = np.where(touches, phi[:, None] - np.where(touches, problem.closing, 0.0), 0.0)
+        before, force = force, k * problem.lever_1 * pressed
+        if np.max(np.abs(force - before)) <= BALANCED * problem.torque / compliance.pair.r_b2:
+            return phi, force
+    raise NotConvergedError("the forces between the teeth do not settle; check the compliance laws and the material")
+
+
+def _turn(problem: _Problem, k: FloatArray, *, keep: bool) -> tuple[FloatArray, BoolArray]:
+    """For given stiffness k (N, K) in N/mm: the rotation (N,) that balances the torque, and which pairs (N, K) touch.
+
+    Pairs are sorted by closing rotation, so the touching set is the first m for some m: m is enough as soon as the
+    next pair closes later than the rotation that m pairs give.
+    """
+    weight = np.where(np.isfinite(problem.closing), k * problem.lever_1 * problem.lever_2, 0.0)
+    closing = np.where(np.isfinite(problem.closing), problem.closing, 0.0)
+    phi = (problem.torque + np.cumsum(weight * closing, axis=1)) / np.cumsum(weight, axis=1)
+    following = np.concatenate((problem.closing[:, 1:], np.full((phi.shape[0], 1), np.inf)), axis=1)
+    if keep:
+        # One after another: each pair that the turn so far has reached joins, and none leaves.
+        reached = np.logical_and.accumulate(following < phi, axis=1)
+        m = np.count_nonzero(reached, axis=1)
+    else:
+        m = np.argmax(phi <= following, axis=1)
+    touches = np.arange(phi.shape[1]) <= m[:, None]
+    return phi[np.arange(phi.shape[0]), m], touches & np.isfinite(problem.closing)
+
+
+def _mean_touching(contacts: FlankContacts, grid: _Grid, problem: _Problem, phi: FloatArray, *, z_2: int) -> float:
+    """Mean number of touching pairs over evenly spaced positions; begin and end of touch between positions by
+    straight lines.
+
+    Without load the counts themselves are averaged, since there pairs touch or not within the chords' resolution
+    only.
+    """
+    if problem.torque == 0.0 or contacts.theta_2.size < 2:
+        return float(np.mean(contacts.pairs))
+    margin = (phi[:, None] - problem.closing)[grid.position, grid.place]
+    # The same pair of teeth at the next position: one key per position and driven tooth.
+    key = contacts.position * z_2 + contacts.driven
+    order = np.argsort(key, kind="stable")
+    after = ((contacts.position + 1) % contacts.theta_2.size) * z_2 + contacts.driven
+    at = np.minimum(np.searchsorted(key[order], after), key.size - 1)
+    found = key[order][at] == after
+    # A pair that is not near at one end of a step was far from touching there.
+    following = np.where(found, margin[order][at], -np.abs(margin))
+    change = margin - following
+    share = np.where(
+        (margin > 0.0) == (following > 0.0),
+        (margin > 0.0).astype(float),
+        np.divide(np.maximum(margin, following), np.abs(change), out=np.zeros_like(margin), where=change != 0.0),
+    )
+    begun = ~np.isin(key, after) & (margin > 0.0)
+    return float(np.sum(share) + 0.5 * np.count_nonzero(begun)) / contacts.theta_2.size
