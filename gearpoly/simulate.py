@@ -245,7 +245,8 @@ def strength_remarks(simulation: Simulation) -> list[str]:
     if worst <= YIELD:
         return []
     return [
-        f"the nominal bending stress in the {gear} gear's tooth root is {worst:.0f} MPa, above {YIELD:.0f} MPa: teeth of most "
+        f"the nominal bending stress in the {gear} gear's tooth root is {worst:.0f} MPa, above {YIELD:.0f} "
+        "MPa: teeth of most "
         "steels would yield under this torque; lower torque_nm or widen the faces"
     ]
 

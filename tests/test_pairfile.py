@@ -124,15 +124,18 @@ def test_contract_example_is_read_whole(tmp_path: Path) -> None:
     assert (pair.material.youngs_modulus_gpa, pair.material.poisson_ratio) == (206.0, 0.3)
     driving = pair.driving
     assert (driving.teeth, driving.module_mm, driving.grade) == (18, 2.0, 5)
-    assert driving.limits is not None and driving.inspection is not None
+    assert driving.limits is not None
+    assert driving.inspection is not None
     assert (driving.limits.E_sns_um, driving.limits.E_sni_um) == (-40.0, -70.0)
     assert driving.inspection.pitch_um == tuple(PITCH)
     assert driving.inspection.profile_slope_um == 1.2
-    assert driving.tip_relief is not None and driving.eccentricity is not None
+    assert driving.tip_relief is not None
+    assert driving.eccentricity is not None
     assert driving.tip_relief.flank == "both"
     assert driving.eccentricity.angle_deg == 40.0
     assert profile_csv_path(tmp_path / "pair.toml", driving) == tmp_path / "driving_flanks.csv"
-    assert pair.driven.limits is None and pair.driven.inspection is None
+    assert pair.driven.limits is None
+    assert pair.driven.inspection is None
     assert profile_csv_path(tmp_path / "pair.toml", pair.driven) is None
 
 
@@ -420,7 +423,8 @@ def test_the_most_basic_fault_comes_first(tmp_path: Path) -> None:
 def test_gears_of_different_module_or_pressure_angle(tmp_path: Path) -> None:
     error = refusal(tmp_path, SMALLEST[: SMALLEST.rindex("2.0")] + "2.5\n")
     assert error.where == "driven.module_mm"
-    assert "2.5" in error.found and "driving.module_mm = 2.0" in error.found
+    assert "2.5" in error.found
+    assert "driving.module_mm = 2.0" in error.found
     assert "same module" in error.wish
     error = refusal(tmp_path, SMALLEST + "pressure_angle_deg = 25.0\n")
     assert error.where == "driven.pressure_angle_deg"
@@ -432,7 +436,8 @@ def test_face_width_is_required_only_where_teeth_deflect(tmp_path: Path) -> None
     loaded = SMALLEST + "[pair]\ntorque_nm = 25.0\n"
     error = refusal(tmp_path, loaded)
     assert (error.where, error.found) == ("driving.face_width_mm", "missing")
-    assert "pair.torque_nm = 25.0" in error.wish and "tooth_deflection = false" in error.wish
+    assert "pair.torque_nm = 25.0" in error.wish
+    assert "tooth_deflection = false" in error.wish
     one = loaded.replace("teeth = 18", "teeth = 18\nface_width_mm = 20")
     assert refusal(tmp_path, one).where == "driven.face_width_mm"
     both = one.replace("teeth = 25", "teeth = 25\nface_width_mm = 20")
@@ -588,7 +593,8 @@ def test_moved_pair_still_finds_its_traces(tmp_path: Path) -> None:
     pair = moved(read_pair(source), source=source, target=target)
     write(target.parent, dump_pair(pair), target.name)
     traces = profile_csv_path(target, read_pair(target).driving)
-    assert traces is not None and traces.samefile(tmp_path / "driving_flanks.csv")
+    assert traces is not None
+    assert traces.samefile(tmp_path / "driving_flanks.csv")
 
 
 @settings(max_examples=150, deadline=None)

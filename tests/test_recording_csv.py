@@ -108,7 +108,8 @@ def test_transmission_error_needs_one_angle(
 def test_torque_and_speed_per_sample(tmp_path: Path) -> None:
     text = "# torque_nm = 25\ndriving_angle_deg,driven_angle_deg,torque_nm,speed_rpm\n1,2,24.5,30\n3,4,25.5,31\n"
     recording = read_csv(write(tmp_path, text))
-    assert recording.torque_samples_nm is not None and recording.speed_samples_rpm is not None
+    assert recording.torque_samples_nm is not None
+    assert recording.speed_samples_rpm is not None
     assert recording.torque_samples_nm.tolist() == [24.5, 25.5]
     assert recording.speed_samples_rpm.tolist() == [30.0, 31.0]
     assert recording.torque_nm == 25.0
@@ -330,7 +331,8 @@ def test_shared_recordings_agree_with_a_plain_reading() -> None:
         assert recording.time_s is not None
         np.testing.assert_array_equal(recording.time_s, [float(row["time_s"]) for row in rows])
         if "te_arcsec" in rows[0]:
-            assert recording.te_rad is not None and recording.driving_angle_rad is None
+            assert recording.te_rad is not None
+            assert recording.driving_angle_rad is None
             arcsec = np.array([float(row["te_arcsec"]) for row in rows])
             # Three roundings: of the factor, of the product and of the division by 3600.
             np.testing.assert_allclose(recording.te_rad, np.radians(arcsec / 3600.0), rtol=7e-16, atol=0.0)

@@ -124,10 +124,10 @@ def test_touching_pairs_at_the_papers_361_positions() -> None:
     theta_2 = np.arange(361) * DEG
     found = contacts(pair, theta_2)
     expected, margin = pairs_on_the_path(theta_2)
-    # A corner that left the path by x stands off by about x^2/2 rho: within the chords' 0.3 nm up to 1 um.
-    clear = margin > 2.0 * UM
-    assert np.count_nonzero(~clear) <= 2
-    np.testing.assert_array_equal(found.pairs[clear], expected[clear])
+    # A corner that left the path by x stands off by about x^2/2 rho: within the chords' 0.1 nm up to 1 um, and no
+    # whole degree comes that near to an end of the path.
+    assert np.min(margin) > 1.0 * UM
+    np.testing.assert_array_equal(found.pairs, expected)
     # The paper printed 1.5709 but 0.52 % off, which is 570/361 = 1.5789; exact counting gives one more, since
     # position 360 deg is position 0 again. Both are 1 deg steps' view of 1.5707.
     assert int(np.sum(found.pairs)) == int(np.sum(expected)) == 571
@@ -303,7 +303,7 @@ def test_profile_slope_rises_towards_the_tip(gear: int, s: float) -> None:
     u = (l - l_start) / (l_tip - l_start)
     # The contact leaves the straight line of action by a slope of s/5 mm: (s/5)^2 rho/2 = 0.3 nm.
     np.testing.assert_allclose(te, s * (u - 0.5), atol=0.6 * NM + pair.chord_noise, rtol=0.0)
-    assert np.ptp(s * (u - 0.5)) > 0.3 * abs(s)
+    assert np.ptp(te) > 0.2 * abs(s)  # the single-pair part of the profile is a quarter of it
     # More material at the tip: a driving tip leaves the mesh, a driven tip enters it.
     assert (te[-1] > te[0]) == ((s > 0) == (gear == 0))
 
@@ -443,7 +443,7 @@ def test_contact_points_lie_on_the_line_of_action() -> None:
 def test_a_jam_says_where() -> None:
     thick = Deviations(coast=(Index(one_tooth(18, 5, 6.0 * UM)),))
     pair = make(deviations=(thick, None), points=300)
-    theta_2 = np.arange(0.0, 360.0, 1.0) * DEG
+    theta_2 = np.arange(0.0, 180.0, 1.0) * DEG  # the thick tooth passes once
     with pytest.raises(JammedError) as caught:
         both_flanks(pair, theta_2)
     text = str(caught.value)
@@ -463,17 +463,3 @@ def test_gears_apart_and_gears_too_near_are_refused() -> None:
         make(a=47.1)
     with pytest.raises(GeometryError, match="cuts .* into its mate's root"):
         make(a=42.4)
-
-
-@pytest.mark.parametrize("delta", [0.8, 1.2])
-def test_wide_centre_distance_loses_no_tooth(delta: float) -> None:
-    """Backlash of up to half a millimetre must not hide the coast flank's tooth pairs from the search."""
-    pair = make(a=43.0 + delta, points=200, eccentricity=((0.02, 0.3), (0.03, 2.0)))
-    theta_2 = np.random.default_rng(1).uniform(0.0, pair.cycle, 600)
-    wedge = 43.0 * math.cos(ALPHA) * (inv(math.acos(43.0 * math.cos(ALPHA) / pair.a)) - inv(ALPHA))
-    te = te_mm(pair, contacts(pair, theta_2, flank="coast"))
-    if pair.eps_alpha > 1.05:
-        # The eccentricities add at most their sum, and 5 % for the steeper line of action.
-        assert np.max(np.abs(te - wedge)) < 1.05 * 0.05
-    else:
-        assert np.all(te > wedge - 0.06)

@@ -46,7 +46,8 @@ def tooth_polygons(flanks: Flanks, centre_lines: FloatArray) -> list[Polygon]:
     for k, valid in enumerate(shapely.is_valid(polygons)):
         if not valid:
             raise GeometryError(
-                f"tooth {k} crosses itself ({shapely.is_valid_reason(polygons[k])}); check its deviations' size and unit (um)"
+                f"tooth {k} crosses itself ({shapely.is_valid_reason(polygons[k])}); check its deviations' size and "
+                "unit (um)"
             )
     return polygons
 

@@ -28,7 +28,8 @@ class Rack:
     def __post_init__(self) -> None:
         if self.half_land < 0.0:
             raise GeometryError(
-                f"the cutting rack's tip round root_radius = {self.rho_fP:g} does not fit its tooth; at this pressure angle "
+                f"the cutting rack's tip round root_radius = {self.rho_fP:g} does not fit its tooth; at this pressure "
+                "angle "
                 f"and dedendum at most {self.rho_fP_max:.4f} would do"
             )
         if self.depth_round < -self.h_aP:

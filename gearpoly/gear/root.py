@@ -106,7 +106,8 @@ def form_point(gear: Gear) -> tuple[float, float, bool]:
         l_form = gear.roll_length(float(fillet_point(gear, np.array(gamma))[0]))
     if l_form >= gear.l_a:
         raise GeometryError(
-            f"z = {gear.z}, x = {gear.x:g}: the root fillet reaches the tip, so no involute is left; such a gear cannot be cut"
+            f"z = {gear.z}, x = {gear.x:g}: the root fillet reaches the tip, so no involute is left; such a gear "
+            "cannot be cut"
         )
     return gamma, l_form, l_tangent < 0.0
 

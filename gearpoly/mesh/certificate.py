@@ -56,7 +56,8 @@ def certify(m: Meeting, jobs: Jobs) -> BoolArray:
     if np.any(failed):
         worst = int(np.argmax(failed))
         raise NotConvergedError(
-            f"contact of turning tooth {jobs.turning[worst]} with fixed tooth {jobs.fixed[worst]} could not be certified; "
+            f"contact of turning tooth {jobs.turning[worst]} with fixed tooth {jobs.fixed[worst]} could not be "
+            "certified; "
             "the outlines may cross themselves"
         )
     return repaired

@@ -93,7 +93,8 @@ def loaded(
     worst = int(np.argmax(phi))
     if phi[worst] * pair.r_b1 > SMALL * pair.driving.gear.m:
         raise OutOfRangeError(
-            f"torque {torque / NM:g} N.m bends the teeth by {phi[worst] * pair.r_b1 / UM:.0f} um, more than {SMALL:.0%} of the "
+            f"torque {torque / NM:g} N.m bends the teeth by {phi[worst] * pair.r_b1 / UM:.0f} um, more than "
+            f"{SMALL:.0%} of the "
             "module; small deflections no longer hold, so lower the torque or widen the faces"
         )
     _, slope = compliance.contact(np.maximum(force, LEAST_LOAD * torque / pair.r_b2), problem.point)

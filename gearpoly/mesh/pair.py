@@ -41,7 +41,8 @@ def working_pressure_angle(gear_1: Gear, gear_2: Gear) -> float:
     value = inv(alpha) + 2.0 * math.tan(alpha) * (gear_1.x + gear_2.x) / (gear_1.z + gear_2.z)
     if value <= 0.0:
         raise GeometryError(
-            f"profile_shift {gear_1.x:g} and {gear_2.x:g}: their sum is so negative that the gears cannot mesh without backlash"
+            f"profile_shift {gear_1.x:g} and {gear_2.x:g}: their sum is so negative that the gears cannot mesh "
+            "without backlash"
         )
     return inv_inverse(value)
 
@@ -126,7 +127,8 @@ class GearPair:
         # Both eccentricities at their worst must still leave the tips overlapping.
         if self.a + self.driving.eccentricity[0] + self.driven.eccentricity[0] >= reach:
             raise GeometryError(
-                f"centre_distance_mm = {self.a:g}: the gears cannot reach each other; their tip circles end at {reach:.3f} mm"
+                f"centre_distance_mm = {self.a:g}: the gears cannot reach each other; their tip circles end at "
+                f"{reach:.3f} mm"
             )
         for gear, mate, name in ((gear_1, gear_2, "driving"), (gear_2, gear_1, "driven")):
             room = self.a - self.driving.eccentricity[0] - self.driven.eccentricity[0] - gear.r_a - mate.r_f

@@ -40,7 +40,8 @@ def print_summary(
         ("flank", f"{simulation.flank}, {load_words(simulation)}, {figures['positions']} positions of the driven gear"),
         (
             "transmission error",
-            f"TEpp {figures['te_pp_um']:.4f} um = {figures['te_pp_urad']:.3f} urad = {figures['te_pp_arcmin']:.4f} arcmin, "
+            f"TEpp {figures['te_pp_um']:.4f} um = {figures['te_pp_urad']:.3f} urad = "
+            f"{figures['te_pp_arcmin']:.4f} arcmin, "
             f"mean {figures['te_mean_um']:.4f} um",
         ),
         (
@@ -60,7 +61,8 @@ def print_summary(
         ("tip corners", f"touch in {figures['corner_contacts']} contacts"),
         (
             "exactness",
-            f"{figures['certified']} contacts certified to 2.5e-13 rad, {figures['repaired']} of them solved again on whole flanks; "
+            f"{figures['certified']} contacts certified to 2.5e-13 rad, {figures['repaired']} of them solved "
+            "again on whole flanks; "
             f"chords let TE lag by at most {1e3 * figures['chord_noise_um']:.3f} nm",
         ),
     ]
@@ -71,7 +73,8 @@ def print_summary(
                 "under load",
                 f"mean deflection {figures['deflection_mean_um']:.3f} um, mean mesh stiffness "
                 f"{figures['mesh_stiffness_mean_n_per_um']:.1f} N/um = "
-                f"{figures['mesh_stiffness_per_width_n_per_mm_um']:.2f} N/(mm um), largest share {figures['share_largest']:.3f}",
+                f"{figures['mesh_stiffness_per_width_n_per_mm_um']:.2f} N/(mm um), largest share "
+                f"{figures['share_largest']:.3f}",
             ),
         )
     if "drawn" in simulation.assembled.origin:

@@ -1,0 +1,47 @@
+# Everything on a fresh machine that has Python (3.11 or later, with venv) and make.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# A processor count for the tests; numba and BLAS stay on one thread each so that workers do not crowd each other.
+JOBS ?= auto
+export OMP_NUM_THREADS = 1
+export OPENBLAS_NUM_THREADS = 1
+
+.PHONY: run test test-slow lint bench paper clean
+
+run: $(VENV)/.core
+	mkdir -p out
+	$(BIN)/gearpoly simulate data/pairs/ottewill_18_18.toml --csv out/ottewill_18_18.csv --json out/ottewill_18_18.json --plot out/ottewill_18_18.png
+	$(BIN)/gearpoly simulate data/pairs/paper_18_25.toml --turns 1 --csv out/paper_18_25.csv --plot out/paper_18_25.png
+
+test: lint
+	$(BIN)/pytest -n $(JOBS) -m "not slow"
+
+test-slow: $(VENV)/.test
+	$(BIN)/pytest -n $(JOBS) -m slow
+
+lint: $(VENV)/.test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(VENV)/.test
+	$(BIN)/python -m benchmarks.contact_kernel
+	$(BIN)/python -m benchmarks.fast_path
+	$(BIN)/python -m benchmarks.convergence
+
+paper: $(VENV)/.core
+	$(BIN)/python -m gearpoly.studies.paper --out docs
+
+$(VENV)/.core: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+$(VENV)/.test: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) out .pytest_cache .mypy_cache .ruff_cache .hypothesis
