@@ -1,4 +1,4 @@
-"""The contact kernel on raw bodies, which it is to know nothing else about: closed forms, symmetries, planted faults."""
+"""The contact kernel on raw bodies, which is all that it knows: closed forms, symmetries, planted faults."""
 
 from __future__ import annotations
 

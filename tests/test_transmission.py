@@ -461,5 +461,5 @@ def test_a_jam_says_where() -> None:
 def test_gears_apart_and_gears_too_near_are_refused() -> None:
     with pytest.raises(GeometryError, match="cannot reach each other"):
         make(a=47.1)
-    with pytest.raises(GeometryError, match="cuts .* into its mate's root"):
+    with pytest.raises(GeometryError, match=r"cuts .* into its mate's root"):
         make(a=42.4)

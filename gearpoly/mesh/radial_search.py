@@ -118,35 +118,37 @@ def blocks(faces: FloatArray) -> FloatArray:
 
 
 @compiled
-def _bound(mine: FloatArray, mate: FloatArray, at: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Lower bound of the sine of the gap between a turning block ``mine`` and a fixed block ``mate`` (rows of
-    ``blocks``), and the squared radii in mm^2 that both can share.
+def _bound(
+    mine: FloatArray, b: int, mates: FloatArray, c: int, at: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """Lower bound of the sine of the gap between block ``b`` of a turning and ``c`` of a fixed face, and the squared
+    radii in mm^2 that both can share; ``mine``, ``mates`` (2^k, 8) as of ``blocks``.
 
     ``at``: the turning axis in the fixed body's frame (x, y) in mm, then cosine and sine of the turn from that frame
     into the turning body's.
     """
     ox, oy, wx, wy = at
-    ux, uy = mate[0], mate[1]
+    ux, uy = mates[c, 0], mates[c, 1]
     along, off = ux * ox + uy * oy, ux * oy - uy * ox
-    a, b = mate[4] - along, mate[5] - along
-    c, p = mate[2] - off, mate[3] - off
-    near_a = a if a > 0.0 else (-b if b < 0.0 else 0.0)
-    near_p = c if c > 0.0 else (-p if p < 0.0 else 0.0)
-    low = max(mine[6], near_a * near_a + near_p * near_p)
-    high = min(mine[7], max(a * a, b * b) + max(c * c, p * p))
+    start, end = mates[c, 4] - along, mates[c, 5] - along
+    right, left = mates[c, 2] - off, mates[c, 3] - off
+    near_along = max(start, -end, 0.0)
+    near_off = max(right, -left, 0.0)
+    low = max(mine[b, 6], near_along * near_along + near_off * near_off)
+    high = min(mine[b, 7], max(start * start, end * end) + max(right * right, left * left))
     if low > high:
         return _NONE, low, high
-    q = mine[3]
-    if a + b >= 0.0 or mine[4] + mine[5] <= 0.0 or low <= p * p or low <= q * q:
+    my_left = mine[b, 3]
+    if start + end >= 0.0 or mine[b, 4] + mine[b, 5] <= 0.0 or low <= left * left or low <= my_left * my_left:
         return _OPEN, low, high
     # The mate's chord, seen along the turning block's.
     vx, vy = wx * ux - wy * uy, wx * uy + wy * ux
-    ex, ey = vx * mine[0] + vy * mine[1], vy * mine[0] - vx * mine[1]
+    ex, ey = vx * mine[b, 0] + vy * mine[b, 1], vy * mine[b, 0] - vx * mine[b, 1]
     least = _NONE
     for k in range(2):
         r2 = low if k == 0 else high
-        s, t = math.sqrt(r2 - q * q), -math.sqrt(r2 - p * p)
-        real, imag = s * t + p * q, p * s - t * q
+        s, t = math.sqrt(r2 - my_left * my_left), -math.sqrt(r2 - left * left)
+        real, imag = s * t + left * my_left, left * s - t * my_left
         if ex * real - ey * imag <= 0.0:
             return _OPEN, low, high
         least = min(least, (ex * imag + ey * real) / r2)
@@ -239,7 +241,7 @@ def _pair(
     found = False
     leaves, mate_leaves = mine.shape[0] // 2, mates.shape[0] // 2
     edges, mate_edges = face.shape[0] - 1, mate_face.shape[0] - 1
-    bounds[0], low, high = _bound(mine[1], mates[1], at)
+    bounds[0], low, high = _bound(mine, 1, mates, 1, at)
     stack[0, 0], stack[0, 1] = 1, 1
     size = 1
     while size > 0:
@@ -248,7 +250,7 @@ def _pair(
             continue
         b, c = stack[size, 0], stack[size, 1]
         if b >= leaves and c >= mate_leaves:
-            _, low, high = _bound(mine[b], mates[c], at)
+            _, low, high = _bound(mine, b, mates, c, at)
             b, c = b - leaves, c - mate_leaves
             n = _run(face, b * edges // leaves, (b + 1) * edges // leaves, still, runs[0])
             m = _run(mate_face, c * mate_edges // mate_leaves, (c + 1) * mate_edges // mate_leaves, at, runs[1])
@@ -261,11 +263,11 @@ def _pair(
         # Halve the longer block; look into the half with the smaller bound first.
         halve_mine = c >= mate_leaves or (b < leaves and mine[b, 5] - mine[b, 4] >= mates[c, 5] - mates[c, 4])
         if halve_mine:
-            first, _, _ = _bound(mine[2 * b], mates[c], at)
-            second, _, _ = _bound(mine[2 * b + 1], mates[c], at)
+            first, _, _ = _bound(mine, 2 * b, mates, c, at)
+            second, _, _ = _bound(mine, 2 * b + 1, mates, c, at)
         else:
-            first, _, _ = _bound(mine[b], mates[2 * c], at)
-            second, _, _ = _bound(mine[b], mates[2 * c + 1], at)
+            first, _, _ = _bound(mine, b, mates, 2 * c, at)
+            second, _, _ = _bound(mine, b, mates, 2 * c + 1, at)
         for k in range(2):
             half = k if first >= second else 1 - k  # the last one pushed is the next one seen
             value = first if half == 0 else second

@@ -191,8 +191,8 @@ def both_flanks(
         teeth = [int(f.driving[np.searchsorted(f.position, worst)]) for f in (drive, coast)]
         mates = [int(f.driven[np.searchsorted(f.position, worst)]) for f in (drive, coast)]
         raise JammedError(
-            f"the gears jam: at driven angle {theta_2[worst] / DEG:.3f} deg the teeth overlap by {-j_bn[worst] / "
-            "UM:.3f} um "
+            f"the gears jam: at driven angle {theta_2[worst] / DEG:.3f} deg the teeth overlap by "
+            f"{-j_bn[worst] / UM:.3f} um "
             f"(drive flank: driving tooth {teeth[0]} on driven {mates[0]}; coast flank: {teeth[1]} on {mates[1]}); "
             "thin the teeth (tooth_thickness_um, E_sns_um) or enlarge centre_distance_mm"
         )
