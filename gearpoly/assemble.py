@@ -39,7 +39,7 @@ from gearpoly.units import DEG, GPA, UM, FloatArray, read_only
 NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Assembled:
     """A pair made from a file: ``pair`` itself, how each gear came by its deviations ("ideal", "inspected" or
     "drawn"), and what bends: None where teeth stay rigid.

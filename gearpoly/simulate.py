@@ -21,10 +21,12 @@ from gearpoly.mesh.transmission import (
     FlankContacts,
     Progress,
     both_flanks,
+    contacts,
+    mean_count,
     mean_pairs,
 )
 from gearpoly.recording.recording import Recording
-from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, FloatArray, IntArray
+from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, BoolArray, FloatArray, IntArray
 
 POINTS_PER_MESH = 40
 """Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
@@ -54,18 +56,17 @@ def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArra
     def forward(angle: FloatArray, zero: float | None, direction: int, name: str) -> FloatArray:
         if zero is None:
             remarks.append(
-                f"{name}_zero_deg is not stated: taken as 0, so teeth are numbered from the encoder's own zero"
+                f"{name}_zero_deg is not stated: taken as 0, so teeth are numbered from the encoder's own zero "
+                "(compare finds it)"
             )
         return direction * (np.unwrap(angle) - (zero or 0.0))
 
     if recording.driven_angle_rad is not None:
         keep = np.isfinite(recording.driven_angle_rad)
         theta_2 = forward(
-            recording.driven_angle_rad[keep],
-            recording.driven_zero_rad,
-            recording.driven_direction,
-            "driven",
+            recording.driven_angle_rad[keep], recording.driven_zero_rad, recording.driven_direction, "driven"
         )
+        theta_2 = theta_2 + _driven_turns(pair, recording, theta_2, keep)
     else:
         assert recording.driving_angle_rad is not None  # a Recording has one of the two
         te = recording.te_rad if recording.te_mm is None else recording.te_mm / pair.r_b2
@@ -86,6 +87,24 @@ def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArra
     return theta_2, remarks
 
 
+def _driven_turns(pair: GearPair, recording: Recording, theta_2: FloatArray, keep: BoolArray) -> float:
+    """Whole driven turns in rad to add to ``theta_2``, since an encoder does not say which turn of the hunting cycle
+    it is on.
+
+    The turn decides which driving tooth meets, and the driving encoder tells; without its reading and both zeros it
+    stays open.
+    """
+    if recording.driving_angle_rad is None or recording.driving_zero_rad is None or recording.driven_zero_rad is None:
+        return 0.0
+    reading = recording.driving_angle_rad[keep]
+    both = np.isfinite(reading)
+    theta_1 = recording.driving_direction * (np.unwrap(reading[both]) - recording.driving_zero_rad)
+    ahead = float(np.median(theta_1 - theta_2[both] / pair.ratio))
+    turns = np.arange(pair.driving.gear.z)
+    apart = (ahead - 2.0 * np.pi * turns / pair.ratio + np.pi) % (2.0 * np.pi) - np.pi
+    return 2.0 * np.pi * float(turns[np.argmin(np.abs(apart))])
+
+
 def recorded_torque(recording: Recording, *, default: float) -> float:
     """Torque in N.m of a recording: as stated, else the mean of its torque column, else ``default``."""
     if recording.torque_nm is not None:
@@ -95,7 +114,7 @@ def recorded_torque(recording: Recording, *, default: float) -> float:
     return default
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Simulation:
     """One run of one pair: contacts of both flanks at the same driven rotations, seen on ``flank``, and its ``load``
     if any.
@@ -107,6 +126,7 @@ class Simulation:
     flank: Flank
     backlash: Backlash
     load: LoadedContacts | None
+    torque: float
     contact_ratio: float | None
     seed: int
 
@@ -124,6 +144,11 @@ class Simulation:
     def te(self) -> FloatArray:
         """Transmission error (N,) in rad, loaded where there is load."""
         return self.contacts.te if self.load is None else self.load.te
+
+    @property
+    def touches(self) -> BoolArray:
+        """Which contact rows touch, or carry where there is load."""
+        return self.contacts.touching if self.load is None else self.load.force > 0.0
 
     @property
     def pairs(self) -> IntArray:
@@ -159,7 +184,7 @@ class Simulation:
         te, pair, found = self.te, self.pair, self.contacts
         te_pp = float(np.ptp(te))
         j_bn = self.backlash.j_bn
-        corners = found.touching & (found.feature != int(Feature.FLANK))
+        corners = self.touches & (found.feature != int(Feature.FLANK))
         return {
             "positions": int(te.size),
             "te_pp_um": te_pp * pair.r_b2 / UM,
@@ -180,10 +205,10 @@ class Simulation:
     def _load_summary(self) -> dict[str, Any]:
         load = self.load
         if load is None:
-            return {"torque_nm": 0.0}
+            return {"torque_nm": self.torque / NM}
         b = self.pair.common_face_width
         return {
-            "torque_nm": load.torque / NM,
+            "torque_nm": self.torque / NM,
             "mesh_stiffness_mean_n_per_um": float(np.mean(load.stiffness)) * UM,
             "mesh_stiffness_per_width_n_per_mm_um": float(np.mean(load.stiffness)) * UM / b,
             "deflection_mean_um": float(np.mean(load.approach)) / UM,
@@ -217,9 +242,21 @@ def simulate(
     found = backlash.drive if flank == "drive" else backlash.coast
     load = None if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing)
     ratio = None
-    if evenly:
-        ratio = mean_pairs(pair, found) if load is None else load.mean_pairs
-    return Simulation(assembled=assembled, flank=flank, backlash=backlash, load=load, contact_ratio=ratio, seed=seed)
+    if evenly and compliance is None:
+        ratio = mean_pairs(pair, found)
+    elif evenly and compliance is not None and load is not None:
+        bending = compliance
+
+        def carrying(theta: FloatArray) -> IntArray:
+            return loaded(
+                contacts(pair, theta, flank=flank, near=near), bending, torque=torque, sharing=assembled.sharing
+            ).pairs
+
+        # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.
+        ratio = mean_count(pair, theta_2, load.pairs, carrying, resolution=2e-3)
+    return Simulation(
+        assembled=assembled, flank=flank, backlash=backlash, load=load, torque=torque, contact_ratio=ratio, seed=seed
+    )
 
 
 YIELD = 700.0
@@ -238,9 +275,8 @@ def strength_remarks(simulation: Simulation) -> list[str]:
         return []
     force, pair = float(np.max(load.force)), simulation.pair
     worst, gear = max(
-        (6.0 * force * height / (pair.common_face_width * thickness**2), name)
+        (force / pair.common_face_width * mounted.flanks.root_leverage(), name)
         for name, mounted in (("driving", pair.driving), ("driven", pair.driven))
-        for height, thickness in [mounted.flanks.root_section()]
     )
     if worst <= YIELD:
         return []
@@ -285,7 +321,7 @@ def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, ob
             "position": found.position.tolist(),
             "driving_tooth": found.driving.tolist(),
             "driven_tooth": found.driven.tolist(),
-            "touches": found.touching.tolist(),
+            "touches": simulation.touches.tolist(),
             "gap_um": (found.gap / UM).tolist(),
             "point_mm": found.point.tolist(),
             "normal": found.normal.tolist(),

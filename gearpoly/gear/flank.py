@@ -29,7 +29,7 @@ SOLVE_TOLERANCE = 1e-15
 mm."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Flanks:
     """Both sides of all teeth, root to tip, each in its own tooth's frame (centre line at angle 0).
 
@@ -57,13 +57,17 @@ class Flanks:
         """Coast flanks as points (z, n, 2) in mm in each tooth's frame."""
         return _points(self.r, -self.psi_coast)
 
-    def root_section(self) -> tuple[float, float]:
-        """Height in mm from the root circle to the tip, and the least tooth thickness in mm there and above it in the
-        fillet."""
+    def root_leverage(self) -> float:
+        """The greatest 6 h / s^2 in 1/mm over the sections of all tooth roots, h from the section to the tip, s its
+        thickness.
+
+        Times force over face width it is the nominal bending stress of a beam under a transverse load at its tip
+        (Lewis 1892).
+        """
         fillet = slice(0, self.root.n)
-        half = 0.5 * (self.psi_drive[:, fillet] + self.psi_coast[:, fillet])
-        thickness = 2.0 * self.r[fillet] * np.sin(np.minimum(half, 0.5 * np.pi))
-        return self.gear.r_a - self.gear.r_f, float(np.min(thickness))
+        half = np.minimum(0.5 * (self.psi_drive[:, fillet] + self.psi_coast[:, fillet]), 0.5 * np.pi)
+        height = self.gear.r_a - self.r[fillet] * np.cos(half)
+        return float(np.max(6.0 * height / (2.0 * self.r[fillet] * np.sin(half)) ** 2))
 
 
 def _points(r: FloatArray, angle: FloatArray) -> FloatArray:

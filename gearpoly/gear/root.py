@@ -28,7 +28,7 @@ HIDDEN = 1e-14
 cross."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Root:
     """One side of a tooth root, from the middle of the tooth space up to the true form circle.
 

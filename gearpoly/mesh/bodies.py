@@ -44,7 +44,7 @@ def lines(points: ComplexArray) -> Geometries:
     return np.asarray(shapely.linestrings(coordinates(points)), dtype=object)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Body:
     """The faces that one body shows to the other, in the body's own frame with its axis of rotation at the origin.
 
@@ -130,7 +130,7 @@ class Body:
         return np.asarray(tangents / np.abs(tangents))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Meeting:
     """Two bodies that face each other: ``turning`` about the origin, ``fixed`` about (``a``, 0) in mm."""
 

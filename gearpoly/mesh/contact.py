@@ -38,7 +38,7 @@ CHUNK = 384
 cache."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Closings:
     """Certified closing rotations, one row per pose and near pair, sorted by pose and then by rotation.
 

@@ -33,7 +33,7 @@ class Elasticity:
     contact: str = "palmgren"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ToothTable:
     """Compliance ``c`` (z, k) in mm/N along the line of action of all teeth at radii ``r`` (k,) in mm, evenly
     spaced."""
@@ -51,7 +51,7 @@ class ToothTable:
         return c
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PairCompliance:
     """Compliance of every tooth of a pair on one flank and the law of its contacts, over the common face width ``b``
     in mm."""

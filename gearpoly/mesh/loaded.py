@@ -3,7 +3,9 @@
 Every near pair closes at its own rotation. Turned on by phi from the first touch, pair i is pressed together by
 lever_i (phi - phi_i) along its normal, and gives c_i W_i in its teeth and h(W_i) in its contact. Equilibrium: only
 pressed pairs carry, and their moments about the driven axis balance the torque. The study's own procedure (Liu et al.
-2020, Eqs. 17-21) adds pairs one by one as they come into touch and never lets one go.
+2020, Eqs. 17-21) adds pairs as a turn reaches them and never lets one go, so that with three near pairs one may pull.
+Each pair's point is that of its own closing; the teeth's compliance changes by less than 0.3 % while they give (18/25
+at 120 N.m).
 """
 
 from __future__ import annotations
@@ -33,14 +35,13 @@ SMALL = 0.05
 moved."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LoadedContacts:
     """The pair under one torque at the positions of its unloaded contacts (N positions, rows as in ``FlankContacts``).
 
     ``te`` (N,) loaded transmission error in rad; ``approach`` (N,) how far the driving gear turned on along the line of
     action, mm; ``force`` (rows,) normal force in N, 0 where a pair does not touch; ``share`` (rows,) of the force sum;
-    ``pairs`` (N,) touching pairs and ``mean_pairs`` their mean, contact beginning and ending between positions by
-    interpolation; ``stiffness`` (N,) tangent mesh stiffness in N/mm along the line of action.
+    ``pairs`` (N,) touching pairs; ``stiffness`` (N,) tangent mesh stiffness in N/mm along the line of action.
     """
 
     contacts: FlankContacts
@@ -50,8 +51,13 @@ class LoadedContacts:
     force: FloatArray
     share: FloatArray
     pairs: IntArray
-    mean_pairs: float
     stiffness: FloatArray
+
+    @property
+    def mean_pairs(self) -> float:
+        """Mean of the counts at these positions; ``transmission.mean_count`` places begin and end of touch between
+        them."""
+        return float(np.mean(self.pairs))
 
 
 def load_reach(compliance: PairCompliance, torque: float) -> float:
@@ -72,9 +78,9 @@ def loaded(
     The contacts must hold every pair that closes within ``load_reach``. Raises ``OutOfRangeError`` for a negative
     torque or deflections that are no longer small, ``NotConvergedError`` where forces do not settle.
     """
-    if not torque >= 0.0:
+    if not 0.0 <= torque < np.inf:
         raise OutOfRangeError(
-            f"torque {torque / NM:g} N.m: a torque is a magnitude, 0 or more; the flank says which way"
+            f"torque {torque / NM:g} N.m: a torque is a finite magnitude, 0 or more; the flank says which way"
         )
     pair = compliance.pair
     grid = _Grid.of(contacts)
@@ -97,8 +103,14 @@ def loaded(
             f"{SMALL:.0%} of the "
             "module; small deflections no longer hold, so lower the torque or widen the faces"
         )
+    if torque > 0.0 and phi[worst] * pair.r_b1 > contacts.near:
+        raise OutOfRangeError(
+            f"pairs were looked for within {contacts.near / UM:.1f} um of the first touch, but "
+            f"torque {torque / NM:g} N.m closes "
+            f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near=load_reach(...)"
+        )
     _, slope = compliance.contact(np.maximum(force, LEAST_LOAD * torque / pair.r_b2), problem.point)
-    touches = force > 0.0
+    touches = force != 0.0
     tangent = np.where(touches, problem.lever_1 * problem.lever_2 / (problem.teeth + slope), 0.0)
     sense = 1.0 if contacts.flank == "drive" else -1.0
     rows = force[grid.position, grid.place]
@@ -111,7 +123,6 @@ def loaded(
         force=rows,
         share=rows / np.where(total > 0.0, total, 1.0)[grid.position],
         pairs=contacts.pairs if torque == 0.0 else np.count_nonzero(touches, axis=1),
-        mean_pairs=_mean_touching(contacts, grid, problem, phi, z_2=pair.driven.gear.z),
         stiffness=np.sum(tangent, axis=1) / (pair.r_b1 * pair.r_b2),
     )
 
@@ -184,39 +195,13 @@ def _turn(problem: _Problem, k: FloatArray, *, keep: bool) -> tuple[FloatArray, 
     closing = np.where(np.isfinite(problem.closing), problem.closing, 0.0)
     phi = (problem.torque + np.cumsum(weight * closing, axis=1)) / np.cumsum(weight, axis=1)
     following = np.concatenate((problem.closing[:, 1:], np.full((phi.shape[0], 1), np.inf)), axis=1)
+    m = np.zeros(phi.shape[0], dtype=np.int64)
     if keep:
-        # One after another: each pair that the turn so far has reached joins, and none leaves.
-        reached = np.logical_and.accumulate(following < phi, axis=1)
-        m = np.count_nonzero(reached, axis=1)
+        # Each turn brings in every pair that it reaches, and none leaves when the others' help makes the turn smaller.
+        for _ in range(phi.shape[1]):
+            turn = phi[np.arange(phi.shape[0]), m]
+            m = np.maximum(m, np.count_nonzero(problem.closing < turn[:, None], axis=1) - 1)
     else:
         m = np.argmax(phi <= following, axis=1)
     touches = np.arange(phi.shape[1]) <= m[:, None]
     return phi[np.arange(phi.shape[0]), m], touches & np.isfinite(problem.closing)
-
-
-def _mean_touching(contacts: FlankContacts, grid: _Grid, problem: _Problem, phi: FloatArray, *, z_2: int) -> float:
-    """Mean number of touching pairs over evenly spaced positions; begin and end of touch between positions by
-    straight lines.
-
-    Without load the counts themselves are averaged, since there pairs touch or not within the chords' resolution
-    only.
-    """
-    if problem.torque == 0.0 or contacts.theta_2.size < 2:
-        return float(np.mean(contacts.pairs))
-    margin = (phi[:, None] - problem.closing)[grid.position, grid.place]
-    # The same pair of teeth at the next position: one key per position and driven tooth.
-    key = contacts.position * z_2 + contacts.driven
-    order = np.argsort(key, kind="stable")
-    after = ((contacts.position + 1) % contacts.theta_2.size) * z_2 + contacts.driven
-    at = np.minimum(np.searchsorted(key[order], after), key.size - 1)
-    found = key[order][at] == after
-    # A pair that is not near at one end of a step was far from touching there.
-    following = np.where(found, margin[order][at], -np.abs(margin))
-    change = margin - following
-    share = np.where(
-        (margin > 0.0) == (following > 0.0),
-        (margin > 0.0).astype(float),
-        np.divide(np.maximum(margin, following), np.abs(change), out=np.zeros_like(margin), where=change != 0.0),
-    )
-    begun = ~np.isin(key, after) & (margin > 0.0)
-    return float(np.sum(share) + 0.5 * np.count_nonzero(begun)) / contacts.theta_2.size

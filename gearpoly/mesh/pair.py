@@ -60,7 +60,7 @@ def active_start(gear: Gear, mate: Gear, *, l_form: float) -> float:
     return max(l_form, path - mate.l_a)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Mounted:
     """One drawn gear on its axis of rotation.
 
@@ -110,7 +110,7 @@ class Mounted:
         return body if flank == "drive" else mirrored(body)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GearPair:
     """A driving and a driven gear at centre distance ``a`` (mm).
 

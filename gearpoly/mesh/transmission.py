@@ -7,6 +7,7 @@ coast flank.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,7 +34,7 @@ def _no_progress(done: int) -> None:
     """Nobody watches."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FlankContacts:
     """Contacts of all near pairs of one flank, one row each, sorted by position and then by closing.
 
@@ -58,6 +59,7 @@ class FlankContacts:
     touching: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     pairs: IntArray
     repaired: int
+    near: float = math.inf
 
 
 def contacts(
@@ -113,6 +115,7 @@ def contacts(
         touching=touching,
         pairs=pairs,
         repaired=int(np.count_nonzero(rows.repaired)),
+        near=near,
     )
 
 
@@ -142,30 +145,46 @@ def _touching(
     return touching, np.bincount(rows.pose[touching], minlength=positions)
 
 
-def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4) -> float:
-    """Mean number of touching pairs over uniformly spaced positions, that is, the contact ratio of the pair as it is.
+def mean_count(
+    pair: GearPair,
+    theta_2: FloatArray,
+    counts: IntArray,
+    count_at: Callable[[FloatArray], IntArray],
+    *,
+    resolution: float,
+) -> float:
+    """Mean of a number of touching pairs over driven rotations: the contact ratio of the pair as it is.
 
-    Where the count changes from one position to the next, the change is located by halving to ``resolution`` of a
-    pitch, all at once, so that the mean does not depend on how the sampling falls on the mesh.
+    ``counts`` (N,) at evenly spaced ``theta_2`` (N,) in rad. Where the count changes from one position to the next,
+    ``count_at`` locates the change by halving to ``resolution`` of a pitch, all at once, so that the mean does not
+    depend on how the sampling falls on the mesh. A run over the whole hunting cycle closes on itself.
     """
-    if found.theta_2.size < 2:
-        return float(np.mean(found.pairs))
-    step = found.theta_2[1] - found.theta_2[0]
-    changes = np.flatnonzero(np.diff(found.pairs))
-    low, width = found.theta_2[changes], step
-    count_low, count_high = found.pairs[changes], found.pairs[changes + 1]
+    if theta_2.size < 2:
+        return float(np.mean(counts))
+    step = float(theta_2[1] - theta_2[0])
+    # The last position stands for a step too; where it ends, the count is asked for.
+    following = np.append(counts[1:], count_at(theta_2[-1:] + step))
+    changes = np.flatnonzero(counts != following)
+    low, width = theta_2[changes], step
     while changes.size and width > resolution * pair.driven.gear.tau:
         width *= 0.5
-        middle = contacts(pair, low + width, flank=found.flank).pairs
-        low = np.where(middle == count_low, low + width, low)
-    share = (low + 0.5 * width - found.theta_2[changes]) / step
-    # The last sample's step closes the cycle on the first.
-    between = 0.5 * (found.pairs + np.roll(found.pairs, -1))
-    between[changes] = share * count_low + (1.0 - share) * count_high
+        low = np.where(count_at(low + width) == counts[changes], low + width, low)
+    share = (low + 0.5 * width - theta_2[changes]) / step
+    between = counts.astype(np.float64)
+    between[changes] = share * counts[changes] + (1.0 - share) * following[changes]
     return float(np.mean(between))
 
 
-@dataclass(frozen=True, kw_only=True)
+def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4) -> float:
+    """Unloaded contact ratio over evenly spaced positions, changes located to ``resolution`` of a pitch."""
+
+    def count_at(theta_2: FloatArray) -> IntArray:
+        return contacts(pair, theta_2, flank=found.flank).pairs
+
+    return mean_count(pair, found.theta_2, found.pairs, count_at, resolution=resolution)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Backlash:
     """Lost motion of a pair: ``j_bn`` (N,) normal backlash in mm at each driven rotation of ``drive`` and ``coast``
     contacts."""

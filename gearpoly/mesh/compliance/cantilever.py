@@ -20,8 +20,11 @@ WIDE = 5.0
 
 
 def is_wide(section: ToothSection, blank: Blank) -> BoolArray:
-    """Which teeth are in plane strain, (z, 1)."""
-    return (blank.b / section.H_p > WIDE)[:, None]
+    """Whether the gear is in plane strain, (1, 1): one answer for all its teeth, by their mean thickness.
+
+    Judged tooth by tooth, a thinner tooth near the limit would count as wide and come out stiffer than its neighbours.
+    """
+    return np.full((1, 1), blank.b / float(np.mean(section.H_p)) > WIDE)
 
 
 def foundation(
