@@ -39,12 +39,10 @@ def closing_rotations_fast(
     The turning teeth must stand a pitch apart to about a tenth, and no face may span more than a quarter turn about
     the turning axis. Derived here.
     """
-    from gearpoly.mesh.radial_search import blocks, search
+    from gearpoly.mesh.radial_search import search
 
-    faces = [np.ascontiguousarray(body.faces, dtype=np.float64) for body in (turning, fixed)]
-    poses, guesses = (np.ascontiguousarray(angles, dtype=np.float64) for angles in (poses, guesses))
     teeth, values, vertex = search(
-        faces[0], blocks(faces[0]), faces[1], blocks(faces[1]), float(axis_distance), poses, guesses, float(near)
+        turning.faces, fixed.faces, axis_distance=axis_distance, poses=poses, guesses=guesses, near=near
     )
     pose, mine, mate = (np.ascontiguousarray(column) for column in teeth.T)
     rotation = values[:, 0].copy()

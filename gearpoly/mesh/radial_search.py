@@ -15,6 +15,9 @@ more than a quarter turn off) are split without judgement. Halving blocks ends a
 is tried. What is pruned cannot hold a smaller gap, however rough the faces are: no step assumes that they are smooth.
 
 Gaps are compared by their sines, which rise with them within a quarter turn.
+
+All compiled code stands in this one file: numba keeps what it compiled until a function's own file changes, and would
+not notice a change in another.
 """
 
 from __future__ import annotations
@@ -53,15 +56,26 @@ ROUNDING = 1e-13
 _NONE, _OPEN = 2.0, -2.0  # beyond any sine: no common radius; nothing can be said
 _UNIT, _OFF, _ALONG, _RADII = 0, 2, 4, 6  # where a block's chord, offsets, extents and squared radii stand in its row
 _ROW = 8
-_STACK = 256  # halvings of both faces times children kept; 2^60 edges would not fill it
+_SORTED = 192  # block pairs in store up to which they stand in the order of their bounds; beyond, the newest is next
+_STORE = 256  # more than _SORTED by the 62 halvings that two faces of 2^31 blocks could take
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """``function`` compiled by numba at its first call, and kept on disk where there is a place to keep it."""
+    return _compiled(function, inline=False)
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """As ``compiled``, put in the place of its calls: a quarter of a search is calls of ``_bound`` otherwise."""
+    return _compiled(function, inline=True)
+
+
+def _compiled(function: Callable[P, R], *, inline: bool) -> Callable[P, R]:
     try:
-        return cast("Callable[P, R]", njit(cache=True, nogil=True)(function))
-    except RuntimeError:  # neither the package's folder nor the user's is writable
-        return cast("Callable[P, R]", njit(nogil=True)(function))
+        made = njit(cache=True, nogil=True, forceinline=inline)(function)
+    except RuntimeError:  # numba's word for: neither the package's folder nor the user's is writable
+        made = njit(nogil=True, forceinline=inline)(function)
+    return cast("Callable[P, R]", made)
 
 
 @compiled
@@ -117,12 +131,10 @@ def blocks(faces: FloatArray) -> FloatArray:
     return out
 
 
-@compiled
-def _bound(
-    mine: FloatArray, b: int, mates: FloatArray, c: int, at: tuple[float, float, float, float]
-) -> tuple[float, float, float]:
-    """Lower bound of the sine of the gap between block ``b`` of a turning and ``c`` of a fixed face, and the squared
-    radii in mm^2 that both can share; ``mine``, ``mates`` (2^k, 8) as of ``blocks``.
+@inlined
+def _bound(mine: FloatArray, b: int, mates: FloatArray, c: int, at: tuple[float, float, float, float]) -> float:
+    """Lower bound of the sine of the gap between block ``b`` of a turning and ``c`` of a fixed face; ``mine``,
+    ``mates`` (2^k, 8) as of ``blocks``.
 
     ``at``: the turning axis in the fixed body's frame (x, y) in mm, then cosine and sine of the turn from that frame
     into the turning body's.
@@ -137,10 +149,10 @@ def _bound(
     low = max(mine[b, 6], near_along * near_along + near_off * near_off)
     high = min(mine[b, 7], max(start * start, end * end) + max(right * right, left * left))
     if low > high:
-        return _NONE, low, high
+        return _NONE
     my_left = mine[b, 3]
     if start + end >= 0.0 or mine[b, 4] + mine[b, 5] <= 0.0 or low <= left * left or low <= my_left * my_left:
-        return _OPEN, low, high
+        return _OPEN
     # The mate's chord, seen along the turning block's.
     vx, vy = wx * ux - wy * uy, wx * uy + wy * ux
     ex, ey = vx * mine[b, 0] + vy * mine[b, 1], vy * mine[b, 0] - vx * mine[b, 1]
@@ -150,9 +162,9 @@ def _bound(
         s, t = math.sqrt(r2 - my_left * my_left), -math.sqrt(r2 - left * left)
         real, imag = s * t + left * my_left, left * s - t * my_left
         if ex * real - ey * imag <= 0.0:
-            return _OPEN, low, high
+            return _OPEN
         least = min(least, (ex * imag + ey * real) / r2)
-    return least, low, high
+    return least
 
 
 @compiled
@@ -183,9 +195,7 @@ def _run(face: FloatArray, start: int, end: int, at: tuple[float, float, float, 
 
 
 @compiled
-def _try(
-    points: FloatArray, n: int, line: FloatArray, m: int, side: float, low: float, high: float, best: FloatArray
-) -> None:
+def _try(points: FloatArray, n: int, line: FloatArray, m: int, side: float, best: FloatArray) -> None:
     """Every one of ``points`` (n rows of ``_run``) against the point of ``line`` (m rows) at its radius; improves
     ``best``.
 
@@ -194,8 +204,6 @@ def _try(
     """
     for k in range(n):
         r2 = points[k, 2]
-        if r2 < low or r2 > high:
-            continue
         x, y = points[k, 0], points[k, 1]
         for l in range(m - 1):
             a2, b2 = line[l, 2], line[l + 1, 2]
@@ -241,50 +249,56 @@ def _pair(
     found = False
     leaves, mate_leaves = mine.shape[0] // 2, mates.shape[0] // 2
     edges, mate_edges = face.shape[0] - 1, mate_face.shape[0] - 1
-    bounds[0], low, high = _bound(mine, 1, mates, 1, at)
-    stack[0, 0], stack[0, 1] = 1, 1
+    bounds[0], stack[0, 0], stack[0, 1] = _OPEN, 1, 1
     size = 1
     while size > 0:
         size -= 1
+        b, c = stack[size, 0], stack[size, 1]
         if bounds[size] >= best[0]:
             continue
-        b, c = stack[size, 0], stack[size, 1]
         if b >= leaves and c >= mate_leaves:
-            _, low, high = _bound(mine, b, mates, c, at)
             b, c = b - leaves, c - mate_leaves
             n = _run(face, b * edges // leaves, (b + 1) * edges // leaves, still, runs[0])
             m = _run(mate_face, c * mate_edges // mate_leaves, (c + 1) * mate_edges // mate_leaves, at, runs[1])
-            _try(runs[0], n, runs[1], m, 1.0, low, high, best)
-            _try(runs[1], m, runs[0], n, -1.0, low, high, best)
+            _try(runs[0], n, runs[1], m, 1.0, best)
+            _try(runs[1], m, runs[0], n, -1.0, best)
             found = found or best[0] < limit
             if best[0] < passed:
                 return True
             continue
-        # Halve the longer block; look into the half with the smaller bound first.
+        # Halve the longer block.
         halve_mine = c >= mate_leaves or (b < leaves and mine[b, 5] - mine[b, 4] >= mates[c, 5] - mates[c, 4])
-        if halve_mine:
-            first, _, _ = _bound(mine, 2 * b, mates, c, at)
-            second, _, _ = _bound(mine, 2 * b + 1, mates, c, at)
-        else:
-            first, _, _ = _bound(mine, b, mates, 2 * c, at)
-            second, _, _ = _bound(mine, b, mates, 2 * c + 1, at)
         for k in range(2):
-            half = k if first >= second else 1 - k  # the last one pushed is the next one seen
-            value = first if half == 0 else second
-            if value < best[0]:
-                stack[size, 0] = 2 * b + half if halve_mine else b
-                stack[size, 1] = c if halve_mine else 2 * c + half
-                bounds[size] = value
-                size += 1
+            half = 2 * b + k if halve_mine else b
+            mate_half = c if halve_mine else 2 * c + k
+            value = _bound(mine, half, mates, mate_half, at)
+            if value >= best[0]:
+                continue
+            # The least bound goes on top, so that little is looked at that could have been pruned.
+            place = size
+            while size < _SORTED and place > 0 and bounds[place - 1] < value:
+                bounds[place] = bounds[place - 1]
+                stack[place, 0], stack[place, 1] = stack[place - 1, 0], stack[place - 1, 1]
+                place -= 1
+            bounds[place], stack[place, 0], stack[place, 1] = value, half, mate_half
+            size += 1
     return found
 
 
 @compiled
+def _longer(rows: FloatArray) -> FloatArray:
+    """The same rows with as much room again behind them."""
+    out = np.empty((2 * rows.shape[0], rows.shape[1]))
+    for k in range(rows.shape[0]):  # spelt out: numba takes seconds to compile a copy of slices
+        for l in range(rows.shape[1]):
+            out[k, l] = rows[k, l]
+    return out
+
+
 def search(
     turning: FloatArray,
-    turning_blocks: FloatArray,
     fixed: FloatArray,
-    fixed_blocks: FloatArray,
+    *,
     axis_distance: float,
     poses: FloatArray,
     guesses: FloatArray,
@@ -292,44 +306,60 @@ def search(
 ) -> tuple[IntArray, FloatArray, BoolArray]:
     """All pairs that close within ``near`` (rad) of the first at each pose, sorted by pose and closing.
 
-    ``turning`` and ``fixed`` (z, n, 2) faces in mm with their ``blocks``; ``poses`` and ``guesses`` (N,) in rad.
-    Returns, one row per pair: pose, turning and fixed tooth (k, 3); rotation beyond the guess in rad, places on both
-    faces, and x, y of the contact on the turning face in its own frame in mm (k, 5); whether the turning body's
-    vertex touches (k,).
+    ``turning`` and ``fixed`` (z, n, 2) faces in mm; ``poses`` and ``guesses`` (N,) in rad. Returns, one row per pair:
+    pose, turning and fixed tooth (k, 3); rotation beyond the guess in rad, places on both faces, and x, y of the
+    contact on the turning face in its own frame in mm (k, 5); whether the turning body's vertex touches (k,).
     """
-    z_1, n, _ = turning.shape
+    points = turning[..., 0] + 1j * turning[..., 1]
+    tips = np.angle(points[:, -1])
+    order = np.argsort(tips)
+    # How far each face stands clockwise of its tip corner.
+    behind = np.max(np.angle(points[:, -1:] * points.conj()), axis=1, initial=0.0)
+    mine, mates, guesses, poses = (np.ascontiguousarray(x, dtype=np.float64) for x in (turning, fixed, guesses, poses))
+    rows = _search(
+        mine, blocks(mine), mates, blocks(mates), tips[order], order, behind, float(axis_distance), poses, guesses,
+        float(near),
+    )  # fmt: skip
+    return rows[:, :3].astype(np.int64), rows[:, 3:8], rows[:, 8] > 0.0
+
+
+@compiled
+def _search(
+    turning: FloatArray,
+    turning_blocks: FloatArray,
+    fixed: FloatArray,
+    fixed_blocks: FloatArray,
+    tips: FloatArray,
+    order: IntArray,
+    behind: FloatArray,
+    axis_distance: float,
+    poses: FloatArray,
+    guesses: FloatArray,
+    near: float,
+) -> FloatArray:
+    """As ``search``, all numbers of a pair in one row (k, 9), vertices of the turning body as +1; ``tips`` (z,) polar
+    angles of the turning tip corners, rising, of the teeth in ``order``."""
+    z_1 = turning.shape[0]
     z_2, m, _ = fixed.shape
     turn = 2.0 * math.pi
     pitch = turn / z_1
-    # Tip corners by polar angle, and how far each face stands clockwise of its own.
-    tips = np.empty(z_1)
-    behind = np.zeros(z_1)
     reach2 = 0.0
     for i in range(z_1):
-        x, y = turning[i, n - 1, 0], turning[i, n - 1, 1]
-        tips[i] = math.atan2(y, x)
         reach2 = max(reach2, turning_blocks[i, 1, 7])
-        for k in range(n):
-            u, v = turning[i, k, 0], turning[i, k, 1]
-            behind[i] = max(behind[i], math.atan2(u * y - v * x, u * x + v * y))
-    order = np.argsort(tips)
-    tips = tips[order]
     passed = math.sin(-PASSED * pitch)
 
     best = np.empty(7)
-    stack = np.empty((_STACK, 2), np.int64)
-    bounds = np.empty(_STACK)
+    stack = np.empty((_STORE, 2), np.int64)
+    bounds = np.empty(_STORE)
     runs = np.empty((2, 4 * LEAF + 4, 4))
-    teeth = np.empty((2 * poses.size + 64, 3), np.int64)
-    values = np.empty((2 * poses.size + 64, 5))
-    vertex = np.empty(2 * poses.size + 64, np.bool_)
-    rows = 0
+    rows = np.empty((2 * poses.size + 64, 9))
+    count = 0
     leader = 0
     for pose in range(poses.size):
         cp, sp = math.cos(poses[pose]), math.sin(poses[pose])
         cg, sg = math.cos(guesses[pose]), math.sin(guesses[pose])
         at = (-axis_distance * cp, axis_distance * sp, cp * cg + sp * sg, sp * cg - cp * sg)
-        begin = rows
+        begin = count
         first = np.inf
         for turn_of in range(z_2):
             # Begin with the tooth that led at the last pose: an early first closing prunes the others.
@@ -347,7 +377,10 @@ def search(
             start = tip + START * pitch
             if start > math.pi:
                 start -= turn
-            k = np.searchsorted(tips, start, side="right") - 1
+            k = 0
+            while k < z_1 and tips[k] <= start:
+                k += 1
+            k -= 1
             for attempt in range(min(TRIES, z_1)):
                 i = order[(k - attempt) % z_1]
                 ahead = tip - tips[(k - attempt) % z_1]
@@ -364,27 +397,24 @@ def search(
                     best, stack, bounds, runs,
                 ) or best[0] < passed:  # fmt: skip
                     continue
-                if rows == vertex.size:
-                    teeth = np.concatenate((teeth, np.empty_like(teeth)))
-                    values = np.concatenate((values, np.empty_like(values)))
-                    vertex = np.concatenate((vertex, np.empty_like(vertex)))
+                if count == rows.shape[0]:
+                    rows = _longer(rows)
                 rotation = math.atan2(best[0], best[1])
-                row = rows
-                while row > begin and values[row - 1, 0] > rotation:
-                    teeth[row], values[row], vertex[row] = teeth[row - 1], values[row - 1], vertex[row - 1]
+                row = count
+                while row > begin and rows[row - 1, 3] > rotation:
+                    for l in range(9):
+                        rows[row, l] = rows[row - 1, l]
                     row -= 1
                 mine = best[4] > 0.0
-                teeth[row, 0], teeth[row, 1], teeth[row, 2] = pose, i, j
-                values[row, 0] = rotation
-                values[row, 1], values[row, 2] = (best[2], best[3]) if mine else (best[3], best[2])
-                values[row, 3], values[row, 4] = best[5], best[6]
-                vertex[row] = mine
-                rows += 1
-                first = values[begin, 0]
-                while rows > begin + 1 and values[rows - 1, 0] > first + near:
-                    rows -= 1
+                rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3] = pose, i, j, rotation
+                rows[row, 4], rows[row, 5] = (best[2], best[3]) if mine else (best[3], best[2])
+                rows[row, 6], rows[row, 7], rows[row, 8] = best[5], best[6], best[4]
+                count += 1
+                first = rows[begin, 3]
+                while rows[count - 1, 3] > first + near:
+                    count -= 1
                 if rotation + 0.5 * pitch > first + near:
                     break  # the next turning tooth closes about a pitch later
-        if rows > begin:
-            leader = teeth[begin, 2]
-    return teeth[:rows], values[:rows], vertex[:rows]
+        if count > begin:
+            leader = int(rows[begin, 2])
+    return rows[:count]

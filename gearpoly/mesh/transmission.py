@@ -157,7 +157,7 @@ def mean_count(
 
     ``counts`` (N,) at evenly spaced ``theta_2`` (N,) in rad. Where the count changes from one position to the next,
     ``count_at`` locates the change by halving to ``resolution`` of a pitch, all at once, so that the mean does not
-    depend on how the sampling falls on the mesh. A run over the whole hunting cycle closes on itself.
+    depend on how the sampling falls on the mesh.
     """
     if theta_2.size < 2:
         return float(np.mean(counts))

@@ -19,34 +19,25 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import (
     check_file,
     check_header,
-    nearest,
     not_utf8,
     parse_number,
     shorten,
     split_row,
     unreadable,
 )
-from gearpoly.recording.recording import (
-    COLUMNS,
-    KEYS,
-    Recording,
-    check_complete,
-    check_key,
-    recording_from_columns,
+from gearpoly.recording.reader import (
+    RECORDING_LIMIT_BYTES,
+    Reader,
+    Table,
+    is_key,
+    recording_from_table,
 )
+from gearpoly.recording.recording import COLUMNS, Recording, check_complete, check_key
 from gearpoly.units import FloatArray
-
-RECORDING_LIMIT_BYTES = 4 * 2**30
-"""Largest recording that is read: about 10^8 samples, whose arrays still fit an ordinary memory."""
 
 LINE_LIMIT = 2**20
 """Longest line before the data, in characters; a file without line ends must not be taken in as one
 line.
-"""
-
-KEY_CUTOFF = 0.7
-"""Likeness (difflib, 0..1) from which a comment's key counts as one of ours misspelt, not as a
-remark.
 """
 
 
@@ -57,6 +48,11 @@ def read_csv(path: Path | str) -> Recording:
     column at fault.
     """
     file = Path(path)
+    return recording_from_table(file, read_table(file))
+
+
+def read_table(file: Path) -> Table:
+    """The columns and keys of one CSV file."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open("rb") as start:
@@ -70,7 +66,7 @@ def read_csv(path: Path | str) -> Recording:
         raise not_utf8(file) from None
     except OSError as error:
         raise unreadable(file, error) from None
-    return recording_from_columns(file, {name: table[:, i] for i, name in enumerate(names)}, keys)
+    return Table(columns={name: table[:, i] for i, name in enumerate(names)}, keys=keys)
 
 
 def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:
@@ -109,10 +105,7 @@ def _read_comment(file: Path, where: str, text: str, keys: dict[str, object]) ->
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals:
         return
-    if key not in KEYS:
-        if close := nearest(key, KEYS, cutoff=KEY_CUTOFF):
-            wish = f'the nearest known key is "{close}" (known: {", ".join(KEYS)})'
-            raise InputFileError(file, where=where, found=f'unknown key "{shorten(key)}"', wish=wish)
+    if not is_key(file, where, key):
         return
     if key in keys:
         raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
@@ -186,3 +179,11 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
             raise InputFileError(file, where=f"{where}, column {name}", found=f'"{shorten(cell)}"', wish=wish)
         row.append(value)
     return row
+
+
+def _recognises(head: bytes) -> bool:
+    """Whether it may be text; UTF-16 counts, since only the reader's message says what to do about it."""
+    return b"\0" not in head or head.startswith((b"\xff\xfe", b"\xfe\xff"))
+
+
+READER = Reader(name="CSV", endings=(".csv", ".txt"), recognises=_recognises, read=read_table, fallback=True)

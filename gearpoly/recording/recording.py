@@ -1,13 +1,14 @@
 """What a rig recorded under one condition, as read: no alignment, no direction, no unwrapping yet.
 
-Every format carries the same columns and keys under the same names; :func:`recording_from_columns`
-is where their rules are kept, so a reader of another format only has to find them.
+Every format carries the same columns and keys under the same names. Their rules are kept here, so a
+reader of another format only has to find them. Raw encoder channels (``driving_a``, ``driven_count``
+and so on) stand in the place of a shaft's angle column; ``raw`` turns them into one.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
@@ -21,9 +22,15 @@ Flank = Literal["drive", "coast"]
 
 TE_COLUMNS = ("te_um", "te_urad", "te_arcsec")
 ANGLE_COLUMNS = ("driving_angle_deg", "driven_angle_deg")
-COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+SHAFTS = ("driving", "driven")
+RAW_CHANNELS = ("a", "b", "index", "count")
+RAW_COLUMNS = tuple(f"{shaft}_{channel}" for shaft in SHAFTS for channel in RAW_CHANNELS)
+COLUMNS = (*PLAIN_COLUMNS, *RAW_COLUMNS)
 """The columns that a recording may have, in any order."""
 
+RAW_SHAFT_KEYS = ("lines", "counts_per_line", "count_bits")
+RAW_KEYS = (*(f"{shaft}_{key}" for shaft in SHAFTS for key in RAW_SHAFT_KEYS), "sample_rate_hz")
 KEYS = (
     "torque_nm",
     "speed_rpm",
@@ -32,8 +39,12 @@ KEYS = (
     "driven_zero_deg",
     "driving_direction",
     "driven_direction",
+    *RAW_KEYS,
 )
 """The keys that state the condition and the set-up of a recording."""
+
+COUNT_BITS_LIMIT = 53
+"""Widest counter; beyond it a count is no longer exact in double precision."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +61,7 @@ class Recording:
     ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
     to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
-    while the pair runs forward.
+    while the pair runs forward. ``remarks`` say what a reader found, assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -70,13 +81,14 @@ class Recording:
     driven_zero_rad: float | None = None
     driving_direction: Literal[1, -1] = 1
     driven_direction: Literal[1, -1] = 1
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         shapes = set()
         for field in fields(self):
             value = getattr(self, field.name)
             if isinstance(value, np.ndarray):
-                object.__setattr__(self, field.name, read_only(value))
+                object.__setattr__(self, field.name, _held(value))
                 shapes.add(value.shape)
         if len(shapes) != 1 or len(next(iter(shapes))) != 1:
             raise ValueError(f"the arrays of a recording share one length, not the shapes {sorted(shapes)}")
@@ -92,15 +104,60 @@ class Recording:
         return next(array.size for array in held if array is not None)
 
 
-def check_complete(file: Path, where: str, names: list[str]) -> None:
+def _held(values: FloatArray) -> FloatArray:
+    """``values`` as nobody can write to them; copied unless they are so already, since recordings are large."""
+    whole = values.dtype == np.float64 and values.flags.aligned and values.flags.c_contiguous
+    owner: object = values
+    while isinstance(owner, np.ndarray):
+        if owner.flags.writeable:
+            return read_only(values)
+        owner = owner.base
+    sealed = owner is None or (isinstance(owner, memoryview) and isinstance(owner.obj, bytes))
+    return values if whole and sealed else read_only(values)
+
+
+def _taken_over(values: FloatArray, unit: float) -> FloatArray:
+    """``values`` times ``unit``, in place where they can be written to, and sealed so that no copy is needed."""
+    if unit != 1.0:
+        in_place = values.flags.writeable and values.flags.c_contiguous
+        values = np.multiply(values, unit, out=values if in_place else None)
+    owner: object = values
+    while isinstance(owner, np.ndarray):
+        owner.setflags(write=False)
+        owner = owner.base
+    return values
+
+
+def raw_channels(names: Iterable[str], shaft: str) -> tuple[str, ...]:
+    """The raw channels (``a``, ``b``, ``index``, ``count``) of one shaft among the column names."""
+    held = set(names)
+    return tuple(channel for channel in RAW_CHANNELS if f"{shaft}_{channel}" in held)
+
+
+def check_complete(file: Path, where: str, names: Collection[str]) -> None:
     """Raise ``InputFileError`` unless the columns suffice: both angles, or one transmission error
-    and one angle.
+    and one angle; raw channels ``a`` or ``count`` stand for an angle.
     """
     te = [name for name in names if name in TE_COLUMNS]
     if len(te) > 1:
         found = f"{len(te)} columns of transmission error, {' and '.join(te)}"
         raise InputFileError(file, where=where, found=found, wish="want at most one of them")
-    missing = [name for name in ANGLE_COLUMNS if name not in names]
+    missing = []
+    for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True):
+        ways = [angle] if angle in names else []
+        raw = raw_channels(names, shaft)
+        ways += [f"{shaft}_{channel}" for channel in ("a", "count") if channel in raw]
+        if len(ways) > 1:
+            wish = "want one way to the angle of a shaft"
+            raise InputFileError(file, where=where, found=f"columns {' and '.join(ways)}", wish=wish)
+        if not ways and raw:
+            wish = f"want the pulses in {shaft}_a, or the counts in {shaft}_count"
+            raise InputFileError(file, where=where, found=f"column {shaft}_{raw[0]} alone", wish=wish)
+        if f"{shaft}_b" in names and f"{shaft}_a" not in names:
+            wish = f"want both, {shaft}_a and {shaft}_b (or the only channel as {shaft}_a)"
+            raise InputFileError(file, where=where, found=f"column {shaft}_b without {shaft}_a", wish=wish)
+        if not ways:
+            missing.append(angle)
     if len(missing) > (1 if te else 0):
         both, any_te = " and ".join(ANGLE_COLUMNS), ", ".join(TE_COLUMNS)
         wish = f"want both {both}, or one of them and a column of {any_te}"
@@ -119,40 +176,45 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     elif key.endswith("_zero_deg"):
         good, want = math.isfinite(number), "the reading in deg at angle zero, a finite number"
     elif key == "torque_nm":
-        good, want = (
-            0.0 <= number < math.inf,
-            "a torque in N.m, 0 or more (the flank says which way it acts)",
-        )
+        good, want = 0.0 <= number < math.inf, "a torque in N.m, 0 or more (the flank says which way it acts)"
+    elif key.endswith("_lines"):
+        good, want = number >= 1.0 and number.is_integer(), "the lines of the encoder's disc, a whole number from 1"
+    elif key.endswith("_counts_per_line"):
+        good, want = number in (1.0, 2.0, 4.0), "1, 2 or 4 counts per line, as the counter was set"
+    elif key.endswith("_count_bits"):
+        good = 2.0 <= number <= COUNT_BITS_LIMIT and number.is_integer()
+        want = f"the width of the counter in bits, a whole number from 2 to {COUNT_BITS_LIMIT}"
+    elif key == "sample_rate_hz":
+        good, want = 0.0 < number < math.inf, "samples per second, above 0"
     else:
-        good, want = (
-            0.0 < number < math.inf,
-            "a speed in rpm, above 0 (leave it out where it is not known)",
-        )
+        good, want = 0.0 < number < math.inf, "a speed in rpm, above 0 (leave it out where it is not known)"
     if not good:
         shown = f'"{value}"' if isinstance(value, str) else str(value)
         raise InputFileError(file, where=where, found=f"{key} = {shown}", wish=f"want {want}")
 
 
-def recording_from_columns(file: Path, columns: Mapping[str, FloatArray], keys: Mapping[str, object]) -> Recording:
-    """The recording that a reader found under the contract's names and units.
+def recording_from_columns(
+    file: Path, columns: Mapping[str, FloatArray], keys: Mapping[str, object], remarks: Iterable[str] = ()
+) -> Recording:
+    """The recording that a reader found under the contract's names and units, raw channels decoded.
 
-    ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants; ``keys``
+    ``columns`` holds arrays (n,) by column name, which are taken over (and written to), complete as :func:`check_complete` wants; ``keys``
     holds values that passed :func:`check_key`. Raises ``InputFileError`` where a column holds no
     number at all, or a torque that points backward.
     """
     for name, values in columns.items():
-        if np.isnan(values).all():
+        if np.isnan(values[0]) and np.isnan(values).all():
             wish = "want numbers in it, or no such column"
             raise InputFileError(file, where=f"column {name}", found="not one number", wish=wish)
     torque = columns.get("torque_nm")
     # The middle value, since noise may take single samples of an unloaded pair below zero.
-    if torque is not None and float(np.nanmedian(torque)) < 0.0:
+    if torque is not None and np.fmin.reduce(torque) < 0.0 and float(np.nanmedian(torque)) < 0.0:
         found = f"a median of {float(np.nanmedian(torque)):g} N.m"
         wish = "want a torque of 0 or more (the flank says which way it acts)"
         raise InputFileError(file, where="column torque_nm", found=found, wish=wish)
 
     def scaled(name: str, unit: float) -> FloatArray | None:
-        return columns[name] * unit if name in columns else None
+        return _taken_over(columns[name], unit) if name in columns else None
 
     def stated(key: str, unit: float = 1.0) -> float | None:
         value = keys.get(key)
@@ -175,4 +237,5 @@ def recording_from_columns(file: Path, columns: Mapping[str, FloatArray], keys: 
         driven_zero_rad=stated("driven_zero_deg", DEG),
         driving_direction=-1 if stated("driving_direction") == -1.0 else 1,
         driven_direction=-1 if stated("driven_direction") == -1.0 else 1,
+        remarks=tuple(remarks),
     )
