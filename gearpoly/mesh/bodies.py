@@ -28,6 +28,22 @@ COARSE = 13
 REFINE = 6
 """Ratio of strides from level to level: a window of 15 then covers +-1.2 strides of the level above."""
 
+BACK_OFF = 0.01
+"""rad. How far before its guess a search starts at most; costs one or two cheap coarse steps and must only exceed the
+usual scatter of contacts around the guess (0.2 mm on a radius of 20 mm). Pairs that overlap there retreat further."""
+
+BACK_OFF_SHARE = 0.03
+"""The same as a share of the turning teeth's pitch, for many teeth: further back, a search would find the tooth
+before."""
+
+WIDE_SHARE = 0.25
+"""Share of the pitch within which a guess must lie. A contact outside the back-off is searched for again this far
+around, since teeth that the first look left out might touch before it."""
+
+LOST = 0.5
+"""rad. A pair that has turned further than this from its guess, or than three quarters of a pitch, is not going to
+touch."""
+
 
 def coordinates(points: ComplexArray) -> FloatArray:
     """Complex points (...) as coordinates (..., 2)."""
@@ -85,6 +101,13 @@ class Body:
         high = local.real.max(axis=1) + 1j * local.imag.max(axis=1)
         corners = np.stack((low, high.real + 1j * low.imag, high, low.real + 1j * high.imag), axis=1)
         return coordinates(corners * unit)
+
+    @cached_property
+    def pitch(self) -> float:
+        """The least angle in rad about the axis between the tip corners of two teeth; a whole turn for a single
+        tooth."""
+        angle = np.sort(np.angle(self.points[:, -1]))
+        return float(np.min(np.diff(angle, append=angle[0] + 2.0 * np.pi)))
 
     @cached_property
     def strides(self) -> list[int]:
@@ -162,6 +185,21 @@ class Meeting:
         mine, mates = (int(np.max(np.diff(grid))) for grid in self.grids)
         return self.stand_off(mine, mates)
 
+    @property
+    def back_off(self) -> float:
+        """How far before its guess a search starts, rad."""
+        return min(BACK_OFF, BACK_OFF_SHARE * self.turning.pitch)
+
+    @property
+    def wide(self) -> float:
+        """How far from its guess a contact may lie, rad."""
+        return min(WIDE_SHARE * self.turning.pitch, LOST)
+
+    @property
+    def lost(self) -> float:
+        """Beyond this rotation from the guess a pair does not touch any more, rad."""
+        return min(LOST, 0.75 * self.turning.pitch)
+
     def stand_off(self, stride_turning: int, stride_fixed: int) -> float:
         """Both sagittas of chords over so many edges, as a rotation in rad."""
         sagitta = self.turning.sagitta(stride_turning) + self.fixed.sagitta(stride_fixed)
@@ -184,6 +222,10 @@ class Jobs:
     def take(self, rows: IntArray | BoolArray) -> Jobs:
         """The jobs of ``rows``, copied."""
         return Jobs(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+
+    def joined(self, others: Jobs) -> Jobs:
+        """These jobs and ``others``."""
+        return Jobs(**{f.name: np.concatenate((getattr(self, f.name), getattr(others, f.name))) for f in fields(self)})
 
     def __len__(self) -> int:
         return int(self.pose.size)

@@ -11,7 +11,7 @@ import shapely
 
 from gearpoly.errors import NotConvergedError
 from gearpoly.mesh.bodies import ComplexArray, Jobs, Meeting, complex_points, lines
-from gearpoly.mesh.impact import BACK_OFF, CONVERGED, LOST, STEPS, impact
+from gearpoly.mesh.impact import CONVERGED, STEPS, impact
 from gearpoly.units import BoolArray, FloatArray
 
 CERTIFIED = 2.5e-13
@@ -23,7 +23,7 @@ AIMS = 8
 over. Smooth flanks need one, rough ones a few, since each aim finds an earlier peak."""
 
 FIRST_BRACKET = 1e-6
-"""rad. First reach of the search for a bracket around an uncertified answer; doubles up to BACK_OFF."""
+"""rad. First reach of the search for a bracket around an uncertified answer; doubles up to the back-off."""
 
 PARTS = 24
 """Faces are clipped for certificates at so many places, so that jobs alike go through in one array."""
@@ -108,12 +108,12 @@ def _place_at(m: Meeting, jobs: Jobs, rotation: FloatArray) -> None:
 
 def _aim_again(m: Meeting, jobs: Jobs) -> None:
     """Touch again where whole faces overlap just before the uncertified answer."""
-    jobs.rotation = np.where(np.abs(jobs.rotation) < LOST, jobs.rotation, 0.0)
+    jobs.rotation = np.where(np.abs(jobs.rotation) < m.lost, jobs.rotation, 0.0)
     start = jobs.rotation - CERTIFIED
     _place_at(m, jobs, start)
     jobs.rotation = start.copy()
     impact(m, jobs, jobs.windows(m), CONVERGED)
-    jobs.rotation = np.where(np.abs(jobs.rotation) < LOST, jobs.rotation, start)
+    jobs.rotation = np.where(np.abs(jobs.rotation) < m.lost, jobs.rotation, start)
 
 
 def _bisect(m: Meeting, jobs: Jobs) -> None:
@@ -130,7 +130,7 @@ def _bisect(m: Meeting, jobs: Jobs) -> None:
             np.where(clear, np.where(cross, low, high), low - reach),
             np.where(cross, np.where(clear, high, low), high + reach),
         )
-        reach = min(2.0 * reach, BACK_OFF)
+        reach = min(2.0 * reach, m.back_off)
     for _ in range(STEPS):
         if np.max(high - low) <= CERTIFIED:
             break

@@ -30,7 +30,7 @@ from gearpoly.mesh.bodies import (
 from gearpoly.mesh.certificate import CERTIFIED, certify
 from gearpoly.mesh.features import Feature as Feature  # part of what Closings says
 from gearpoly.mesh.features import describe
-from gearpoly.mesh.impact import BACK_OFF, coarse, refine
+from gearpoly.mesh.impact import coarse, refine
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 CHUNK = 384
@@ -85,10 +85,32 @@ def closing_rotations(
     tree = shapely.STRtree(shapely.polygons(turning.hulls))
     for start in range(0, poses.size, CHUNK):
         part = slice(start, start + CHUNK)
-        jobs = coarse(m, _candidates(m, tree, poses[part], guesses[part]), near=near)
-        refine(m, jobs)
-        repaired = certify(m, jobs)
+        jobs, repaired = _solve(m, tree, poses[part], guesses[part], near=near)
         yield _describe(m, jobs, repaired, start=start, positions=poses[part].size, near=near)
+
+
+def _solve(
+    m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: FloatArray, *, near: float
+) -> tuple[Jobs, BoolArray]:
+    """Certified touches of all near pairs of a chunk; poses that touch far from their guess are searched around
+    again."""
+    jobs = coarse(m, _candidates(m, tree, poses, guesses, slack=2.0 * m.back_off), near=near)
+    refine(m, jobs)
+    first = _first_rotation(jobs, poses.size)
+    far = np.flatnonzero(~(np.abs(first) <= m.back_off))
+    if far.size:
+        again = coarse(m, _candidates(m, tree, poses[far], guesses[far], slack=m.wide), near=near)
+        again.pose = far[again.pose]
+        refine(m, again)
+        jobs = jobs.take(~np.isin(jobs.pose, far)).joined(again)
+    return jobs, certify(m, jobs)
+
+
+def _first_rotation(jobs: Jobs, positions: int) -> FloatArray:
+    """First touch (positions,) in rad beyond the guess, inf where nothing touches."""
+    first = np.full(positions, np.inf)
+    np.minimum.at(first, jobs.pose, jobs.rotation)
+    return first
 
 
 def mirrored(body: Body) -> Body:
@@ -97,18 +119,18 @@ def mirrored(body: Body) -> Body:
     return Body(faces=body.faces * flip, backs=body.backs * flip, working=body.working)
 
 
-def _candidates(m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: FloatArray) -> Jobs:
-    """Pairs whose hulls come near one another at the guess, from the tree of the turning teeth."""
+def _candidates(m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: FloatArray, *, slack: float) -> Jobs:
+    """Pairs whose hulls come together within ``slack`` rad of the guess, from the tree of the turning teeth."""
     turn, back = np.exp(1j * poses), np.exp(-1j * guesses)
     hulls = complex_points(m.fixed.hulls)
     at = hulls[None] * turn[:, None, None] + m.a
-    # A fixed tooth wholly outside the turning body's reach cannot touch it; BACK_OFF does not change radii.
+    # A fixed tooth wholly outside the turning body's reach cannot touch it; turning does not change radii.
     pose, tooth = np.nonzero(np.min(np.abs(at), axis=2) <= m.turning.reach)
     seen = at[pose, tooth] * back[pose, None]
-    slack = 2.0 * BACK_OFF * m.turning.reach
+    margin = slack * m.turning.reach
     boxes = shapely.box(
-        seen.real.min(axis=1) - slack, seen.imag.min(axis=1) - slack,
-        seen.real.max(axis=1) + slack, seen.imag.max(axis=1) + slack,
+        seen.real.min(axis=1) - margin, seen.imag.min(axis=1) - margin,
+        seen.real.max(axis=1) + margin, seen.imag.max(axis=1) + margin,
     )  # fmt: skip
     row, mate = tree.query(boxes)
     pose, tooth = pose[row], tooth[row]
@@ -116,7 +138,7 @@ def _candidates(m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: F
     pose, tooth, mate = pose[order], tooth[order], mate[order]
     zero = np.zeros(pose.size, dtype=np.int64)
     return Jobs(
-        pose, mate, tooth, turn[pose], back[pose], np.full(pose.size, -BACK_OFF), zero, zero,
+        pose, mate, tooth, turn[pose], back[pose], np.full(pose.size, -m.back_off), zero, zero,
     )  # fmt: skip
 
 
@@ -143,8 +165,7 @@ def _describe(m: Meeting, jobs: Jobs, repaired: BoolArray, *, start: int, positi
         turning_is_vertex=to_vertex[0] <= to_vertex[1],
         spin=jobs.turn * frame,
     )
-    first = np.full(int(jobs.pose.max(initial=-1)) + 1, np.inf)
-    np.minimum.at(first, jobs.pose, jobs.rotation)
+    first = _first_rotation(jobs, positions)
     order = np.lexsort((jobs.rotation, jobs.pose))
     order = order[(jobs.rotation <= first[jobs.pose] + near)[order]]
     world = (ends[:, 0] / frame)[order]

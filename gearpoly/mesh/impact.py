@@ -22,14 +22,6 @@ SETTLED_COARSE = 1e-5
 """rad. Where the coarsest level stops: below the sagitta of its chords, so that stopping costs no aim; each finer
 level stops REFINE^2 times earlier, as its sagittas do."""
 
-BACK_OFF = 0.01
-"""rad. How far before the guess the search starts; costs one or two cheap coarse steps and must only exceed the usual
-scatter of contacts around the guess (0.2 mm on a radius of 20 mm). Pairs that overlap there are backed off further,
-doubling."""
-
-LOST = 0.5
-"""rad. A pair that has turned further than this from its guess is not going to touch."""
-
 FIRST_RETREAT = 1.0 / 1024.0
 """Share of the bracket given back after an overlap; four times more each time, up to one half (bisection). A
 time-of-impact step overshoots by its square only, so a small share mostly clears it."""
@@ -58,6 +50,7 @@ def impact(
     faces = lines(mine)
     clear, hit = np.full(len(jobs), -np.inf), np.full(len(jobs), np.inf)
     retreat = np.full(len(jobs), FIRST_RETREAT)
+    before = np.full(len(jobs), np.inf)
     ends = np.zeros((len(jobs), 2), dtype=np.complex128)
     live = np.arange(len(jobs))
     for _ in range(STEPS):
@@ -78,12 +71,15 @@ def impact(
         step = distance / m.turning.reach
         np.divide(distance**2, moment, out=step, where=moment > m.turning.lever * distance)
         low, high = clear[live], hit[live]
-        bracket = np.subtract(high, low, out=np.full(live.size, BACK_OFF), where=np.isfinite(low) & np.isfinite(high))
+        bracket = np.subtract(high, low, out=np.full(live.size, m.back_off), where=np.isfinite(low) & np.isfinite(high))
         share = np.minimum(retreat[live], np.where(np.isfinite(low), 0.5, np.inf))
         retreat[live] *= np.where(apart, 1.0, 4.0)
-        guess = np.where(apart & ~(opening & (moment <= 0.0)), rotation + step, np.inf)
+        # Behind its mate and falling back further: such a pair never closes.
+        opens = opening & (moment <= 0.0) & (distance > before[live])
+        before[live] = distance
+        guess = np.where(apart & ~opens, rotation + step, np.inf)
         jobs.rotation[live] = np.where((guess < high) | np.isinf(high), guess, high - share * bracket)
-        done = (apart & (step <= settled)) | (high - low <= settled) | ~(np.abs(jobs.rotation[live]) < LOST)
+        done = (apart & (step <= settled)) | (high - low <= settled) | ~(np.abs(jobs.rotation[live]) < m.lost)
         live = live[~done]
         if live.size == 0:
             break
@@ -99,7 +95,7 @@ def coarse(m: Meeting, jobs: Jobs, *, near: float) -> Jobs:
     the first."""
     mine, mates = (np.broadcast_to(grid, (len(jobs), grid.size)) for grid in m.grids)
     impact(m, jobs, (mine, mates), SETTLED_COARSE, opening=True)
-    rotation = np.where(np.abs(jobs.rotation) < LOST, jobs.rotation, np.inf)
+    rotation = np.where(np.abs(jobs.rotation) < m.lost, jobs.rotation, np.inf)
     first = np.full(int(jobs.pose.max(initial=-1)) + 1, np.inf)
     np.minimum.at(first, jobs.pose, rotation)
     # Thinned faces may touch late by their stand-off, one pair by all of it and its neighbour by nothing.
@@ -118,6 +114,6 @@ def refine(m: Meeting, jobs: Jobs) -> None:
         settled = CONVERGED if last else SETTLED_COARSE / REFINE ** (2 * level)
         impact(m, jobs, jobs.windows(m, (mine, mates)), settled)
         # A window that lost its contact leaves it to the next one, at last to the repair.
-        jobs.rotation = np.where(np.abs(jobs.rotation) < LOST, jobs.rotation, before)
+        jobs.rotation = np.where(np.abs(jobs.rotation) < m.lost, jobs.rotation, before)
         if not last:
             jobs.rotation = jobs.rotation - stand_off

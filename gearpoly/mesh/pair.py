@@ -101,10 +101,15 @@ class Mounted:
         gear, flanks = self.gear, self.flanks
         side = 1.0 if flank == "drive" else -1.0
         hub, half = HUB * gear.r_f, 0.5 * gear.tau
-        back = np.array([[gear.r_a, 0.0], [hub, 0.0], [hub * math.cos(half), side * hub * math.sin(half)]])
+        # A thinned tooth's middle is not its centre line; closed along that, the half tooth would stand out of the
+        # thin one.
+        middle = 0.5 * (flanks.psi_drive[:, -1] - flanks.psi_coast[:, -1])
+        tip = np.stack((gear.r_a * np.cos(middle), gear.r_a * np.sin(middle)), axis=-1)
+        foot = np.array([[hub, 0.0], [hub * math.cos(half), side * hub * math.sin(half)]])
+        back = np.concatenate((tip[:, None], np.broadcast_to(foot, (gear.z, 2, 2))), axis=1)
         body = Body(
             faces=rotate(flanks.drive if flank == "drive" else flanks.coast, self.centre_lines) + self.centre,
-            backs=rotate(np.broadcast_to(back, (gear.z, 3, 2)), self.centre_lines) + self.centre,
+            backs=rotate(back, self.centre_lines) + self.centre,
             working=flanks.root.n - 1,
         )
         return body if flank == "drive" else mirrored(body)

@@ -33,7 +33,7 @@ def closing_rotations_fast(
 
     ``axis_distance`` in mm from the turning body's axis (the origin) to the fixed body's, along +x. ``poses`` (N,):
     angle of the fixed body in rad. ``guesses`` (N,): rotation of the turning body in rad near which it touches,
-    within a quarter of its pitch. ``near`` in rad: pairs that close within this of the first are returned too. Poses
+    within a fifth of its pitch. ``near`` in rad: pairs that close within this of the first are returned too. Poses
     at which nothing touches have no row, and no row is ever ``repaired``.
 
     The turning teeth must stand a pitch apart to about a tenth, and no face may span more than a quarter turn about
