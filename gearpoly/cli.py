@@ -64,6 +64,10 @@ def simulate(
     ] = None,
     points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
+    fast: Annotated[
+        bool,
+        typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
+    ] = False,
     seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
@@ -114,6 +118,7 @@ def simulate(
             flank="coast" if side == "coast" else "drive",
             seed=seed,
             evenly=at is None,
+            fast=fast,
             progress=progress,
         )
     remarks += run.strength_remarks(simulation)

@@ -198,7 +198,7 @@ class Simulation:
             "contact_ratio_theoretical": pair.eps_alpha,
             "corner_contacts": int(np.count_nonzero(corners)),
             "chord_noise_um": pair.chord_noise / UM,
-            "certified": int(self.backlash.drive.gap.size + self.backlash.coast.gap.size),
+            "certified": self.backlash.drive.certified + self.backlash.coast.certified,
             "repaired": self.backlash.drive.repaired + self.backlash.coast.repaired,
         } | self._load_summary()
 
@@ -225,6 +225,7 @@ def simulate(
     flank: Flank,
     seed: int,
     evenly: bool,
+    fast: bool = False,
     progress: Progress,
 ) -> Simulation:
     """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
@@ -238,18 +239,21 @@ def simulate(
     loaded_teeth = bends is not None and torque > 0.0
     compliance = pair_compliance(pair, bends, flank=flank) if bends is not None and loaded_teeth else None
     near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
-    backlash = both_flanks(pair, theta_2, near=near, progress=progress)
+    backlash = both_flanks(pair, theta_2, near=near, fast=fast, progress=progress)
     found = backlash.drive if flank == "drive" else backlash.coast
     load = None if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing)
     ratio = None
     if evenly and compliance is None:
-        ratio = mean_pairs(pair, found)
+        ratio = mean_pairs(pair, found, fast=fast)
     elif evenly and compliance is not None and load is not None:
         bending = compliance
 
         def carrying(theta: FloatArray) -> IntArray:
             return loaded(
-                contacts(pair, theta, flank=flank, near=near), bending, torque=torque, sharing=assembled.sharing
+                contacts(pair, theta, flank=flank, near=near, fast=fast),
+                bending,
+                torque=torque,
+                sharing=assembled.sharing,
             ).pairs
 
         # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.

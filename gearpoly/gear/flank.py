@@ -57,6 +57,13 @@ class Flanks:
         """Coast flanks as points (z, n, 2) in mm in each tooth's frame."""
         return _points(self.r, -self.psi_coast)
 
+    def mean_deviation(self, flank: str) -> float:
+        """Mean normal deviation in mm of all involutes on ``flank`` ("drive" or "coast"), halfway up the true
+        involute."""
+        middle = (self.root.n + self.r.size) // 2
+        psi = self.psi_drive if flank == "drive" else self.psi_coast
+        return self.gear.r_b * (float(np.mean(psi[:, middle])) - self.gear.psi(float(self.r[middle])))
+
     def root_leverage(self) -> float:
         """The greatest 6 h / s^2 in 1/mm over the sections of all tooth roots, h from the section to the tip, s its
         thickness.

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.errors import GeometryError, JammedError
+from gearpoly.gear.gear import inv
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.radial import closing_rotations_fast, spot_check
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 NEAR = 10.0 * UM
@@ -25,6 +27,13 @@ only how many neighbours a user sees, never which pairs touch."""
 JAM = 1e-9
 """mm. Normal backlash below minus this is a jam: a thousand times the kernel's bracket, a thousandth of what chords
 leave."""
+
+SAMPLES = 64
+"""Positions of a fast run that the polygon kernel certifies: 20 ms, and a fault in one position of twenty cannot
+hide."""
+
+FAST_CHUNK = 5000
+"""Positions of a fast run between two reports of progress."""
 
 Progress = Callable[[int], None]
 """Called with the number of positions finished since the last call."""
@@ -42,7 +51,8 @@ class FlankContacts:
     theta_2, ``driving`` and ``driven`` tooth numbers, ``gap`` in mm along the line of action beyond the first touch,
     ``point`` (k, 2) in mm and unit ``normal`` (k, 2) from the driving into the driven tooth, in the global frame,
     ``feature`` and ``overrun`` as in ``Closings``. ``touching`` (k,) marks the rows that touch, ``pairs`` (N,) counts
-    them. ``repaired`` counts contacts solved twice.
+    them. ``certified`` counts contacts (fast runs: positions) that the polygon kernel certified, ``repaired`` those
+    solved twice.
     """
 
     flank: Flank
@@ -58,6 +68,7 @@ class FlankContacts:
     overrun: FloatArray
     touching: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     pairs: IntArray
+    certified: int
     repaired: int
     near: float = math.inf
 
@@ -68,34 +79,45 @@ def contacts(
     *,
     flank: Flank = "drive",
     near: float = NEAR,
+    fast: bool = False,
     progress: Progress = _no_progress,
 ) -> FlankContacts:
-    """First touch and all near pairs of one ``flank`` at driven rotations ``theta_2`` (N,) in rad, unloaded and
-    certified; pairs are near that close within ``near`` mm along the line of action.
+    """First touch and all near pairs of one ``flank`` at driven rotations ``theta_2`` (N,) in rad, unloaded; pairs
+    are near that close within ``near`` mm along the line of action.
+
+    Every contact is certified by the polygon kernel. With ``fast`` the compiled radial gap of the same polylines
+    finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies ``SAMPLES`` positions of the run.
 
     Raises ``GeometryError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
     """
     sense = 1.0 if flank == "drive" else -1.0
-    guess = theta_2 / pair.ratio
+    expected = _expected_closing(pair, flank)
+    bodies = pair.driving.body(flank), pair.driven.body(flank)
+    poses, guesses = -sense * theta_2, sense * theta_2 / pair.ratio + expected
+    reach = near / pair.r_b1
     parts: list[Closings] = []
-    for part in closing_rotations(
-        pair.driving.body(flank),
-        pair.driven.body(flank),
-        axis_distance=pair.a,
-        poses=-sense * theta_2,
-        guesses=sense * guess,
-        near=near / pair.r_b1,
-    ):
-        parts.append(part)
-        progress(part.positions)
+    if fast:
+        for start in range(0, theta_2.size, FAST_CHUNK):
+            part = slice(start, start + FAST_CHUNK)
+            found = closing_rotations_fast(
+                *bodies, axis_distance=pair.a, poses=poses[part], guesses=guesses[part], near=reach
+            )
+            parts.append(replace(found, pose=found.pose + start))
+            progress(found.positions)
+    else:
+        for found in closing_rotations(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach):
+            parts.append(found)
+            progress(found.positions)
     rows = _joined(parts)
+    if fast:
+        spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
         raise GeometryError(
-            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; the gears do not reach "
-            "each other there"
+            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
+            "the gears do not reach each other there"
         )
     flip = np.array([1.0, sense])
     gap = (rows.rotation - rows.rotation[first][rows.pose]) * pair.r_b1
@@ -103,7 +125,7 @@ def contacts(
     return FlankContacts(
         flank=flank,
         theta_2=theta_2,
-        te=-pair.ratio * sense * rows.rotation[first],
+        te=-pair.ratio * sense * (rows.rotation[first] + expected),
         position=rows.pose,
         driving=rows.turning,
         driven=rows.fixed,
@@ -114,9 +136,24 @@ def contacts(
         overrun=rows.overrun,
         touching=touching,
         pairs=pairs,
+        certified=SAMPLES if fast else rows.pose.size,
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )
+
+
+def _expected_closing(pair: GearPair, flank: Flank) -> float:
+    """Driving rotation in rad, in the sense of closing, by which contacts lie beyond those of deviation-free gears at
+    tight mesh.
+
+    A larger centre distance parts the flanks by (r_b1 + r_b2)(inv(alpha_w') - inv(alpha_w)) along the line of action,
+    missing material by its mean depth (both exact for involutes). It only tells the search where to start.
+    """
+    parted = 0.0
+    if pair.a > pair.r_b1 + pair.r_b2:
+        parted = (pair.r_b1 + pair.r_b2) * (inv(pair.alpha_w) - inv(pair.driving.alpha_w))
+    material = sum(mounted.flanks.mean_deviation(flank) for mounted in (pair.driving, pair.driven))
+    return (parted - material) / pair.r_b1
 
 
 def _joined(parts: list[Closings]) -> Closings:
@@ -175,11 +212,11 @@ def mean_count(
     return float(np.mean(between))
 
 
-def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4) -> float:
+def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4, fast: bool = False) -> float:
     """Unloaded contact ratio over evenly spaced positions, changes located to ``resolution`` of a pitch."""
 
     def count_at(theta_2: FloatArray) -> IntArray:
-        return contacts(pair, theta_2, flank=found.flank).pairs
+        return contacts(pair, theta_2, flank=found.flank, fast=fast).pairs
 
     return mean_count(pair, found.theta_2, found.pairs, count_at, resolution=resolution)
 
@@ -195,15 +232,20 @@ class Backlash:
 
 
 def both_flanks(
-    pair: GearPair, theta_2: FloatArray, *, near: float = NEAR, progress: Progress = _no_progress
+    pair: GearPair,
+    theta_2: FloatArray,
+    *,
+    near: float = NEAR,
+    fast: bool = False,
+    progress: Progress = _no_progress,
 ) -> Backlash:
     """Drive and coast contacts at ``theta_2`` (N,) in rad, and the backlash between them, j_bn = (TE_coast -
     TE_drive) r_b2.
 
     Raises ``JammedError`` where there is none left.
     """
-    drive = contacts(pair, theta_2, flank="drive", near=near, progress=progress)
-    coast = contacts(pair, theta_2, flank="coast", near=near, progress=progress)
+    drive = contacts(pair, theta_2, flank="drive", near=near, fast=fast, progress=progress)
+    coast = contacts(pair, theta_2, flank="coast", near=near, fast=fast, progress=progress)
     j_bn = (coast.te - drive.te) * pair.r_b2
     worst = int(np.argmin(j_bn))
     if j_bn[worst] < -JAM:

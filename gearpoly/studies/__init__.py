@@ -1,0 +1,1 @@
+"""Studies: many gears, many conditions, one question at a time."""
