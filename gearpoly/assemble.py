@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.errors import GearpolyError, InputFileError
+from gearpoly.errors import blamed
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.pairfile import profile_csv_path
 from gearpoly.files.traces import read_traces
@@ -79,15 +79,15 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     sections = (file.driving, file.driven)
     gears: list[Gear] = []
     for name, section in zip(("driving", "driven"), sections, strict=True):
-        with _Blame(path, name):
+        with blamed(path, name):
             gears.append(nominal_gear(section))
-    with _Blame(path, "driving, driven"):
+    with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
     flanks, origins, limits = [], [], []
     for k, name in enumerate(NAMES):
         section = sections[k]
         gear, mate = gears[k], gears[1 - k]
-        with _Blame(path, name):
+        with blamed(path, name):
             l_form = form_point(gear)[1]
             made = _Making(
                 section=section,
@@ -113,7 +113,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
         (s.eccentricity.amplitude_um * UM, s.eccentricity.angle_deg * DEG) if s.eccentricity else (0.0, 0.0)
         for s in sections
     ]
-    with _Blame(path, "pair"):
+    with blamed(path, "pair"):
         pair = mount(
             flanks[0],
             flanks[1],
@@ -134,20 +134,6 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
         elasticity=bends if file.model.tooth_deflection else None,
         sharing=file.model.load_sharing,
     )
-
-
-class _Blame:
-    """Turns an error of geometry or limits into one that names the file and the section it came from."""
-
-    def __init__(self, path: Path | str, where: str) -> None:
-        self.path, self.where = path, where
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, GearpolyError) and not isinstance(error, InputFileError):
-            raise InputFileError(self.path, where=self.where, wish=str(error)) from None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -75,7 +75,7 @@ def simulate(
 
     from gearpoly import simulate as run
     from gearpoly.assemble import assemble
-    from gearpoly.errors import OutOfRangeError
+    from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_target, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
@@ -110,7 +110,7 @@ def simulate(
         )
     to_stdout = any(str(target) == "-" for target in outputs)
     console = Console(stderr=to_stdout)
-    with watched(2 * theta_2.size, "turning the gears") as progress:
+    with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run.simulate(
             assembled,
             theta_2,

@@ -6,6 +6,8 @@ that is not a ``GearpolyError`` is a bug and exits 1.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -51,3 +53,14 @@ class InputFileError(GearpolyError, ValueError):
         self.wish = wish
         place = f"{self.file}: {where}" if where else self.file
         super().__init__(f"{place}: {found}; {wish}" if found else f"{place}: {wish}")
+
+
+@contextmanager
+def blamed(file: Path | str, where: str) -> Iterator[None]:
+    """Turn an error of geometry, limits or contact into one that names the file and the section it came from."""
+    try:
+        yield
+    except InputFileError:
+        raise
+    except GearpolyError as error:
+        raise InputFileError(file, where=where, wish=str(error)) from None

@@ -33,8 +33,12 @@ from gearpoly.gear.tolerances import Limits
 from gearpoly.units import UM, FloatArray, IntArray, read_only
 
 MAX_GEARS = 400
-"""Gears drawn before the limits count as contradicting one another. Smaller refuses limits that a
-few gears in a hundred keep; larger makes the refusal wait (0.1 s a gear at 200 teeth)."""
+"""Gears drawn before the limits count as contradicting one another. Smaller refuses limits that a few gears in a
+hundred keep."""
+
+LEAST_GEARS, TEETH = 40, 20_000
+"""Large gears take long to draw (0.1 s at 200 teeth), so they get as many tries as make TEETH teeth, but LEAST_GEARS
+at least."""
 MAX_FLANKS = 1000
 """Profiles drawn for one flank before its profile limits count as contradicting one another."""
 SLACK = 1e-12
@@ -93,7 +97,7 @@ def draw_deviations(
     every point uniform in +-F_alphaT/2, our reading of a limit on the range of a trace, at
     ``roll_lengths`` (n,) in mm, from the active start to the tip.
 
-    Raises ``NoGearPassesError`` where ``MAX_GEARS`` gears all break a limit, and
+    Raises ``NoGearPassesError`` where every gear drawn breaks a limit, and
     ``OutOfRangeError`` for "scatter" without ``roll_lengths``.
     """
     if profile_errors == "scatter" and (roll_lengths is None or roll_lengths.size < 2):
@@ -104,7 +108,8 @@ def draw_deviations(
     _refuse_apart(limits, cosine)
     place = _graded if thickness_errors == "graded" else _independent
     tightest, gears = math.inf, 0
-    while gears < MAX_GEARS:
+    tries = max(LEAST_GEARS, min(MAX_GEARS, TEETH // gear.z))
+    while gears < tries:
         gears += 1
         x = closed_chain(gear.z, f=limits.f_pT, F=limits.F_pT, rng=pitch_rng)
         y, lack = place(gear, limits, x, drive, coast, coast_rng)
@@ -115,7 +120,7 @@ def draw_deviations(
         if _passes(gear, limits, index, index_coast, which, coast_graded=place is _graded):
             break
     else:
-        raise NoGearPassesError(_gear_message(gear, limits, tightest))
+        raise NoGearPassesError(_gear_message(gear, limits, tightest, tries))
     slope, form, drive_shapes, coast_shapes = (
         _smooth(gear, limits, profile_rng)
         if roll_lengths is None or profile_errors == "smooth"
@@ -149,9 +154,9 @@ def _refuse_apart(limits: Limits, cosine: float) -> None:
         )
 
 
-def _gear_message(gear: Gear, limits: Limits, lack: float) -> str:
+def _gear_message(gear: Gear, limits: Limits, lack: float, tries: int) -> str:
     return (
-        f"none of {MAX_GEARS} gears drawn with z = {gear.z}, f_pT = {limits.f_pT / UM:.2f} um and "
+        f"none of {tries} gears drawn with z = {gear.z}, f_pT = {limits.f_pT / UM:.2f} um and "
         f"F_pT = "
         f"{limits.F_pT / UM:.2f} um keeps E_s from {limits.E_sni / UM:.2f} to "
         f"{limits.E_sns / UM:.2f} um and W_k (over "
