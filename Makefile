@@ -29,6 +29,7 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.contact_kernel
 	$(BIN)/python -m benchmarks.fast_path
 	$(BIN)/python -m benchmarks.convergence
+	$(BIN)/python -m benchmarks.reading
 
 paper: $(VENV)/.core
 	$(BIN)/python -m gearpoly.studies.paper --out docs

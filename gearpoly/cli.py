@@ -98,10 +98,11 @@ def simulate(
     if at is not None:
         if turns is not None or points_per_mesh is not None:
             raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
-        from gearpoly.recording.csv_reader import read_csv
+        from gearpoly.recording.read import read_recording
 
-        recording = read_csv(at)
+        recording = read_recording(at)
         theta_2, remarks = run.recording_positions(assembled.pair, recording)
+        remarks += recording.remarks
         side = recording.flank if flank is None else side
         torque = run.recorded_torque(recording, default=torque)
     else:

@@ -25,14 +25,9 @@ from gearpoly.files.traces import (
     split_row,
     unreadable,
 )
-from gearpoly.recording.reader import (
-    RECORDING_LIMIT_BYTES,
-    Reader,
-    Table,
-    is_key,
-    recording_from_table,
-)
+from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, is_key, recording_from_table
 from gearpoly.recording.recording import COLUMNS, Recording, check_complete, check_key
+from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
 LINE_LIMIT = 2**20

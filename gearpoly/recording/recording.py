@@ -120,7 +120,8 @@ def _taken_over(values: FloatArray, unit: float) -> FloatArray:
     """``values`` times ``unit``, in place where they can be written to, and sealed so that no copy is needed."""
     if unit != 1.0:
         in_place = values.flags.writeable and values.flags.c_contiguous
-        values = np.multiply(values, unit, out=values if in_place else None)
+        with np.errstate(invalid="ignore", under="ignore"):  # a damaged file may hold signalling nans
+            values = np.multiply(values, unit, out=values if in_place else None)
     owner: object = values
     while isinstance(owner, np.ndarray):
         owner.setflags(write=False)
@@ -196,11 +197,11 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
 def recording_from_columns(
     file: Path, columns: Mapping[str, FloatArray], keys: Mapping[str, object], remarks: Iterable[str] = ()
 ) -> Recording:
-    """The recording that a reader found under the contract's names and units, raw channels decoded.
+    """The recording that a reader found under the contract's names and units.
 
-    ``columns`` holds arrays (n,) by column name, which are taken over (and written to), complete as :func:`check_complete` wants; ``keys``
-    holds values that passed :func:`check_key`. Raises ``InputFileError`` where a column holds no
-    number at all, or a torque that points backward.
+    ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants, without raw channels; the
+    arrays are taken over and may be written to. ``keys`` holds values that passed :func:`check_key`. Raises
+    ``InputFileError`` where a column holds no number at all, or a torque that points backward.
     """
     for name, values in columns.items():
         if np.isnan(values[0]) and np.isnan(values).all():

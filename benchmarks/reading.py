@@ -1,0 +1,146 @@
+"""How fast recordings are read, against each format's own library, and how much memory that takes.
+
+For every format one recording is written, then read in fresh processes: by the format's own library into plain arrays,
+and by ``read_recording``. Printed are the wall times (the least of three), their ratio (goal: at least half the
+library's speed) and the peak memory of the process beyond its imports, over the size of the file's numbers at 8 bytes
+(goal: at most 10 times). Run from the repository's root: python -m benchmarks.reading [samples]
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tests import recording_files as files
+
+SAMPLES = 300_000
+COLUMNS = 4
+REPEATS = 3
+
+KEYS: dict[str, object] = {"torque_nm": 25.0, "speed_rpm": 30.0, "flank": "drive", "driving_zero_deg": 12.5}
+
+
+def recorded(samples: int) -> dict[str, files.FloatArray]:
+    rng = np.random.default_rng(1)
+    time_s = np.cumsum(rng.uniform(0.5, 1.5, samples)) * 1e-4
+    driving = 360.0 * 0.5 * time_s
+    return {
+        "time_s": time_s,
+        "driving_angle_deg": driving % 360.0,
+        "driven_angle_deg": 0.72 * driving + 1e-4 * rng.standard_normal(samples),
+        "torque_nm": 25.0 + 0.1 * rng.standard_normal(samples),
+    }
+
+
+def by_csv(file: Path) -> Any:
+    return np.loadtxt(file, delimiter=",", skiprows=len(KEYS) + 1)
+
+
+def by_parquet(file: Path) -> Any:
+    table = importlib.import_module("pyarrow.parquet").read_table(file)
+    return [table.column(name).to_numpy() for name in table.column_names]
+
+
+def by_hdf5(file: Path) -> Any:
+    with importlib.import_module("h5py").File(file, "r") as root:
+        return [root[name][()] for name in root if hasattr(root[name], "dtype")]
+
+
+def by_mat5(file: Path) -> Any:
+    return importlib.import_module("scipy.io").loadmat(file)
+
+
+def by_tdms(file: Path) -> Any:
+    source = importlib.import_module("nptdms").TdmsFile.read(file)
+    return [channel[:] for group in source.groups() for channel in group.channels()]
+
+
+def by_uff(file: Path) -> Any:
+    return [one["data"] for one in importlib.import_module("pyuff").UFF(str(file)).read_sets()]
+
+
+CASES: dict[str, tuple[str, str, files.Writer, Callable[[Path], Any]]] = {
+    "CSV": ("a.csv", "numpy", files.write_csv, by_csv),
+    "Parquet": ("a.parquet", "pyarrow", files.write_parquet, by_parquet),
+    "HDF5": ("a.h5", "h5py", files.write_hdf5, by_hdf5),
+    "HDF5, gzip": ("b.h5", "h5py", lambda f, c, k: files.write_hdf5(f, c, k, compression="gzip"), by_hdf5),
+    "MAT 5": ("a.mat", "scipy", lambda f, c, k: files.write_mat5(f, c, k, packed=False), by_mat5),
+    "MAT 5, packed": ("b.mat", "scipy", files.write_mat5, by_mat5),
+    "MAT 5, struct": ("c.mat", "scipy", lambda f, c, k: files.write_mat5(f, c, k, struct="rec"), by_mat5),
+    "MAT 7.3": ("d.mat", "h5py", files.write_mat73, by_hdf5),
+    "TDMS": ("a.tdms", "nptdms", files.write_tdms, by_tdms),
+    "UFF58, text": ("a.uff", "pyuff", lambda f, c, k: files.write_uff(f, c, k, binary=False), by_uff),
+    "UFF58, binary": ("b.uff", "pyuff", files.write_uff, by_uff),
+}
+
+
+def peak_mb() -> float:
+    """Largest resident memory of this process so far, in MB.
+
+    Linux only: ru_maxrss would do elsewhere, but here it begins with what the parent held when it forked.
+    """
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return float(status.split("VmHWM:")[1].split()[0]) / 1024.0
+
+
+def measure(name: str, ours: bool, folder: Path) -> None:
+    """The body of one fresh process; prints seconds and MB."""
+    from gearpoly.recording.read import read_recording, readers
+
+    file_name, library, _, theirs = CASES[name]
+    readers()
+    for module in (library, "pyarrow.parquet" if library == "pyarrow" else library, "scipy.io"):
+        importlib.import_module(module)
+    file = folder / file_name
+    small = folder / f"small_{file_name}"
+    read: Callable[[Path], Any] = read_recording if ours else theirs
+    read(small)  # imports made on the way
+    before = peak_mb()
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        held = read(file)
+        times.append(time.perf_counter() - start)
+        del held
+    print(json.dumps([min(times), peak_mb() - before]))
+
+
+def main() -> None:
+    if len(sys.argv) == 4:
+        measure(sys.argv[1], sys.argv[2] == "ours", Path(sys.argv[3]))
+        return
+    samples = int(sys.argv[1]) if len(sys.argv) > 1 else SAMPLES
+    size_mb = 8.0 * COLUMNS * samples / 2**20
+    print(f"{samples} samples, {COLUMNS} columns, {size_mb:.1f} MB of numbers")
+    print(f"{'format':16}{'library':>9}{'theirs s':>10}{'ours s':>9}{'speed':>8}{'their mem':>11}{'our mem':>9}")
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        for name, (file_name, library, write, _) in CASES.items():
+            if importlib.util.find_spec(library) is None:
+                print(f"{name:16}{library:>9}  not installed")
+                continue
+            write(folder / file_name, recorded(samples), KEYS)
+            write(folder / f"small_{file_name}", recorded(100), KEYS)
+            found = {}
+            for who in ("theirs", "ours"):
+                command = [sys.executable, "-m", "benchmarks.reading", name, who, place]
+                done = subprocess.run(command, check=True, capture_output=True, text=True)
+                found[who] = json.loads(done.stdout)
+            (t_1, m_1), (t_2, m_2) = found["theirs"], found["ours"]
+            print(
+                f"{name:16}{library:>9}{t_1:10.4f}{t_2:9.4f}{t_1 / t_2:7.2f}x"
+                f"{m_1 / size_mb:10.1f}x{m_2 / size_mb:8.1f}x"
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,299 @@
+"""A recording made ready for comparison: only what is meant is put right, and all of it is counted.
+
+Wraps, directions and stated zeros are undone; drop-outs, single spikes and the start and stop ramps are left out, never
+filled in. A ratio that is off by a constant is measured and told. Nothing is filtered, resampled or smoothed: every
+value that comes out was recorded.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gearpoly.errors import InputFileError
+from gearpoly.recording.recording import Recording
+from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.travel import nearest_teeth, slope
+from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps, weighted_median
+from gearpoly.units import DEG, FloatArray, IntArray, read_only
+
+TURN = 2.0 * math.pi
+
+RATIO_LIMIT = 0.03
+"""Relative error of the ratio from which it is another pair's recording, not a wrong encoder count or slip. One tooth
+more or less in 30 is as much.
+"""
+OFFSET_SIGMAS = 5.0
+"""Standard errors from which a ratio is told to be off; with a dozen stretches behind the error chance is 4 in 10^4."""
+TEETH_TOLERANCE = 1e-4
+"""Relative uncertainty of a measured ratio at least, when teeth are named: encoder errors over a few turns."""
+RAMP_SHARE = 0.75
+"""Share of the usual speed below which both ends of a recording are ramps; speed may wobble within it."""
+RAMP_WINDOW = 5.0 * DEG
+"""Driving rotation in rad over which that speed is taken, above the noise of single readings."""
+BACKWARD_LIMIT = 0.5 * DEG
+"""Backward motion in rad that counts as jitter of the reading; more is a real reversal, which changes the flank."""
+TURNS_LEAST = 2.0
+"""Driving turns that must be left; with fewer nothing of the driving shaft repeats."""
+
+
+@dataclass(frozen=True)
+class Deed:
+    """One thing that was done or found: a short name, how many samples (or steps) it touched, and a sentence."""
+
+    what: str
+    count: int
+    says: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cleaned:
+    """The samples of a recording that can be compared with a simulation, in the recording's order.
+
+    ``theta_1``, ``theta_2`` (N,): rotations in rad, continuous and forward positive; the stated zero is subtracted,
+    and where none is stated they are the encoder's readings. Both are known only up to whole turns. ``te`` (N,) in rad
+    is ``theta_2 - ratio * theta_1``, or the recorded transmission error. ``time_s`` (N,) in s, ``torque_nm`` (N,) in
+    N.m and ``speed_rpm`` (N,) in rpm per sample, where recorded; torque and speed may hold ``nan``. ``keep`` (N,) are
+    the samples' numbers in the recording, from 0.
+
+    ``ratio`` is z_1/z_2. ``ratio_offset`` is the slope of the transmission error, (measured ratio) - ``ratio``, with
+    its standard error ``ratio_offset_std``; ``ratio_is_off`` says that it is significant. ``done`` lists what was done.
+    """
+
+    recording: Recording
+    theta_1: FloatArray
+    theta_2: FloatArray
+    te: FloatArray
+    time_s: FloatArray | None
+    torque_nm: FloatArray | None
+    speed_rpm: FloatArray | None
+    keep: npt.NDArray[np.int64]
+    ratio: float
+    ratio_offset: float
+    ratio_offset_std: float
+    done: tuple[Deed, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("theta_1", "theta_2", "te", "time_s", "torque_nm", "speed_rpm"):
+            value = getattr(self, name)
+            object.__setattr__(self, name, None if value is None else read_only(value))
+        keep = np.array(self.keep, dtype=np.int64)
+        keep.setflags(write=False)
+        object.__setattr__(self, "keep", keep)
+
+    @property
+    def size(self) -> int:
+        """Number of samples left."""
+        return self.te.size
+
+    @property
+    def ratio_is_off(self) -> bool:
+        """Whether the travels contradict the tooth ratio: encoder count, slip, or a slow drift."""
+        return abs(self.ratio_offset) > OFFSET_SIGMAS * self.ratio_offset_std
+
+
+def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> Cleaned:
+    """Make a recording ready for comparison.
+
+    ``ratio`` is z_1/z_2. ``r_b2``, the driven base radius in mm, is needed where the transmission error was recorded
+    along the line of action. Raises ``InputFileError``, with the row (from 1), where a shaft runs backwards, the ratio
+    is another pair's, or fewer than two driving turns are left; ``ValueError`` where ``r_b2`` is missing.
+    """
+    done: list[Deed] = []
+    te = _recorded_te(recording, r_b2)
+    readings = {"driving": recording.driving_angle_rad, "driven": recording.driven_angle_rad}
+    good = np.ones(recording.size, dtype=np.bool_)
+    for values in (*readings.values(), te, recording.time_s):
+        if values is not None:
+            good &= np.isfinite(values)
+    if not good.all():
+        gaps = int(np.sum(good[:-1] & ~good[1:])) + int(not good[0])
+        _note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {gaps} gaps, left out")
+    keep = np.flatnonzero(good)
+    if keep.size < 8:
+        raise _too_short(recording, f"{keep.size} samples without drop-outs")
+    position = keep.astype(np.float64) if recording.time_s is None else recording.time_s[keep]
+    _check_time(recording, keep, position)
+    shafts = {
+        shaft: _continuous(recording, shaft, values[keep], position, keep, done)
+        for shaft, values in readings.items()
+        if values is not None
+    }
+    theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], ratio, done)
+
+    spikes = single_spikes(te, theta_1, theta_2)
+    if len(shafts) == 1:  # then a wild reading does not show in the recorded transmission error
+        spikes |= single_spikes(next(iter(shafts.values())).angle)
+    _note(done, "spikes", int(spikes.sum()), "single samples far off their neighbours that never return, left out")
+    left = ~spikes
+    keep, position = keep[left], position[left]
+    theta_1, theta_2, te = theta_1[left], theta_2[left], te[left]
+
+    begin, end = _steady(theta_1, position)
+    for what, count in (("start ramp", begin), ("stop ramp", keep.size - end)):
+        _note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
+    keep, theta_1, theta_2, te = keep[begin:end], theta_1[begin:end], theta_2[begin:end], te[begin:end]
+    if not keep.size or theta_1[-1] - theta_1[0] < TURNS_LEAST * TURN:
+        turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
+        raise _too_short(recording, f"{turns:.2f} driving turns")
+    for shaft, angle in (("driving", theta_1), ("driven", theta_2)):
+        if shaft in shafts:
+            _check_forward(recording, shaft, angle, keep, done)
+
+    value, error = slope(theta_1, theta_2, te)
+    _judge_ratio(recording, ratio, value, error, done)
+
+    def kept(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else values[keep]
+
+    return Cleaned(
+        recording=recording,
+        theta_1=theta_1,
+        theta_2=theta_2,
+        te=te,
+        time_s=kept(recording.time_s),
+        torque_nm=kept(recording.torque_samples_nm),
+        speed_rpm=kept(recording.speed_samples_rpm),
+        keep=keep,
+        ratio=ratio,
+        ratio_offset=value,
+        ratio_offset_std=error,
+        done=tuple(done),
+    )
+
+
+def _note(done: list[Deed], what: str, count: int, says: str) -> None:
+    if count:
+        done.append(Deed(what, count, f"{count} {says}"))
+
+
+def _too_short(recording: Recording, found: str) -> InputFileError:
+    wish = f"want at least {TURNS_LEAST:g} driving turns at speed; record longer"
+    return InputFileError(recording.source, found=found, wish=wish)
+
+
+def _row(recording: Recording, sample: int) -> str:
+    """A sample's place for a message: its row from 1, and its time."""
+    at = "" if recording.time_s is None else f" (time_s {recording.time_s[sample]:.6g})"
+    return f"row {sample + 1}{at}"
+
+
+def _recorded_te(recording: Recording, r_b2: float | None) -> FloatArray | None:
+    if recording.te_mm is None:
+        return recording.te_rad
+    if r_b2 is None:
+        raise ValueError("a transmission error in um needs the driven base radius r_b2 to become an angle")
+    return recording.te_mm / r_b2
+
+
+def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
+    """Time must not run back: files that were strung together, or a clock that was set."""
+    back = np.flatnonzero(np.diff(position) < 0.0)
+    if back.size:
+        sample = int(keep[back[0] + 1])
+        found = f"a time {position[back[0]] - position[back[0] + 1]:g} s before the row above"
+        wish = "want one recording in the order of time; cut it there"
+        raise InputFileError(recording.source, where=f"{_row(recording, sample)}", found=found, wish=wish)
+
+
+def _continuous(
+    recording: Recording, shaft: str, reading: FloatArray, position: FloatArray, keep: IntArray, done: list[Deed]
+) -> Continuous:
+    """One shaft's angle, forward positive and without wraps; its stated zero becomes 0."""
+    direction = recording.driving_direction if shaft == "driving" else recording.driven_direction
+    zero = recording.driving_zero_rad if shaft == "driving" else recording.driven_zero_rad
+    one = continuous(direction * (reading - (zero or 0.0)), position, keep)
+    if direction < 0:
+        _note(done, f"{shaft} direction", reading.size, f"readings of the {shaft} shaft, which count down, reversed")
+    _note(done, f"{shaft} wraps", int(np.count_nonzero(one.wraps)), f"wraps of the {shaft} angle undone")
+    travel = float(np.sum(np.diff(one.angle)[one.ordinary]))
+    if travel < 0.0:
+        key = f"{shaft}_direction = {-direction}"
+        found = f"an angle that falls by {-travel / TURN:.2f} turns as the recording runs"
+        wish = f"want angles that rise as the pair runs forward; state {key} if this encoder counts the other way"
+        raise InputFileError(recording.source, where=f"column {shaft}_angle_deg", found=found, wish=wish)
+    return one
+
+
+def _rotations(
+    recording: Recording, shafts: dict[str, Continuous], te: FloatArray | None, ratio: float, done: list[Deed]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Both rotations and the transmission error (m,) in rad; what was not recorded follows from the other two."""
+    if len(shafts) == 2:
+        first, second = shafts["driving"], shafts["driven"]
+        both = first.ordinary & second.ordinary
+        travel = float(np.sum(np.diff(first.angle)[both]))
+        # Gaps are settled with the ratio, so a ratio that is none must be found without them.
+        if travel > 0.0:
+            _check_pair(recording, ratio, float(np.sum(np.diff(second.angle)[both])) / travel)
+        theta_1, theta_2, moved = settle_gaps(first, second, ratio)
+        _note(done, "gaps settled", moved, "gaps whose number of turns was found from both shafts together")
+        return theta_1, theta_2, theta_2 - ratio * theta_1 if te is None else te
+    assert te is not None  # a Recording has two of the three
+    if "driving" in shafts:
+        theta_1 = shafts["driving"].angle
+        return theta_1, te + ratio * theta_1, te
+    theta_2 = shafts["driven"].angle
+    return (theta_2 - te) / ratio, theta_2, te
+
+
+def _steady(theta_1: FloatArray, position: FloatArray) -> tuple[int, int]:
+    """The first sample and the end of the stretch between the start and the stop ramp."""
+    travel = np.abs(np.diff(theta_1))
+    moving = weighted_median(travel, travel)
+    span = min(max(1, math.ceil(RAMP_WINDOW / moving)) if moving > 0.0 else 1, theta_1.size - 1)
+    pause = position[span:] - position[:-span]
+    advance = theta_1[span:] - theta_1[:-span]
+    speed = np.divide(advance, pause, out=np.zeros_like(advance), where=pause > 0.0)
+    fast = np.flatnonzero(speed >= RAMP_SHARE * weighted_median(speed, np.abs(advance)))
+    return (int(fast[0]), int(fast[-1]) + span + 1) if fast.size else (0, 0)
+
+
+def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: IntArray, done: list[Deed]) -> None:
+    """Raise where a shaft really turns back; count where only its reading trembles."""
+    back = np.maximum.accumulate(angle) - angle
+    real = np.flatnonzero(back > BACKWARD_LIMIT)
+    if real.size:
+        # The turn-round itself is the highest reading before.
+        turned = int(np.argmax(angle[: real[0] + 1]))
+        found = (
+            f"the {shaft} angle runs back, by {back[real[0]] / DEG:.2f} deg up to {_row(recording, int(keep[real[0]]))}"
+        )
+        wish = (
+            f"want one direction (up to {BACKWARD_LIMIT / DEG:g} deg back is taken for jitter); cut the recording there"
+        )
+        raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
+    steps = int(np.count_nonzero(np.diff(angle) < 0.0))
+    says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"
+    _note(done, f"{shaft} jitter", steps, says)
+
+
+def _check_pair(recording: Recording, ratio: float, measured: float) -> None:
+    if abs(measured / ratio - 1.0) <= RATIO_LIMIT:
+        return
+    teeth = nearest_teeth(measured, 10.0 * TEETH_TOLERANCE)
+    found = (
+        f"a ratio of {measured:.6g} (driven to driving travel), {measured / ratio - 1.0:+.1%} off "
+        f"the pair's {ratio:.6g}; the nearest tooth ratio is {teeth.numerator}/{teeth.denominator}"
+    )
+    wish = "want a recording of this pair, with the right counts per turn of both encoders"
+    raise InputFileError(recording.source, found=found, wish=wish)
+
+
+def _judge_ratio(recording: Recording, ratio: float, value: float, error: float, done: list[Deed]) -> None:
+    """Tell a ratio that is off by a constant; a pair's recording is not refused for it."""
+    _check_pair(recording, ratio, ratio + value)
+    if abs(value) <= OFFSET_SIGMAS * error:
+        return
+    tolerance = max(3.0 * error / ratio, TEETH_TOLERANCE)
+    teeth = nearest_teeth(ratio + value, tolerance)
+    other = f"; {teeth.numerator}/{teeth.denominator} teeth would fit" if abs(value) > 2.0 * tolerance * ratio else ""
+    says = (
+        f"the driven shaft travels {ratio + value:.8g} of the driving one, not {ratio:.8g}: "
+        f"off by {value / ratio:+.3g} +- {error / ratio:.1g} of it (encoder count or slip{other}), or by a drift; "
+        "left as recorded"
+    )
+    done.append(Deed("ratio", 0, says))

@@ -1,0 +1,80 @@
+"""Recordings as Parquet: one table, the keys as text in the file's metadata."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.files.traces import check_header
+from gearpoly.recording.reader import (
+    RECORDING_LIMIT_BYTES,
+    Reader,
+    check_numbers,
+    damage_reported,
+    is_key,
+    numbers,
+    optional,
+    take_key,
+    text_value,
+)
+from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray
+
+PYARROW_LEAST = 15
+"""Oldest pyarrow, by its major version: up to 14.0.0 it unpickled what a Parquet file told it to (CVE-2023-47248)."""
+
+
+def read_table(file: Path) -> Table:
+    """The columns and keys of one Parquet file; nulls are drop-outs.
+
+    A table holds the columns of a recording and no others, as a CSV does.
+    """
+    version = str(optional(file, "pyarrow", extra="parquet").__version__)
+    if int(version.split(".")[0]) < PYARROW_LEAST:
+        wish = f"pip install --upgrade gearpoly[parquet] (pyarrow {PYARROW_LEAST} or later)"
+        raise MissingExtraError(f"{file}: pyarrow {version} can be made to run code by a Parquet file; {wish}")
+    parquet = optional(file, "pyarrow.parquet", extra="parquet")
+    types = optional(file, "pyarrow.types", extra="parquet")
+    with damage_reported(file, "Parquet"), parquet.ParquetFile(file, memory_map=True) as source:
+        schema = source.schema_arrow
+        check_header(file, "schema", list(schema.names), COLUMNS)
+        for column in schema:
+            if not (types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)):
+                found = f"values of type {column.type}"
+                raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
+        _check_size(file, source.metadata)
+        keys: dict[str, object] = {}
+        for key, value in (schema.metadata or {}).items():
+            name = key.decode("utf-8", errors="replace")
+            if is_key(file, "metadata", name):
+                take_key(file, "metadata", name, text_value(value.decode("utf-8", errors="replace")), keys)
+        columns: dict[str, FloatArray] = {}
+        for name in schema.names:  # one at a time, so that only one column is held twice
+            values = source.read(columns=[name], use_threads=True).column(0)
+            columns[name] = numbers(file, name, np.asarray(values.to_numpy()))
+    return Table(columns=columns, keys=keys)
+
+
+def _check_size(file: Path, metadata: Any) -> None:
+    """Refuse what would unpack beyond the limit: run lengths make a billion rows of a few bytes."""
+    rows: int = metadata.num_rows
+    width: int = metadata.num_columns
+    check_numbers(file, rows * width)
+    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
+    unpacked = sum(group.total_byte_size for group in groups)
+    if unpacked > RECORDING_LIMIT_BYTES:
+        check_numbers(file, unpacked // 8 + 1)
+
+
+READER = Reader(
+    name="Parquet",
+    endings=(".parquet", ".pq"),
+    recognises=lambda head: head.startswith(b"PAR1"),
+    read=read_table,
+    module="pyarrow",
+    extra="parquet",
+)

@@ -1,0 +1,277 @@
+"""Raw encoder channels become angles: the names of channels and keys, the common times, and the report.
+
+The channels of a shaft are ``driving_a`` alone (pulses) or with ``driving_b`` (quadrature), or ``driving_count``
+(a counter), with ``driving_index`` where there is one; docs/recordings.md has the whole convention. Each shaft then has
+readings at times of its own: edges, or the samples. The recording gets the times of the source with the fewest
+readings, so that every sample holds one true reading and the other shaft, which is read more often, is interpolated
+linearly between the two readings about it. Nothing is resampled onto a grid, so no reading of the coarser source is
+lost, moved or made up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.recording.pulses import (
+    HYSTERESIS,
+    Counts,
+    Edges,
+    check_index,
+    find_edges,
+    pulses,
+    quadrature,
+    unwrap_counter,
+)
+from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, SHAFTS, raw_channels
+from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray, IntArray
+
+PLACES = 3
+"""How many places of a fault are named; the rest is counted."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Source:
+    """Values (m,) in the column's unit at rising times (m,)."""
+
+    column: str
+    time: FloatArray
+    values: FloatArray
+
+
+def angles_from_raw(file: Path, table: Table) -> Table:
+    """The table with angle columns in the place of raw channels, all at common times.
+
+    Raises ``InputFileError`` where a key is missing, a channel does not move or has drop-outs, or the stated line
+    count contradicts the index.
+    """
+    remarks = list(table.remarks)
+    time, has_time = _times(file, table, remarks)
+    sources = []
+    for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True):
+        channels = raw_channels(table.columns, shaft)
+        if channels:
+            sources.append(_shaft(file, table, shaft, angle, channels, time, remarks, has_time=has_time))
+    others = {name: values for name, values in table.columns.items() if name not in RAW_COLUMNS and name != "time_s"}
+    measured = [_Source(column=name, time=time, values=values) for name, values in others.items()]
+    # Torque and speed are slow companions; only what makes the transmission error chooses the times.
+    rivals = sources + [one for one in measured if one.column not in ("torque_nm", "speed_rpm")]
+    base = min(rivals, key=lambda one: one.time.size)
+    begin, end = max(one.time[0] for one in rivals), min(one.time[-1] for one in rivals)
+    common = base.time[(base.time >= begin) & (base.time <= end)]
+    if common.size < 2:
+        wish = "want both shafts recorded together"
+        raise InputFileError(file, found="shafts that do not turn at the same time", wish=wish)
+    columns: dict[str, FloatArray] = {"time_s": common} if has_time else {}
+    for one in sources + measured:
+        values = one.values
+        if one.time is base.time:
+            columns[one.column] = values[(base.time >= begin) & (base.time <= end)]
+        else:
+            columns[one.column] = np.interp(common, one.time, values)
+    cut = base.time.size - common.size
+    remarks.append(
+        f"angles at the {common.size} times of {base.column}, which has the fewest readings; "
+        f"what is read more often is interpolated linearly onto them"
+        + (f"; {cut} readings outside the common time left out" if cut else "")
+    )
+    return Table(columns=columns, keys=table.keys, remarks=remarks)
+
+
+def _times(file: Path, table: Table, remarks: list[str]) -> tuple[FloatArray, bool]:
+    """The times of the samples, and whether they are seconds or only numbers of samples."""
+    size = next(iter(table.columns.values())).size
+    if "time_s" in table.columns:
+        time = table.columns["time_s"]
+        bad = ~np.isfinite(time)
+        bad[1:] |= ~(np.diff(time) > 0.0)
+        if bad.any():
+            row = int(np.argmax(bad)) + 1
+            wish = "want a time that rises from sample to sample, since edges are placed by it"
+            raise InputFileError(file, where=f"column time_s, row {row}", found=f"{time[row - 1]:g}", wish=wish)
+        return time, True
+    rate = table.keys.get("sample_rate_hz")
+    if isinstance(rate, int | float):
+        return np.arange(size) / float(rate), True
+    remarks.append("neither time_s nor sample_rate_hz: samples taken as evenly spaced, times unknown")
+    return np.arange(size, dtype=np.float64), False
+
+
+def _shaft(
+    file: Path,
+    table: Table,
+    shaft: str,
+    angle: str,
+    channels: tuple[str, ...],
+    time: FloatArray,
+    remarks: list[str],
+    *,
+    has_time: bool,
+) -> _Source:
+    """The readings of one shaft's raw channels, in deg."""
+    lines = _key(file, table, f"{shaft}_lines", f"{shaft}_lines = 1024, the lines of the encoder on that shaft")
+    if "count" in channels:
+        per_line = _key(file, table, f"{shaft}_counts_per_line", f"{shaft}_counts_per_line = 4 (1 or 2 where so set)")
+        per_turn = lines * per_line
+        counts = _counter(file, table, shaft, per_turn, time)
+        kind = "counter"
+    else:
+        a = _edges(file, table, f"{shaft}_a", time, remarks)
+        if "b" in channels:
+            per_turn, kind = 4.0 * lines, "quadrature"
+            counts = quadrature(a, _edges(file, table, f"{shaft}_b", time, remarks))
+        else:
+            per_turn, kind = lines, "pulses, direction unseen"
+            counts = pulses(a)
+        _report(shaft, counts, time, remarks, quadrature="b" in channels)
+    count = counts.count
+    if "index" in channels:
+        count = _indexed(file, table, shaft, counts, per_turn, time, remarks)
+    else:
+        count = _from_first(count)
+        remarks.append(f"{shaft}: no index, so its reading is 0 where the recording begins")
+    step = 360.0 / per_turn
+    seen = "s" if has_time else "samples"
+    span = f"{counts.time[0]:g} to {counts.time[-1]:g} {seen}"
+    remarks.append(f"{shaft}: {kind}, {counts.time.size} readings from {span}, one count is {step:.6g} deg")
+    return _Source(column=angle, time=counts.time, values=count * step)
+
+
+def _key(file: Path, table: Table, key: str, example: str) -> float:
+    """A key that raw channels need."""
+    if key not in table.keys:
+        raise InputFileError(file, found=f"raw channels without the key {key}", wish=f"want {example}")
+    return _number(table, key)
+
+
+def _number(table: Table, key: str) -> float:
+    value = table.keys[key]
+    assert isinstance(value, int | float)  # check_key has seen to it
+    return float(value)
+
+
+def _channel(file: Path, table: Table, name: str) -> FloatArray:
+    """A pulse channel, which must not have drop-outs: counts would go missing unseen."""
+    values = table.columns[name]
+    bad = np.isnan(values)
+    if bad.any():
+        row = int(np.argmax(bad)) + 1
+        wish = "want pulses without gaps (lines would go uncounted); cut the recording there"
+        raise InputFileError(file, where=f"column {name}, row {row}", found=f"{int(bad.sum())} drop-outs", wish=wish)
+    return values
+
+
+def _edges(file: Path, table: Table, name: str, time: FloatArray, remarks: list[str]) -> Edges:
+    edges = find_edges(_channel(file, table, name), time)
+    if edges.sample.size < 2:
+        found = f"{edges.sample.size} edges between the levels {edges.low:.4g} and {edges.high:.4g}"
+        raise InputFileError(file, where=f"column {name}", found=found, wish="want a channel that switches as it turns")
+    sharp = f", {edges.sharp:.0%} of them within one sample, so placed to half a sample" if edges.sharp > 0.1 else ""
+    remarks.append(
+        f"{name}: levels {edges.low:.4g} and {edges.high:.4g} found, threshold {0.5 * (edges.low + edges.high):.4g} "
+        f"+- {HYSTERESIS * (edges.high - edges.low):.3g}, {edges.sample.size} edges{sharp}"
+    )
+    return edges
+
+
+def _report(shaft: str, counts: Counts, time: FloatArray, remarks: list[str], *, quadrature: bool) -> None:
+    if counts.illegal.size:
+        places = _places(counts.illegal, time)
+        remarks.append(
+            f"{shaft}: {counts.illegal.size} illegal transitions, both channels at once, {places}; "
+            "counted as two steps onward"
+        )
+    if counts.against.size and quadrature:
+        places = _places(counts.against, time)
+        remarks.append(f"{shaft}: {counts.against.size} steps against the run (jitter, or lost pulses), {places}")
+    elif counts.against.size:
+        places = _places(counts.against, time)
+        remarks.append(f"{shaft}: {counts.against.size} pulses that come too early, {places}; counted")
+    if counts.lost:
+        number = sum(lost for _, lost in counts.lost)
+        places = _places(np.array([sample for sample, _ in counts.lost]), time)
+        remarks.append(f"{shaft}: {number} pulses lost by their time, {places}; counted on")
+
+
+def _places(samples: IntArray, time: FloatArray) -> str:
+    """Rows (from 1) and times of the first faults."""
+    named = ", ".join(f"row {int(i) + 1} ({time[i]:.6g})" for i in samples[:PLACES])
+    return f"at {named}" + (" ..." if samples.size > PLACES else "")
+
+
+def _counter(file: Path, table: Table, shaft: str, per_turn: float, time: FloatArray) -> Counts:
+    """The readings of a counter, one at every sample."""
+    name = f"{shaft}_count"
+    stated = table.keys.get(f"{shaft}_count_bits")
+    bits = int(stated) if isinstance(stated, int | float) else None
+    raw = table.columns[name]
+    count = unwrap_counter(raw, bits)
+    step = np.diff(count[np.isfinite(count)])
+    if step.size and bits is not None and float(np.median(np.abs(step))) > 0.25 * 2.0**bits:
+        found = f"{float(np.median(np.abs(step))):g} counts from sample to sample"
+        wish = f"want at most a quarter of its {2**bits}; check {name}_bits, or sample faster"
+        raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
+    if bits is None and step.size:
+        worst = int(np.argmax(np.abs(step)))
+        # Half a turn and fifty usual steps within one sample: the counter was reset or went round.
+        if abs(step[worst]) > max(0.5 * per_turn, 50.0 * float(np.median(np.abs(step)))):
+            row = int(np.flatnonzero(np.isfinite(count))[worst + 1]) + 1
+            guess = int(np.ceil(np.log2(max(float(np.nanmax(np.abs(raw))), 2.0) + 1.0)))
+            wish = f"want {name}_bits = {guess} if the counter wraps there, or a recording without a reset"
+            raise InputFileError(file, where=f"column {name}, row {row}", found=f"a jump by {step[worst]:g}", wish=wish)
+    none = np.empty(0, dtype=np.int64)
+    return Counts(time=time, count=count, sample=np.arange(count.size), illegal=none, against=none)
+
+
+def _indexed(
+    file: Path,
+    table: Table,
+    shaft: str,
+    counts: Counts,
+    per_turn: float,
+    time: FloatArray,
+    remarks: list[str],
+) -> FloatArray:
+    """Counts from the first index on, checked turn by turn."""
+    name = f"{shaft}_index"
+    index = find_edges(_channel(file, table, name), time)
+    good = np.isfinite(counts.count)
+    forward = bool(counts.count[good][-1] >= counts.count[good][0])
+    # The edge that is met first when counting up, so that the place is the same both ways.
+    passed = index.time[index.rising == forward]
+    if not passed.size:
+        remarks.append(f"{name}: no pulse, so the counts are unchecked and the reading is 0 where the recording begins")
+        return _from_first(counts.count)
+    check = check_index(counts.time, counts.count, passed, per_turn)
+    if check.always:
+        found = f"{per_turn + check.always:g} counts from index to index in most turns, {per_turn:g} by {shaft}_lines"
+        lines = _number(table, f"{shaft}_lines") * (1.0 + check.always / per_turn)
+        wish = f"want the line count of that encoder in {shaft}_lines (perhaps {lines:g})"
+        raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
+    if check.turns:
+        remarks.append(
+            f"{name}: {check.turns} turns checked, {len(check.lost)} with lost counts; reading 0 at the index"
+        )
+    else:
+        remarks.append(f"{name}: {passed.size} pulse, so no turn could be checked; reading 0 at the index")
+    for begin, end, number in check.lost[:PLACES]:
+        what = f"{number} counts lost" if number > 0 else f"{-number} counts too many"
+        remarks.append(f"{shaft}: {what} between {begin:.6g} and {end:.6g}; that turn left out, put right after it")
+    if len(check.lost) > PLACES:
+        number = sum(abs(one[2]) for one in check.lost)
+        remarks.append(f"{shaft}: {number} counts lost or too many in {len(check.lost)} turns in all")
+    if check.ignored:
+        places = ", ".join(f"{t:.6g}" for t in check.ignored[:PLACES])
+        more = " ..." if len(check.ignored) > PLACES else ""
+        remarks.append(f"{name}: {len(check.ignored)} pulses that fit no turn, at {places}{more}; not used")
+    return check.count
+
+
+def _from_first(count: FloatArray) -> FloatArray:
+    """Counts from the first one that is no drop-out."""
+    first = float(count[np.argmax(np.isfinite(count))])
+    return count - first

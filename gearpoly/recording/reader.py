@@ -1,0 +1,185 @@
+"""What the readers of recordings share: the table they fill, and the checks that keep a bad file from doing harm.
+
+A reader is one module of this package whose name ends in ``_reader`` and which holds a ``READER``. It finds columns and
+keys in its format; it takes no memory before it has compared the sizes that the file states with
+``RECORDING_LIMIT_BYTES``, and it runs and unpickles nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+import tomllib
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
+from gearpoly.files.traces import nearest, shorten, too_large
+from gearpoly.recording.raw import angles_from_raw
+from gearpoly.recording.recording import (
+    COLUMNS,
+    KEYS,
+    RAW_COLUMNS,
+    Recording,
+    check_complete,
+    check_key,
+    recording_from_columns,
+)
+from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray
+
+RECORDING_LIMIT_BYTES = 4 * 2**30
+"""Largest recording that is read, as a file and as numbers of 8 bytes: about 10^8 samples, whose arrays still fit an
+ordinary memory.
+"""
+
+NAME_CUTOFF = 0.7
+"""Likeness (difflib, 0..1) from which a foreign name counts as one of ours misspelt, not as a remark or another
+channel.
+"""
+
+NAMES_LIMIT = 10_000
+"""Most channels or variables that are looked through for ours; a recording has a handful."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reader:
+    """One format: its name, its file endings, how its first bytes look and how it is read.
+
+    ``recognises`` gets the first 4096 bytes. ``module`` is the optional package that ``read`` imports and ``extra``
+    the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    recognises: Callable[[bytes], bool]
+    read: Callable[[Path], Table]
+    module: str = ""
+    extra: str = ""
+    fallback: bool = False
+
+
+def optional(file: Path, module: str, *, extra: str) -> Any:
+    """An optional package, or ``MissingExtraError`` that names the extra."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        package = module.split(".")[0]
+        raise MissingExtraError(
+            f"{file}: this format needs {package}, which is not here ({error}); pip install gearpoly[{extra}]"
+        ) from None
+
+
+@contextmanager
+def damage_reported(file: Path, format_name: str) -> Iterator[None]:
+    """Turn whatever a format's library raises on a damaged file into an ``InputFileError``.
+
+    The libraries promise no exception types for damage, so all are taken; the user's files are at fault far more
+    often than the library, and the original error stays in the chain.
+    """
+    try:
+        yield
+    except GearpolyError:
+        raise
+    except Exception as error:
+        reason = shorten(" ".join(str(error).split()) or type(error).__name__, width=120)
+        cut = "truncat" in reason.lower() or "end of file" in reason.lower() or "buffer of" in reason.lower()
+        found = f"a {'cut-off' if cut else 'damaged'} {format_name} file ({reason})"
+        raise InputFileError(file, found=found, wish="want the whole file; copy or export it again") from error
+
+
+def recording_from_table(file: Path, table: Table) -> Recording:
+    """The recording in a table, after the checks that every format needs."""
+    check_complete(file, "", table.columns)
+    lengths = {name: values.size for name, values in table.columns.items()}
+    if len(set(lengths.values())) > 1:
+        found = "columns of unequal length, " + ", ".join(f"{name}: {size}" for name, size in lengths.items())
+        raise InputFileError(file, found=found, wish="want one value in each column for every sample")
+    if not next(iter(lengths.values())):
+        raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    if any(name in RAW_COLUMNS for name in table.columns):
+        table = angles_from_raw(file, table)
+    return recording_from_columns(file, table.columns, table.keys, table.remarks)
+
+
+def is_key(file: Path, where: str, name: str) -> bool:
+    """Whether ``name`` is a key; a name that is nearly one is refused, any other is a remark of the rig's."""
+    if name in KEYS:
+        return True
+    if close := nearest(name, KEYS, cutoff=NAME_CUTOFF):
+        wish = f'the nearest known key is "{close}" (known: {", ".join(KEYS)})'
+        raise InputFileError(file, where=where, found=f'unknown key "{shorten(name)}"', wish=wish)
+    return False
+
+
+def take_key(file: Path, where: str, name: str, value: object, keys: dict[str, object]) -> None:
+    """Put a key's value into ``keys`` after its check; the same key may come twice only with the same value."""
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+        value = value.reshape(-1)[0].item() if isinstance(value, np.ndarray) else value.item()
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", errors="replace")
+    check_key(file, where, name, value)
+    if name in keys and keys[name] != value:
+        found = f"{name} = {value} and {name} = {keys[name]}"
+        raise InputFileError(file, where=where, found=found, wish="want each key once")
+    keys[name] = value
+
+
+def text_value(text: str) -> object:
+    """The value of a key in a format that holds only text: TOML as in a CSV, or a bare word (``coast``)."""
+    try:
+        return tomllib.loads(f"value = {text.strip()}")["value"]
+    except (ValueError, RecursionError):
+        return text.strip()
+
+
+def wanted_columns(file: Path, where: str, names: Iterable[str], remarks: list[str]) -> list[str]:
+    """The names that are columns. A name that is nearly one is refused; others are left out, with a remark."""
+    wanted, others = [], []
+    for name in names:
+        if name in COLUMNS:
+            wanted.append(name)
+        elif name not in KEYS:
+            if close := nearest(name, COLUMNS, cutoff=NAME_CUTOFF):
+                wish = f'the nearest known column is "{close}"; rename it, or leave it out'
+                raise InputFileError(file, where=where, found=f'unknown column "{shorten(name)}"', wish=wish)
+            others.append(name)
+    if not wanted:
+        held = f"no column of a recording, only {shorten(', '.join(others), width=120)}" if others else "no columns"
+        wish = f"want columns of {', '.join(COLUMNS)}"
+        raise InputFileError(file, where=where, found=held, wish=wish)
+    if others:
+        remarks.append(f"not read, since no columns of a recording: {shorten(', '.join(others), width=200)}")
+    return wanted
+
+
+def check_numbers(file: Path, count: int) -> None:
+    """Raise ``InputFileError`` where ``count`` numbers, by the file's own account, would fill the memory."""
+    if 8 * count > RECORDING_LIMIT_BYTES:
+        error = too_large(file, RECORDING_LIMIT_BYTES)
+        raise InputFileError(file, found=f"{count} numbers, {error.found}", wish=error.wish)
+
+
+def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:
+    """One column as float64 (n,); a row or a column of a matrix counts, text, dates and complex numbers do not."""
+    if values.dtype.kind not in "iufb":
+        wish = "want plain numbers"
+        raise InputFileError(file, where=f"column {name}", found=f"values of type {values.dtype}", wish=wish)
+    if values.ndim != 1:
+        if values.size != max(values.shape, default=0):
+            shape = " x ".join(str(n) for n in values.shape)
+            raise InputFileError(file, where=f"column {name}", found=f"shape {shape}", wish="want one value a sample")
+        values = values.reshape(-1)
+    column = np.ascontiguousarray(values, dtype=np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = column.sum()
+    if not np.isfinite(total) and np.isinf(column).any():  # the sum is quick, and finite in most columns
+        row = int(np.argmax(np.isinf(column))) + 1
+        wish = "want a finite number (nan for a drop-out)"
+        raise InputFileError(file, where=f"column {name}, row {row}", found="inf", wish=wish)
+    return column

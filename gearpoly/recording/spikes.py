@@ -1,0 +1,79 @@
+"""Single spikes: isolated samples far off their neighbours that come once and never again.
+
+Derived here. A spike is one wrong sample. What is real in a gear pair lasts or repeats: steps, spalls and chipped
+tips span several samples or return every turn of their shaft, and both are kept.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+TURN = 2.0 * math.pi
+
+SPIKE_SIGMAS = 12.0
+"""Distance from the local median, in robust standard deviations of all such distances, from which a sample may be a
+spike. Gaussian noise does not get there (10^-32), noise of heavy tails hardly.
+"""
+
+QUIET_SHARE = 0.25
+"""Largest spread of the two neighbours on each side, as a share of the distance: beside a step or in a dip of several
+samples it is at least 1, at a peak of two slopes 2/3.
+"""
+
+REPEAT_SHARE = 1.0 / 3.0
+"""A spike repeats in another turn where a sample at that place is off by this share of it, to the same side; and it is
+real where it repeats in this share of the other turns.
+"""
+
+REPEAT_STEPS = 1.5
+"""How far from the place, in usual sample steps, another turn's samples are looked at; sampling is not in step with the
+shaft.
+"""
+
+
+def single_spikes(x: FloatArray, *shafts: FloatArray) -> BoolArray:
+    """Which samples (m,) of ``x`` are single spikes; ``shafts`` are angles (m,) in rad on which real ones repeat."""
+    spikes = np.zeros(x.size, dtype=np.bool_)
+    if x.size < 7:
+        return spikes
+    padded = np.pad(x, 2, mode="reflect")
+    beside = np.sort(np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]]), axis=0)
+    off = x - 0.5 * (beside[1] + beside[2])
+    size = np.abs(off)
+    # Numbers of few digits may be equal in most samples, so the scale is never below the smallest step there is.
+    seen = size[size > 16.0 * np.finfo(np.float64).eps * np.max(np.abs(x))]
+    if not seen.size:
+        return spikes
+    sigma = max(1.4826 * float(np.median(size)), float(seen.min()))
+    found = np.flatnonzero((size > SPIKE_SIGMAS * sigma) & (beside[3] - beside[0] < QUIET_SHARE * size))
+    spikes[found] = True
+    for shaft in shafts:
+        spikes[found[_repeats(off, found, shaft)]] = False
+    return spikes
+
+
+def _repeats(off: FloatArray, found: IntArray, shaft: FloatArray) -> BoolArray:
+    """Which of the samples ``found`` return in other turns of the shaft."""
+    repeats = np.zeros(found.size, dtype=np.bool_)
+    if not found.size:
+        return repeats
+    reach = REPEAT_STEPS * float(np.median(np.abs(np.diff(shaft))))
+    place = np.mod(shaft, TURN)
+    order = np.argsort(place)
+    sorted_place = place[order]
+    for k, i in enumerate(found):
+        beside = []
+        for shift in (-TURN, 0.0, TURN):  # the window may lie across the end of the turn
+            begin, end = np.searchsorted(sorted_place, [place[i] + shift - reach, place[i] + shift + reach])
+            beside.append(order[begin:end])
+        others = np.concatenate(beside)
+        turn = np.rint((shaft[others] - shaft[i]) / TURN).astype(np.int64)
+        others, turn = others[turn != 0], turn[turn != 0]
+        same = off[others] * np.sign(off[i]) >= REPEAT_SHARE * abs(off[i])
+        seen, returned = np.unique(turn).size, np.unique(turn[same]).size
+        repeats[k] = returned >= max(1.0, REPEAT_SHARE * seen)
+    return repeats

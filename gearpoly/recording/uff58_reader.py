@@ -1,0 +1,252 @@
+"""Recordings as universal files: one data set 58 (text or binary, "58b") per column.
+
+ID line 1 of a data set is the column's name. Keys stand in ID lines 2 to 5, as ``key = value``, several separated by
+semicolons, in any of the data sets. The abscissa, where it is time, is ``time_s`` unless a column of that name is
+there. The format keeps abscissas to six digits in text and their start and step to six digits everywhere, so a column
+``time_s`` is better.
+
+This reader stands on its own, since pyuff 2.5.8 does not stand its round trip (docs/recordings.md lists what fails):
+it drops a data set that is cut off without a word, takes bytes of binary numbers for the end of a set, and does not
+look at the stated number of values. Here the stated sizes decide, and what is not there is an error.
+
+Source of the layout: "Universal Dataset Number 58", Structural Dynamics Research Laboratory, University of Cincinnati.
+"""
+
+from __future__ import annotations
+
+import mmap
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import shorten, unreadable
+from gearpoly.recording.reader import (
+    NAMES_LIMIT,
+    RECORDING_LIMIT_BYTES,
+    Reader,
+    check_numbers,
+    is_key,
+    numbers,
+    take_key,
+    text_value,
+    wanted_columns,
+)
+from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray
+
+START = re.compile(rb"\s*-1[ ]*\r?\n[ ]*\d+[ ]*(b|\r?\n|[ ]+\r?\n)")
+END = re.compile(rb"\r?\n?[ ]{0,4}-1[ ]*(\r?\n|$)")
+LINE_LIMIT = 200
+"""Longest header line, in bytes; the format has 80."""
+TIME = 17
+"""Abscissa type that is time."""
+_WHOLE = "want the whole file; copy or export it again"
+
+
+@dataclass(frozen=True)
+class _Set:
+    """One data set 58 as its header states it; its values begin at byte ``at``."""
+
+    name: str
+    id_lines: tuple[str, ...]
+    at: int
+    count: int
+    single: bool
+    even: bool
+    start: float
+    step: float
+    is_time: bool
+    binary: str
+    """Byte order of binary values, or nothing for text."""
+
+
+def read_table(file: Path) -> Table:
+    """The columns and keys of one universal file."""
+    try:
+        with file.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return _read(file, data)
+    except OSError as error:
+        raise unreadable(file, error) from None
+
+
+def _read(file: Path, data: mmap.mmap) -> Table:
+    table = Table(columns={}, keys={})
+    values: dict[str, tuple[FloatArray, FloatArray | None, _Set]] = {}
+    at = number = 0
+    while data[at : at + 4096].strip():
+        where = f"data set {number + 1}"
+        line, after = _line(file, where, data, at)
+        if not line.strip():
+            at = after
+            continue
+        number += 1
+        if line.strip() != b"-1":
+            found = f"`{shorten(line.decode('latin-1').strip())}`"
+            raise InputFileError(file, where=where, found=found, wish="want a data set, which begins with -1")
+        kind, _ = _line(file, where, data, after)
+        if kind[:6].strip() != b"58":
+            at = _skip(file, where, data, after)
+            continue
+        found_set = _header(file, where, data, after)
+        if found_set.name in values:
+            wish = "want each column once"
+            raise InputFileError(file, where=where, found=f'column "{found_set.name}" twice', wish=wish)
+        for text in found_set.id_lines:
+            _take_keys(file, where, text, table.keys)
+        check_numbers(file, sum(held[2].count for held in values.values()) + found_set.count)
+        ordinate, abscissa, at = _values(file, where, data, found_set)
+        values[found_set.name] = (ordinate, abscissa, found_set)
+        if len(values) > NAMES_LIMIT:
+            wish = "want a file with the columns of one recording"
+            raise InputFileError(file, found=f"more than {NAMES_LIMIT} data sets", wish=wish)
+    wanted = wanted_columns(file, "ID lines 1", values, table.remarks)
+    for name in wanted:
+        table.columns[name] = numbers(file, name, values[name][0])
+    if "time_s" not in wanted:
+        _add_time(file, {name: values[name] for name in wanted}, table)
+    return table
+
+
+def _line(file: Path, where: str, data: mmap.mmap, at: int) -> tuple[bytes, int]:
+    """One header line without its end, and where the next begins."""
+    end = data.find(b"\n", at, at + LINE_LIMIT)
+    if end < 0 and len(data) - at > LINE_LIMIT:
+        raise InputFileError(file, where=where, found=f"a line of more than {LINE_LIMIT} bytes", wish=_WHOLE)
+    end = len(data) if end < 0 else end
+    return data[at:end].rstrip(b"\r"), end + 1
+
+
+def _skip(file: Path, where: str, data: mmap.mmap, at: int) -> int:
+    """Where the data set after one that is not ours begins."""
+    end = re.compile(rb"^[ ]{0,4}-1[ ]*\r?$", re.MULTILINE).search(data, at)
+    if end is None:
+        raise InputFileError(file, where=where, found="a cut-off file (the data set has no end)", wish=_WHOLE)
+    return end.end() + 1
+
+
+def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
+    lines = []
+    for _ in range(12):
+        line, at = _line(file, where, data, at)
+        lines.append(line.decode("utf-8", errors="replace").ljust(80))
+    try:
+        form = lines[7]
+        kind, count, even = int(form[:10]), int(form[10:20]), int(form[20:30])
+        start, step = float(form[30:43]), float(form[43:56])
+        is_time = int(lines[8][:10]) == TIME
+        binary = {"1": "<", "2": ">"}[lines[0][7:13].strip()] if lines[0][6:7].lower() == "b" else ""
+        if binary and lines[0][13:19].strip() not in ("", "0", "2"):
+            raise ValueError("its numbers are not IEEE 754")
+    except (ValueError, KeyError) as error:
+        cut = at > len(data)
+        found = "a cut-off header" if cut else f"a header that cannot be read ({shorten(str(error))})"
+        raise InputFileError(file, where=where, found=found, wish=_WHOLE) from None
+    if kind not in (2, 4):
+        raise InputFileError(file, where=where, found=f"ordinates of type {kind}", wish="want real numbers (2 or 4)")
+    if count < 0:
+        raise InputFileError(file, where=where, found=f"{count} values", wish=_WHOLE)
+    ids = tuple(line.strip() for line in lines[1:6])
+    return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, binary)
+
+
+def _values(file: Path, where: str, data: mmap.mmap, held: _Set) -> tuple[FloatArray, FloatArray | None, int]:
+    """Ordinates and, where they are stored, abscissas; and where the next data set begins."""
+    width = held.count * (1 if held.even else 2)
+    if held.binary:
+        dtype = np.dtype(held.binary + ("f4" if held.single else "f8"))
+        stop = held.at + width * dtype.itemsize
+        if stop > len(data):
+            found = f"a cut-off file ({max(0, len(data) - held.at)} bytes of {width * dtype.itemsize} are there)"
+            raise InputFileError(file, where=f"{where}, {held.name}", found=found, wish=_WHOLE)
+        flat = np.frombuffer(data[held.at : stop], dtype=dtype).astype(np.float64)
+        end = END.match(data[stop : stop + 100])
+        if end is None:
+            found = f"no end after the {held.count} values that the header states"
+            wish = "want the whole file, with values of the stated precision; export it again, in double precision"
+            raise InputFileError(file, where=f"{where}, {held.name}", found=found, wish=wish)
+        after = stop + end.end()
+    else:
+        after = _skip(file, f"{where}, {held.name}", data, held.at)
+        stop = data.rfind(b"-1", held.at, after)
+        if (stop - held.at) > RECORDING_LIMIT_BYTES or width > stop - held.at:
+            found = f"{stop - held.at} bytes of text for {width} numbers"
+            raise InputFileError(file, where=f"{where}, {held.name}", found=found, wish=_WHOLE)
+        flat = _text_values(file, f"{where}, {held.name}", data[held.at : stop], held, width)
+    if held.even:
+        return flat, None, after
+    return flat[1::2], flat[0::2], after
+
+
+def _text_values(file: Path, where: str, text: bytes, held: _Set, width: int) -> FloatArray:
+    """The first ``width`` numbers of a text; some programs fill the last line up with zeros."""
+    plain = text.replace(b"D", b"E")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # numpy's word for text that is no number
+            flat: FloatArray = np.asarray(np.fromstring(plain.decode("ascii", "replace"), sep=" "), dtype=np.float64)
+    except (ValueError, DeprecationWarning):
+        flat = np.empty(0, dtype=np.float64)
+    if flat.size < width or flat.size > width + 6:
+        flat = _fixed_width(file, where, plain, held)
+    if flat.size < width:
+        found = f"{flat.size // (1 if held.even else 2)} of {held.count} values"
+        raise InputFileError(file, where=where, found=f"a cut-off file ({found})", wish=_WHOLE)
+    return flat[:width]
+
+
+def _fixed_width(file: Path, where: str, text: bytes, held: _Set) -> FloatArray:
+    """The numbers by columns of the line, as the format has them: large ones may touch."""
+    widths = [13] * 6 if held.single else [20] * 4 if held.even else [13, 20] * 2
+    found = []
+    for line in text.decode("ascii", errors="replace").splitlines():
+        at = 0
+        for width in widths:
+            cell = line[at : at + width].strip()
+            at += width
+            if cell:
+                try:
+                    found.append(float(cell))
+                except ValueError:
+                    wish = "want numbers in the format's columns"
+                    raise InputFileError(file, where=where, found=f'"{shorten(cell)}"', wish=wish) from None
+    return np.array(found, dtype=np.float64)
+
+
+def _take_keys(file: Path, where: str, text: str, keys: dict[str, object]) -> None:
+    """The keys in one ID line."""
+    for part in text.split(";"):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if equals and is_key(file, where, name):
+            take_key(file, where, name, text_value(value), keys)
+
+
+def _add_time(file: Path, held: dict[str, tuple[FloatArray, FloatArray | None, _Set]], table: Table) -> None:
+    """Time in s from the abscissas, where they are time and all the same."""
+    timed = [(abscissa, one) for _, abscissa, one in held.values() if one.is_time]
+    if not timed:
+        return
+    abscissa, one = timed[0]
+    for other, another in timed[1:]:
+        same = (other is None) == (abscissa is None) and (another.start, another.step) == (one.start, one.step)
+        if not same or (other is not None and abscissa is not None and not np.array_equal(other, abscissa)):
+            found = "times that differ from column to column"
+            raise InputFileError(file, found=found, wish="want columns sampled together, or a column time_s")
+    if abscissa is None and not one.step:
+        return
+    digits = "" if one.binary and not one.even else ", which the format keeps to 6 digits"
+    if abscissa is None:
+        abscissa = one.start + one.step * np.arange(one.count, dtype=np.float64)
+    table.columns["time_s"] = abscissa
+    table.remarks.append(f"time_s from the abscissas{digits}")
+
+
+READER = Reader(
+    name="UFF58",
+    endings=(".uff", ".unv", ".ufb", ".bunv", ".uff58"),
+    recognises=lambda head: START.match(head) is not None,
+    read=read_table,
+)

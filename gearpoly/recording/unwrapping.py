@@ -1,0 +1,108 @@
+"""Encoder readings made continuous: wraps taken out in either direction, across drop-outs by time and by the ratio.
+
+Derived here. Between neighbouring samples a shaft moves less than half a turn, so a larger step is a wrap. Across a gap
+it may have made several turns: their number is predicted from the usual speed, and where both shafts are read the pair
+of numbers is taken that fits the tooth ratio.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+TURN = 2.0 * math.pi
+
+WRAPPED_SPAN = 1.01
+"""Span of all but the outermost readings, in turns, up to which a channel counts as wrapped at one turn; the excess
+leaves room for noise.
+"""
+
+GAP_STEPS = 3.0
+"""A step of more than so many usual time steps is a gap, as a drop-out is."""
+
+GAP_TURNS = 0.4
+"""Gaps in which a shaft is expected to turn further than this, in turns, are settled by both shafts together. A smaller
+gap is safe for each alone: its prediction would have to be off by more than its own length.
+"""
+
+SPEED_DOUBT = 0.1
+"""How far the mean speed in a gap may lie off the usual one, as a share; it bounds the numbers of turns tried."""
+
+SAME_FIT = 0.02
+"""Fits to the ratio in rad within which the number of turns nearest the prediction is taken. Transmission errors and
+encoder errors stay below, other numbers of turns are off by a tooth of the driven gear or more.
+"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Continuous:
+    """A continuous angle (m,) in rad, the wraps undone forward and backward, and the ordinary steps (m-1,)."""
+
+    angle: FloatArray
+    wraps: IntArray
+    ordinary: BoolArray
+    wrapped: bool
+    expected: FloatArray
+
+
+def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> Continuous:
+    """Undo the wraps of one encoder.
+
+    ``reading`` (m,) in rad without drop-outs, ``position`` (m,) the time in s (or the sample's number), rising,
+    ``sample`` (m,) the number of each sample in the recording, so that drop-outs show as gaps.
+    """
+    step, pause = np.diff(reading), np.diff(position)
+    usual = float(np.median(pause))
+    ordinary = (np.diff(sample) == 1) & (pause <= GAP_STEPS * usual)
+    if not ordinary.any():
+        ordinary = np.ones(step.size, dtype=np.bool_)
+    expected = _speed(step[ordinary], pause[ordinary]) * pause
+    low, high = np.quantile(reading, [0.005, 0.995])
+    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
+    turns = np.rint((expected - step) / TURN).astype(np.int64)
+    # A reading that is not wrapped tells the way across a gap by itself.
+    turns[(np.abs(expected - step) <= 0.5 * TURN) | ~(ordinary | wrapped)] = 0
+    angle = reading + TURN * np.concatenate([[0], np.cumsum(turns)])
+    return Continuous(angle=angle, wraps=turns, ordinary=ordinary, wrapped=wrapped, expected=expected)
+
+
+def _speed(step: FloatArray, pause: FloatArray) -> float:
+    """The usual speed in rad per unit of position; of the travel, not of the time, so that standing still is not it."""
+    reduced = step - TURN * np.rint(step / TURN)
+    speed = np.divide(reduced, pause, out=np.zeros_like(reduced), where=pause > 0.0)
+    return weighted_median(speed, np.abs(reduced))
+
+
+def weighted_median(values: FloatArray, weights: FloatArray) -> float:
+    """The value below which half of the weight lies; 0 without weight."""
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    if not total.size or total[-1] <= 0.0:
+        return 0.0
+    return float(values[order[np.searchsorted(total, 0.5 * total[-1])]])
+
+
+def settle_gaps(first: Continuous, second: Continuous, ratio: float) -> tuple[FloatArray, FloatArray, int]:
+    """Both angles (m,) with the turns in long gaps chosen to fit ``ratio``, and in how many gaps that changed them."""
+    doubtful = first.wrapped | second.wrapped
+    long = (np.abs(first.expected) > GAP_TURNS * TURN) | (np.abs(second.expected) > GAP_TURNS * TURN)
+    gaps = np.flatnonzero(~first.ordinary & long) if doubtful else np.empty(0, dtype=np.int64)
+    more = np.zeros((2, first.angle.size))
+    moved = 0
+    step_1, step_2 = np.diff(first.angle), np.diff(second.angle)
+    for gap in gaps:
+        reach = math.ceil(SPEED_DOUBT * abs(first.expected[gap]) / TURN) + 1 if first.wrapped else 0
+        tried = np.arange(-reach, reach + 1)
+        beyond = step_2[gap] - ratio * (step_1[gap] + TURN * tried)
+        back = -np.rint(beyond / TURN) if second.wrapped else np.zeros(tried.size)
+        off = np.abs(beyond + TURN * back)
+        near = np.flatnonzero(off <= off.min() + SAME_FIT)
+        best = near[np.argmin(np.abs(tried[near]))]
+        more[0, gap + 1], more[1, gap + 1] = tried[best], back[best]
+        moved += bool(tried[best] or back[best])
+    turns = TURN * np.cumsum(more, axis=1)
+    return first.angle + turns[0], second.angle + turns[1], moved
