@@ -164,6 +164,7 @@ def random_contacts(pair: GearPair, rng: np.random.Generator, *, positions: int,
         overrun=np.zeros(gap.size),
         touching=gap == 0.0,
         pairs=np.bincount(position[gap == 0.0], minlength=positions),
+        certified=0,
         repaired=0,
     )
 
