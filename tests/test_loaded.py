@@ -541,7 +541,7 @@ def three_pairs(pair: GearPair, gaps_um: tuple[float, float]) -> FlankContacts:
     found = random_contacts(pair, np.random.default_rng(0), positions=1, spread=1.0 * UM)
     normal = np.array([np.sin(pair.alpha_w), np.cos(pair.alpha_w)])
     return FlankContacts(
-        **{name: getattr(found, name) for name in ("flank", "theta_2", "te", "pairs", "repaired")},
+        **{name: getattr(found, name) for name in ("flank", "theta_2", "te", "pairs", "certified", "repaired")},
         position=np.zeros(3, dtype=np.int64),
         driving=np.arange(3),
         driven=np.arange(3),
