@@ -28,6 +28,7 @@ lint: $(VENV)/.test
 bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.contact_kernel
 	$(BIN)/python -m benchmarks.fast_path
+	$(BIN)/python -m benchmarks.loading
 	$(BIN)/python -m benchmarks.convergence
 	$(BIN)/python -m benchmarks.reading
 
