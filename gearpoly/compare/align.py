@@ -1,0 +1,252 @@
+"""Where a recording's encoders stand on the teeth: zeros and tooth numberings, found from the curves themselves.
+
+A pair repeats itself after one hunting cycle and never before, so the simulated curve over a whole cycle, laid against
+the recorded one, fits at one place only, wherever inspected pitch, eccentricity or the shape of the mesh leave a mark.
+All places are tried at once by circular correlation; the best are refined below the grid, and what fits almost as well
+stays as a rival. All recordings of a set share one place, up to whole turns that their encoders did not count; the mean
+transmission error tells those.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.compare.curve import Curve, Cycle, Misfit, folded, without_ramp
+from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
+from gearpoly.units import UM, BoolArray, FloatArray, IntArray
+
+CANDIDATES = 12
+"""Places that are refined, at least half a pitch apart; the grid ranks them well enough that the best is among the
+first few."""
+
+OUTSIDE = 4
+"""Places that are refined whatever is stated: they show whether the curves alone would have found the teeth."""
+
+COARSE = 40_000
+"""Places of the hunting cycle while candidates are compared; the final fit sees up to ``curve.FOLDED``."""
+
+SLACK = 0.6
+"""Tooth pitches by which a stated zero may be wrong; the contract's half, and a tenth for eccentricity in the mean."""
+
+PHASED = 0.1
+"""Pitches. A zero known worse than this is not told from the data: evenly spread over a pitch would be 0.29."""
+
+PROBES = (-0.25, 0.25, 0.5)
+"""Pitches beside the place found at which the curves must fit worse beyond doubt; the standard error only knows how
+sharp the place itself is."""
+
+QUIET = 0.02 * UM
+"""mm. Misfit is never taken to be less than what the template itself misses; a perfect curve would have no scale."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Laid:
+    """The place found, with its doubt and rivals.
+
+    ``std`` in rad of ``best.shift``, inf where the curves say nothing; ``offset_std`` in mm of ``best.offset``.
+    ``rivals`` fit nearly as well, best first; ``contradicted`` is a place that fits much better but lies outside what
+    the stated zeros allow. ``phased``: the place within a pitch comes from the data; ``numbered``: so does the tooth,
+    given what is stated, and ``certain`` that it would without anything stated.
+    """
+
+    best: Place
+    std: float
+    offset_std: float
+    rivals: tuple[Place, ...]
+    contradicted: Place | None
+    phased: bool
+    numbered: bool
+    certain: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stated:
+    """Whether the present zeros of the driving and the driven shaft are right to half a tooth."""
+
+    driving: bool
+    driven: bool
+
+
+def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
+    """Find the place of a set of recordings on the hunting cycle of their pair.
+
+    All curves go by the same zeros of both shafts, which are right to half a tooth where ``stated`` says so.
+    """
+    flat = [_level(curve) for curve in curves]
+    coarse = tuple(folded(curve, cycle, places=COARSE) for curve in flat)
+    apart = _turns_apart(coarse, cycle)
+    fits = _fits(coarse, cycle, sigma=None)
+    total, turns = _total(fits, cycle, apart)
+    allowed = _allowed(fits[0], cycle, stated)
+    within = _peaks(np.where(allowed, total, np.inf), cycle)
+    anywhere = _peaks(total, cycle, most=OUTSIDE)
+    starts = np.unique(np.concatenate((within, _beside(within[:1], allowed, cycle), anywhere)))
+    further = turns.astype(np.float64) * cycle.step
+    tries = [Attempt.make(fits, cycle, h * cycle.step, further[:, h]) for h in starts.tolist()]
+    tries.sort(key=lambda one: one.misfit)
+    mine = [one for one in tries if _off(one, fits[0], cycle, stated) <= SLACK + 2.0 / cycle.per_mesh] or tries
+    best, outside = mine[0], tries[0]
+    level = [best]
+    for one in mine[1:]:
+        if all(are_apart(one, other, cycle) for other in level) and not is_worse(one, best, cycle):
+            level.append(one)
+    # Where the curves do not choose, the stated zeros do.
+    best = min(level, key=lambda one: _off(one, fits[0], cycle, stated))
+    rivals = [one for one in level if one is not best]
+    others = [one for one in tries if are_apart(one, best, cycle)]
+    certain = outside is best and all(is_worse(one, best, cycle) for one in others)
+    contradicted = None
+    if outside is not best and are_apart(outside, best, cycle) and is_worse(best, outside, cycle):
+        contradicted = outside.place()
+
+    fine = _fits(tuple(folded(curve, cycle) for curve in flat), cycle, sigma=[fit.sigma for fit in fits])
+    final = Attempt.make(fine, cycle, best.shift, best.turns)
+    std, offset_std = final.errors()
+    probes = (final.moved(part * cycle.pitch) for part in PROBES)
+    phased = std < PHASED * cycle.pitch and all(is_worse(probe, final, cycle) for probe in probes)
+    return Laid(
+        best=final.place(),
+        std=std,
+        offset_std=offset_std,
+        rivals=tuple(one.place() for one in rivals),
+        contradicted=contradicted if phased else None,
+        phased=phased,
+        numbered=phased and not rivals,
+        certain=phased and certain,
+    )
+
+
+def _level(curve: Curve) -> Curve:
+    """The curve without its ramp: what goes on for the whole recording cannot be folded."""
+    te, _ = without_ramp(curve.theta_2, curve.te)
+    return Curve(
+        theta_2=curve.theta_2, te=te, weight=curve.weight, template=curve.template, turn=curve.turn,
+        counted=curve.counted,
+    )  # fmt: skip
+
+
+def _fits(curves: tuple[Curve, ...], cycle: Cycle, *, sigma: list[float] | None) -> list[Misfit]:
+    """Misfits of all curves; ``sigma`` unless given is what the best place on the grid leaves."""
+    out = []
+    for k, curve in enumerate(curves):
+        in_time = bool(np.all(curve.weight == 1.0))
+        if sigma is not None:
+            out.append(Misfit(curve, cycle, sigma=sigma[k], in_time=in_time))
+            continue
+        free = Misfit(curve, cycle, sigma=QUIET, in_time=in_time)
+        left = math.sqrt(float(np.min(free.over_all_shifts())) / free.count)
+        out.append(Misfit(curve, cycle, sigma=max(left, QUIET), in_time=in_time))
+    return out
+
+
+def _turns_apart(curves: tuple[Curve, ...], cycle: Cycle) -> IntArray:
+    """Whole driven turns (recordings,) by which each recording's count differs from the first counted one's, modulo the
+    cycle; -1 where its transmission error does not tell.
+
+    All recordings share their zeros, so mean TE differs by deflection and lost motion only, far less than half a
+    pitch. What is more is i driven and j driving turns that the encoders did not count: i z_2 - j z_1 pitches (derived
+    here).
+    """
+    g = math.gcd(cycle.z_1, cycle.z_2)
+    period = cycle.z_1 // g
+    inverse = pow(cycle.z_2 // g, -1, period) if period > 1 else 0
+    out = np.full(len(curves), -1, dtype=np.int64)
+    base: float | None = None
+    for k, curve in enumerate(curves):
+        if curve.counted:
+            mean = float(np.average(curve.te, weights=curve.weight)) - curve.template.mean
+            base = mean if base is None else base
+            out[k] = (round((mean - base) / (g * cycle.pitch * cycle.r_b2)) * inverse) % period
+    return out
+
+
+def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArray, IntArray]:
+    """Misfit (size,) of the whole set over shifts of the first recording, in sigmas squared, and the places
+    (recordings, size) that each recording then lies further on."""
+    index = np.arange(cycle.size)
+    total = np.zeros(cycle.size)
+    turns = np.zeros((len(fits), cycle.size), dtype=np.int64)
+    # The first curve is where shifts count from; the first counted one is where turns count from.
+    origin = next((k for k, turn in enumerate(apart) if turn >= 0), 0)
+    for k in sorted(range(len(fits)), key=lambda k: k != 0):
+        fit = fits[k]
+        misfit = fit.over_all_shifts() / fit.sigma**2
+        turn = fit.curve.turn * cycle.per_mesh
+        if k == 0:
+            total += misfit
+            continue
+        if apart[k] >= 0 and apart[0] >= 0:
+            turns[k] = ((apart[k] - apart[0]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
+        elif apart[k] >= 0 and k != origin:
+            turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
+        else:
+            ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
+            turns[k] = np.argmin(ways, axis=0) * turn
+        total += misfit[(index + turns[k]) % cycle.size]
+    return total, turns
+
+
+def _zeros(shift: float | FloatArray, offset: float | FloatArray, cycle: Cycle) -> tuple[FloatArray, FloatArray]:
+    """By how much the present zeros of the driving and the driven shaft are late, rad within half a turn."""
+    turn = 2.0 * math.pi
+    driven = np.asarray(shift, dtype=np.float64)
+    driving = (driven - np.asarray(offset, dtype=np.float64) / cycle.r_b2) / cycle.ratio
+    return np.remainder(driving + math.pi, turn) - math.pi, np.remainder(driven + math.pi, turn) - math.pi
+
+
+def _reach(
+    shift: float | FloatArray, offset: float | FloatArray, curve: Curve, cycle: Cycle, stated: Stated
+) -> FloatArray:
+    """How far a place lies from the stated zeros, the larger of both shafts in pitches; 0 where none is stated."""
+    driving, driven = _zeros(shift, offset, cycle)
+    far = np.zeros(np.shape(driven))
+    if stated.driven and (curve.counted or curve.turn == cycle.z_2):
+        far = np.maximum(far, np.abs(driven) * (cycle.z_2 / (2.0 * math.pi)))
+    if stated.driving and curve.counted:
+        far = np.maximum(far, np.abs(driving) * (cycle.z_1 / (2.0 * math.pi)))
+    elif stated.driving and curve.turn == cycle.z_1:
+        # Only the driving encoder was read: it is the one that places the teeth.
+        driving, _ = _zeros(shift, 0.0, cycle)
+        far = np.maximum(far, np.abs(driving) * (cycle.z_1 / (2.0 * math.pi)))
+    return far
+
+
+def _allowed(fit: Misfit, cycle: Cycle, stated: Stated) -> BoolArray:
+    """Which places (size,) agree with the stated zeros; the nearest ones where none does."""
+    far = _reach(
+        np.arange(cycle.size, dtype=np.float64) * cycle.step,
+        fit.level - fit.curve.template.mean,
+        fit.curve,
+        cycle,
+        stated,
+    )
+    return far <= max(SLACK, float(np.min(far)) + SLACK - 0.5)
+
+
+def _off(one: Attempt, fit: Misfit, cycle: Cycle, stated: Stated) -> float:
+    """How far a refined place lies from the stated zeros, in pitches."""
+    return float(_reach(one.shift, fit.level - fit.curve.template.mean, fit.curve, cycle, stated))
+
+
+def _peaks(misfit: FloatArray, cycle: Cycle, *, most: int = CANDIDATES) -> IntArray:
+    """The best places of the grid, half a pitch apart at least, best first."""
+    left = misfit.copy()
+    out: list[int] = []
+    half = cycle.per_mesh // 2
+    while len(out) < most:
+        h = int(np.argmin(left))
+        if not np.isfinite(left[h]):
+            break
+        out.append(h)
+        left[np.arange(h - half, h + half + 1) % cycle.size] = np.inf
+    return np.array(out, dtype=np.int64)
+
+
+def _beside(best: IntArray, allowed: BoolArray, cycle: Cycle) -> IntArray:
+    """One and two teeth beside the best place: the likeliest mistakes, whatever the grid thinks of them."""
+    out = (best[:, None] + np.array([-2, -1, 1, 2]) * cycle.per_mesh).ravel() % cycle.size
+    kept: IntArray = out[allowed[out]]
+    return kept

@@ -1,0 +1,184 @@
+"""The columns that a residual is made of: slow curves, waves, teeth. Each part knows its product with coefficients and
+with samples, so that a million samples never meet a full matrix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from gearpoly.compare.sharing import Carried
+from gearpoly.units import FloatArray, IntArray
+
+
+class Part(Protocol):
+    """Some columns over the n samples of one recording."""
+
+    @property
+    def size(self) -> int:
+        """Number of columns m."""
+
+    def apply(self, beta: FloatArray) -> FloatArray:
+        """Columns times ``beta`` (m,): (n,)."""
+
+    def adjoint(self, values: FloatArray) -> FloatArray:
+        """Columns' products (m,) with ``values`` (n,)."""
+
+    def block(self, low: int, high: int) -> FloatArray:
+        """Rows low ... high - 1 of the columns: (high - low, m)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Dense:
+    """Columns held as they are, (n, m)."""
+
+    columns: FloatArray
+
+    @property
+    def size(self) -> int:
+        return int(self.columns.shape[1])
+
+    def apply(self, beta: FloatArray) -> FloatArray:
+        return self.columns @ beta
+
+    def adjoint(self, values: FloatArray) -> FloatArray:
+        return self.columns.T @ values
+
+    def block(self, low: int, high: int) -> FloatArray:
+        return self.columns[low:high]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Waves:
+    """cos and sin of 2 pi f x for each of ``frequency`` (k,) in cycles per unit of ``x`` (n,)."""
+
+    x: FloatArray
+    frequency: FloatArray
+
+    @property
+    def size(self) -> int:
+        return 2 * self.frequency.size
+
+    def apply(self, beta: FloatArray) -> FloatArray:
+        out = np.zeros(self.x.size)
+        for f, a, b in zip(self.frequency, beta[0::2], beta[1::2], strict=True):
+            angle = (2.0 * np.pi * f) * self.x
+            out += a * np.cos(angle) + b * np.sin(angle)
+        return out
+
+    def adjoint(self, values: FloatArray) -> FloatArray:
+        out = np.empty(self.size)
+        for j, f in enumerate(self.frequency):
+            angle = (2.0 * np.pi * f) * self.x
+            out[2 * j] = np.cos(angle) @ values
+            out[2 * j + 1] = np.sin(angle) @ values
+        return out
+
+    def block(self, low: int, high: int) -> FloatArray:
+        angle = 2.0 * np.pi * np.outer(self.x[low:high], self.frequency)
+        out = np.empty((high - low, self.size))
+        out[:, 0::2] = np.cos(angle)
+        out[:, 1::2] = np.sin(angle)
+        return out
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scattered:
+    """Columns of which few are not zero at a sample: entry ``value`` (q, n) stands in column ``index`` (q, n)."""
+
+    columns: int
+    index: IntArray
+    value: FloatArray
+
+    @property
+    def size(self) -> int:
+        return self.columns
+
+    def apply(self, beta: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum("qn,qn->n", self.value, beta[self.index]))
+
+    def adjoint(self, values: FloatArray) -> FloatArray:
+        out = np.zeros(self.columns)
+        for index, value in zip(self.index, self.value, strict=True):
+            out += np.bincount(index, weights=value * values, minlength=self.columns)
+        return out
+
+    def block(self, low: int, high: int) -> FloatArray:
+        out = np.zeros((high - low, self.columns))
+        rows = np.arange(high - low)
+        for index, value in zip(self.index[:, low:high], self.value[:, low:high], strict=True):
+            # One entry of a slot per row, so this adds without collisions.
+            out[rows, index] += value
+        return out
+
+
+def tooth_numbers(carried: Carried, *, gear: int, coast: bool) -> IntArray:
+    """Tooth (P, n) of ``gear`` (1 or 2) in each pair; on the coast flank driving n meets driven n + 1."""
+    if gear == 1:
+        return np.mod(carried.mesh, carried.z_1)
+    return np.mod(carried.mesh + (1 if coast else 0), carried.z_2)
+
+
+def rise(carried: Carried, *, gear: int) -> FloatArray:
+    """Profile slope (P, n) per unit of rise at the contact: -1/2 at the active root, +1/2 at the tip of ``gear``.
+
+    The driving tooth meets its mate root first, the driven one tip first.
+    """
+    low, high = carried.contact
+    along = np.clip((carried.phase - low) / (high - low), -0.2, 1.2) - 0.5
+    return along if gear == 1 else -along
+
+
+def as_built_part(carried: Carried, weight: FloatArray, *, coast: bool) -> Scattered:
+    """Columns of pitch and slope of every tooth of both gears, (2 z_1 + 2 z_2,): driving pitch, driving slope, driven
+    pitch, driven slope; each pair counts by ``weight`` (P, n).
+
+    On the coast flank material lets the driven gear fall back, so the sign turns.
+    """
+    weight = weight * (-1.0 if coast else 1.0)
+    z_1, z_2 = carried.z_1, carried.z_2
+    index, value = [], []
+    for gear, first, z in ((1, 0, z_1), (2, 2 * z_1, z_2)):
+        tooth = tooth_numbers(carried, gear=gear, coast=coast)
+        index += [tooth + first, tooth + (first + z)]
+        value += [weight, weight * rise(carried, gear=gear)]
+    return Scattered(columns=2 * (z_1 + z_2), index=np.concatenate(index), value=np.concatenate(value))
+
+
+def pair_deviation(carried: Carried, beta: FloatArray, *, coast: bool) -> FloatArray:
+    """Deviation (P, n) in mm of each pair, both teeth together, from as-built parameters ``beta`` (2 z_1 + 2 z_2,)."""
+    out = np.zeros(carried.phase.shape)
+    for gear, first, z in ((1, 0, carried.z_1), (2, 2 * carried.z_1, carried.z_2)):
+        tooth = tooth_numbers(carried, gear=gear, coast=coast)
+        out += beta[first + tooth] + beta[first + z + tooth] * rise(carried, gear=gear)
+    return out
+
+
+def shape_entries(
+    carried: Carried, *, gear: int, tooth: int, knots: FloatArray, coast: bool
+) -> tuple[IntArray, FloatArray]:
+    """A free shape of one ``tooth`` as hats about ``knots`` (k,), even in u - n: for each pair (P, n) the lower hat,
+    and the part of the upper; the part is negative where the pair is none of the tooth's or beyond the knots."""
+    mine = tooth_numbers(carried, gear=gear, coast=coast) == tooth
+    place = (carried.phase - knots[0]) / float(knots[1] - knots[0])
+    low = np.clip(np.floor(place), 0, knots.size - 2).astype(np.int64)
+    inside = mine & (place >= 0.0) & (place <= knots.size - 1)
+    return low, np.where(inside, place - low, -1.0)
+
+
+def shape_deviation(entries: tuple[IntArray, FloatArray], beta: FloatArray) -> FloatArray:
+    """Deviation (P, n) in mm of the pairs by a tooth's shape with heights ``beta`` (k,)."""
+    low, part = entries
+    return np.where(part >= 0.0, beta[low] * (1.0 - part) + beta[low + 1] * part, 0.0)
+
+
+def shape_part(entries: tuple[IntArray, FloatArray], weight: FloatArray, *, knots: int, coast: bool) -> Scattered:
+    """Columns (knots,) of a tooth's shape where each pair counts by ``weight`` (P, n)."""
+    low, part = entries
+    weight = np.where(part >= 0.0, weight, 0.0) * (-1.0 if coast else 1.0)
+    return Scattered(
+        columns=knots,
+        index=np.concatenate([low, low + 1]),
+        value=np.concatenate([weight * (1.0 - part), weight * part]),
+    )

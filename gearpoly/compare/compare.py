@@ -1,0 +1,322 @@
+"""Recordings beside the simulation of their pair: aligned, subtracted, weighed against their noise, and located."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.assemble import Assembled, nominal_gear, stated_limits
+from gearpoly.compare.align import lay
+from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.compare.locate import Located, locate
+from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.stand_in import known_pair
+from gearpoly.compare.template import Template, make_template
+from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
+from gearpoly.errors import InputFileError
+from gearpoly.files.models import GearSection, PairFile
+from gearpoly.mesh.pair import Flank, tight_centre_distance
+from gearpoly.recording.clean import Cleaned, clean
+from gearpoly.recording.recording import Recording
+from gearpoly.simulate import recorded_torque
+from gearpoly.units import DEG, NM, RPM, UM, FloatArray, read_only
+
+LEAST_SAMPLES = 64
+"""Samples from which a noise spectrum can be estimated at all."""
+
+COMPLIANCE_DOUBT = 0.10
+"""Relative one-sigma doubt about a declared compliance: what a beam, a finite-element tooth and ISO 6336 differ by."""
+
+VARIES = 0.02
+"""Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Aligned:
+    """One recording beside its simulation, sample by sample (n,).
+
+    ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
+    difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
+    shaft in rad/s where known, ``template`` the simulation over a hunting cycle.
+    """
+
+    cleaned: Cleaned
+    theta_1: FloatArray
+    theta_2: FloatArray
+    recorded: FloatArray
+    simulated: FloatArray
+    residual: FloatArray
+    flank: Flank
+    torque: float
+    speed: float | None
+    template: Template
+
+    def __post_init__(self) -> None:
+        for name in ("theta_1", "theta_2", "recorded", "simulated", "residual"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def time_s(self) -> FloatArray | None:
+        """Time (n,) in s, where recorded."""
+        return self.cleaned.time_s
+
+    @property
+    def mean(self) -> float:
+        """Mean of the residual, mm."""
+        return float(np.mean(self.residual))
+
+    @property
+    def rms(self) -> float:
+        """Rms of the residual about its mean, mm."""
+        return float(np.std(self.residual))
+
+    @property
+    def cycles(self) -> float:
+        """Hunting cycles that the recording holds."""
+        return float(np.ptp(self.theta_2)) / self.template.cycle
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Beside:
+    """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
+    what had to be assumed."""
+
+    name: str
+    assembled: Assembled
+    aligned: tuple[Aligned, ...]
+    alignment: Alignment
+    gears: tuple[GearKnown, GearKnown]
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison(Beside):
+    """The same, with where they differ."""
+
+    located: Located
+
+
+Step = Callable[[str], None]
+"""Called with what is done next."""
+
+
+def _silent(what: str) -> None:
+    """Nobody watches."""
+
+
+def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent) -> Comparison:
+    """Align ``recordings`` of one set with the pair of ``file`` (read from ``path``), subtract, locate what is left.
+
+    Raises what ``lay_beside`` does.
+    """
+    beside = lay_beside(file, recordings, path=path, step=step)
+    step("weighing the difference against its noise")
+    pair = beside.assembled.pair
+    located = locate(
+        [_residual(one, pair.driven.gear.z, beside.alignment) for one in beside.aligned],
+        gears=beside.gears,
+        floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
+        numbered=beside.alignment.numbered,
+    )
+    return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)
+
+
+def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent) -> Beside:
+    """Clean and align ``recordings`` of one set with the pair of ``file`` (read from ``path``), and subtract.
+
+    Raises ``InputFileError`` for recordings that are not of this pair, too short, or whose stated zeros contradict one
+    another; ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under their conditions.
+    """
+    step("drawing the gears")
+    assembled = known_pair(file, path=path)
+    pair = assembled.pair
+    z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
+    step("cleaning the recordings")
+    base = base_zeros(recordings, z_1=z_1, z_2=z_2)
+    cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
+    for one in cleaned:
+        if one.size < LEAST_SAMPLES:
+            wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
+            raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
+    torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
+    step("turning the gears through a hunting cycle")
+    templates = _templates(assembled, [one.recording.flank for one in cleaned], torques)
+    cycle = Cycle(z_1=z_1, z_2=z_2, per_mesh=templates[0].per_mesh, r_b2=pair.r_b2)
+    curves = tuple(_curve(one, template, base, cycle) for one, template in zip(cleaned, templates, strict=True))
+    step("laying the recordings on the simulation")
+    shafts = Shafts(
+        driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
+        driven=any(one.recording.driven_angle_rad is not None for one in cleaned),
+        direction_1=recordings[0].driving_direction,
+        direction_2=recordings[0].driven_direction,
+        counted=tuple(curve.counted for curve in curves),
+        flank=tuple(one.recording.flank for one in cleaned),
+        torque=tuple(torques),
+    )
+    alignment = settle(lay(curves, cycle, stated=base.stated), cycle, base=base, shafts=shafts)
+    aligned = tuple(
+        _aligned(one, curve, alignment, k, torque, cycle, default_speed=file.pair.speed_rpm)
+        for k, (one, curve, torque) in enumerate(zip(cleaned, curves, torques, strict=True))
+    )
+    gears = (
+        _known(file.driving, file, alignment.zeros.driving, shafts.direction_1),
+        _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
+    )
+    return Beside(
+        name=file.name,
+        assembled=assembled,
+        aligned=aligned,
+        alignment=alignment,
+        gears=gears,
+        remarks=tuple(_remarks(file, aligned, alignment, base)),
+    )
+
+
+def _templates(assembled: Assembled, flanks: list[Flank], torques: list[float]) -> list[Template]:
+    """One simulation per recording; those of one condition share theirs."""
+    made: dict[tuple[Flank, float], Template] = {}
+    out = []
+    for flank, torque in zip(flanks, torques, strict=True):
+        key = (flank, torque if assembled.elasticity is not None else 0.0)
+        if key not in made:
+            made[key] = make_template(assembled, flank=flank, torque=torque)
+        out.append(made[key])
+    return out
+
+
+def _curve(one: Cleaned, template: Template, base: Base, cycle: Cycle) -> Curve:
+    """The recording by the set's base zeros instead of its own."""
+    recording = one.recording
+    further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
+    further_2 = recording.driven_direction * ((recording.driven_zero_rad or 0.0) - (base.driven or 0.0))
+    counted = recording.te_rad is None and recording.te_mm is None
+    driven = recording.driven_angle_rad is not None
+    theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
+    te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
+    return Curve(
+        theta_2=theta_2,
+        te=te * cycle.r_b2,
+        weight=np.ones(one.size),
+        template=template,
+        turn=cycle.z_2 if driven else cycle.z_1,
+        counted=counted,
+    )
+
+
+def _aligned(
+    one: Cleaned,
+    curve: Curve,
+    alignment: Alignment,
+    k: int,
+    torque: float,
+    cycle: Cycle,
+    *,
+    default_speed: float | None,
+) -> Aligned:
+    theta_2 = curve.theta_2 - alignment.shift[k]
+    recorded = curve.te - alignment.offset[k]
+    theta_1 = (theta_2 - recorded / cycle.r_b2) / cycle.ratio
+    simulated = curve.template.at(theta_2)
+    speed = one.recording.speed_rpm
+    if speed is not None:
+        speed *= RPM
+    elif one.speed_rpm is not None and np.isfinite(one.speed_rpm).any():
+        speed = float(np.nanmean(one.speed_rpm)) * RPM
+    elif one.time_s is not None and one.time_s[-1] > one.time_s[0]:
+        speed = float((theta_1[-1] - theta_1[0]) / (one.time_s[-1] - one.time_s[0]))
+    elif default_speed is not None:
+        speed = default_speed * RPM
+    return Aligned(
+        cleaned=one,
+        theta_1=theta_1,
+        theta_2=theta_2,
+        recorded=recorded,
+        simulated=simulated,
+        residual=recorded - simulated,
+        flank=one.recording.flank,
+        torque=torque,
+        speed=speed,
+        template=curve.template,
+    )
+
+
+def _residual(one: Aligned, z_2: int, alignment: Alignment) -> AlignedResidual:
+    """As ``locate`` wants it, with what is not known exactly: the zero, and the compliance."""
+    columns = []
+    if alignment.phased:
+        columns.append(one.template.slope(one.theta_2) * alignment.std_driven)
+    bend = one.template.deflection(one.theta_2)
+    if bend is not None:
+        columns.append(bend * COMPLIANCE_DOUBT)
+    return AlignedResidual(
+        theta_1=one.theta_1,
+        theta_2=one.theta_2,
+        residual=one.residual,
+        z_2=z_2,
+        time_s=one.time_s,
+        torque=one.torque,
+        speed=one.speed,
+        flank=one.flank,
+        sharing=one.template.sharing,
+        contact=one.template.sharing.contact,
+        nuisance=np.column_stack(columns) if columns else None,
+        nuisance_std=np.ones(len(columns)) if columns else None,
+    )
+
+
+def _known(section: GearSection, file: PairFile, zero: float | None, direction: int) -> GearKnown:
+    """What the file says of one gear beforehand."""
+    if section.inspection is not None:
+        return GearKnown(
+            z=section.teeth, uncertainty=section.inspection.uncertainty_um * UM, zero=zero, direction=direction
+        )
+    if section.grade is None and section.limits is None:
+        return GearKnown(z=section.teeth, zero=zero, direction=direction)
+    gears = nominal_gear(file.driving), nominal_gear(file.driven)
+    mine = nominal_gear(section)
+    limits = stated_limits(section, mine, a=tight_centre_distance(*gears))
+    return GearKnown(
+        z=section.teeth,
+        f_pT=limits.f_pT,
+        F_pT=limits.F_pT,
+        f_HalphaT=limits.f_HalphaT,
+        zero=zero,
+        direction=direction,
+    )
+
+
+def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, base: Base) -> list[str]:
+    out = []
+    for name, section in (("driving", file.driving), ("driven", file.driven)):
+        if section.inspection is None and (section.grade is not None or section.limits is not None):
+            out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
+    for k, one in enumerate(aligned):
+        samples = one.cleaned.torque_nm
+        if samples is None or not np.isfinite(samples).any():
+            continue
+        spread = float(np.nanstd(samples))
+        if spread * NM > VARIES * max(one.torque, NM):
+            out.append(
+                f"recording {k}: the torque varies by {spread:.3g} N.m rms; the simulation takes {one.torque / NM:g}"
+            )
+    wrong = alignment.contradicted
+    if wrong is not None:
+        places = [
+            f"{name}_zero_deg = {zero / DEG:.2f}"
+            for name, zero in (("driving", wrong.driving), ("driven", wrong.driven))
+            if zero is not None
+        ]
+        out.append(
+            f"the curves fit much better ({wrong.rms / UM:.2f} um rms instead of {alignment.zeros.rms / UM:.2f}) with "
+            f"{' and '.join(places)}, more than half a tooth from what is stated; check the stated zeros"
+        )
+    if not alignment.phased:
+        kept = base.driving is not None or base.driven is not None
+        out.append(
+            "the simulated curve is too flat to place the teeth: "
+            + ("the stated zeros are kept" if kept else "no zero is stated either, so tooth numbers mean nothing")
+        )
+    return out

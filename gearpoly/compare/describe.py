@@ -1,0 +1,251 @@
+"""From what the fit found to entries: what kind of wave or tooth it is, how large, and how sure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import chi2 as chi2_law
+
+from gearpoly.compare.entries import Entry, Gear
+from gearpoly.compare.families import SHARES
+from gearpoly.compare.lines import TIE, Peak
+from gearpoly.compare.regression import Solution
+from gearpoly.compare.search import Search
+from gearpoly.units import UM, FloatArray
+
+GEARS: tuple[Gear, Gear] = ("driving", "driven")
+
+SIDE_BANDS = 3
+"""Orders beside a mesh order that count as its side bands."""
+
+COMPANION = 0.2
+"""A second-order companion is at most this part of the wave it comes with: the squares of a deviation over lengths of
+the tooth's own size are far smaller."""
+
+ECHO_TOOTH = 0.2
+"""Part of the largest tooth find below which another one may be its echo: how far hand-overs move when a tooth is off
+is simulated only once that tooth is in the pair file."""
+
+ECHO_GAIN = 0.02
+"""The same beside any find, by what it explains."""
+
+ECHO_WAVE = 0.1
+"""The same beside the largest wave, which moves all contacts a little."""
+
+SEEN = 9.2
+"""Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
+another."""
+
+SLOW_LINES = 25
+"""Turns of the record up to which the noise's wandering is read off for its power law."""
+
+STRETCHES = 4096
+"""Stretches of the record whose sums stand for it there."""
+
+
+def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float, float, float, float]:
+    """Amplitude and standard error in mm, phase in rad (at u = 0 or time 0), and chi square of a wave in recording
+    k."""
+    s = search.states[k]
+    name, peaks = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
+    at = search.places[k][name][2 * peaks.index(peak) :][:2]
+    ab = solution.beta[at]
+    scale = peak.frequency if peak.domain == "order" else peak.frequency * s.search.dt / s.search.spacing
+    rest = float(s.noise.rest_at(np.array([scale]))[0][0])
+    covariance = solution.covariance[np.ix_(at, at)] * rest
+    amplitude = float(np.hypot(*ab))
+    along = ab / max(amplitude, 1e-300)
+    std = math.sqrt(float(along @ covariance @ along))
+    square = float(ab @ np.linalg.solve(covariance, ab))
+    return amplitude, std, math.atan2(ab[1], ab[0]), square
+
+
+def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
+    """Kind, gear, order, label and rivals of a wave at an integer order, ``frequency`` in cycles per mesh."""
+    orders = [frequency * search.z_1, frequency * search.z_2]
+    whole = [abs(order - round(order)) < 1e-6 * max(order, 1.0) for order in orders]
+    if abs(frequency - round(frequency)) < 1e-9:
+        return "mesh_order", None, float(round(frequency)), "", ()
+    for gear, z in ((0, search.z_1), (1, search.z_2)):
+        if not whole[gear]:
+            continue
+        order = round(orders[gear])
+        mesh = round(order / z)
+        label = ""
+        if mesh >= 1 and abs(order - mesh * z) <= SIDE_BANDS:
+            label = f"side band {order - mesh * z:+d} of mesh order {mesh}"
+        elif order > z / 2:
+            label = "ghost order: no mesh harmonic"
+        rivals = (f"order {round(orders[1])} of the driven shaft",) if gear == 0 and whole[1] else ()
+        return "shaft_order", GEARS[gear], float(order), label, rivals
+    for i in (1, 2):
+        for j in (-2, -1, 1, 2):
+            if abs(abs(i / search.z_1 + j / search.z_2) - frequency) < 1e-9:
+                label = f"{'sum' if j > 0 else 'difference'} of driving order {i} and driven order {abs(j)}"
+                return "shaft_order", "driving", orders[0], label, ()
+    return (
+        "shaft_order",
+        "driving",
+        orders[0],
+        "no integer of either shaft",
+        (f"order {orders[1]:.4g} of the driven shaft",),
+    )
+
+
+def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry | None:
+    """The entry of a wave first seen in recording ``k``; ``None`` where the joint fit leaves nothing of it."""
+    share = {"time": SHARES.time}.get(peak.domain, SHARES.orders if peak.known else SHARES.between)
+    p_value = float(share * math.exp(min(0.0, peak.log_false)))
+    s = search.states[k]
+    if peak.domain == "time":
+        amplitude, std, phase, square = _wave(search, solution, k, peak)
+        per_hz = s.search.dt / s.search.spacing * search.z_1
+        rivals: tuple[str, ...] = (
+            () if peak.gain - peak.rival > TIE else (f"order {peak.frequency * per_hz:.4g} of the driving shaft",)
+        )
+        return Entry(
+            kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
+            phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
+        )  # fmt: skip
+    found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
+    best = max(found, key=lambda j: found[j][3])
+    amplitude, std, phase, square = found[best]
+    if amplitude < search.floor or square < SEEN:
+        return None
+    kind, gear, order, label, rivals = _kind(search, peak.frequency)
+    z = search.z_2 if gear == "driven" else search.z_1
+    if not peak.known and peak.gain - peak.rival <= TIE and s.search.time_grid is not None:
+        rivals = (*rivals, f"{peak.frequency * s.search.spacing / s.search.dt:.4g} Hz")
+    return Entry(
+        kind="mesh_order" if kind == "mesh_order" else "shaft_order",
+        gear=gear,
+        order=order,
+        order_std=None if peak.known else peak.std * z,
+        amplitude_um=amplitude / UM,
+        std_um=std / UM,
+        amplitude_um_by_recording=tuple(found[j][0] / UM for j in sorted(found)) if len(found) > 1 else None,
+        phase_deg=math.degrees(phase),
+        recordings=tuple(j for j in sorted(found) if found[j][3] > SEEN),
+        p_value=p_value,
+        label=label,
+        rivals=rivals,
+        gain=square,
+    )
+
+
+def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
+    """Mark what a shaft's order 1 brings along by second order: its order 2, side bands of the mesh, and the sums and
+    differences with the other shaft."""
+    ones = [e for e in entries if e.kind == "shaft_order" and e.order == 1.0]
+    out = []
+    for e in entries:
+        parent = None
+        if e.kind == "tooth":
+            out.append(_echo(e, entries))
+            continue
+        largest = max(entries, key=lambda o: abs(o.amplitude_um or 0.0))
+        if (
+            e.kind == "shaft_order"
+            and e.order_std is None
+            and (e.amplitude_um or 0.0) < ECHO_WAVE * abs(largest.amplitude_um or 0.0)
+        ):
+            out.append(replace(e, companion_of=_name(largest)))
+            continue
+        for one in ones:
+            z = z_1 if one.gear == "driving" else z_2
+            same = e.gear == one.gear and e.order is not None and e.kind == "shaft_order"
+            order = int(e.order) if same and e.order is not None and float(e.order).is_integer() else 0
+            second = same and (order == 2 or (order > 2 and min(order % z, -order % z) <= 2))
+            mixed = e.label.startswith(("sum of", "difference of"))
+            if (second or mixed) and (e.amplitude_um or 0.0) < COMPANION * (one.amplitude_um or 0.0):
+                parent = one
+        out.append(e if parent is None else replace(e, companion_of=f"order 1 of the {parent.gear} shaft"))
+    return out
+
+
+def _echo(entry: Entry, entries: list[Entry]) -> Entry:
+    """A tooth that stands out a little beside something that stands out a lot may be its second order: contacts
+    move."""
+    size = abs(entry.amplitude_um or 0.0)
+    teeth = [e for e in entries if e.kind == "tooth" and abs(e.amplitude_um or 0.0) * ECHO_TOOTH > size]
+    waves = [e for e in entries if e.kind == "shaft_order" and (e.amplitude_um or 0.0) * ECHO_WAVE > size]
+    largest = max(entries, key=lambda e: e.gain)
+    if entry.gain < ECHO_GAIN * largest.gain and not teeth and not waves:
+        return replace(entry, companion_of=_name(largest))
+    for larger in (teeth, waves):
+        if larger:
+            return replace(entry, companion_of=_name(max(larger, key=lambda e: abs(e.amplitude_um or 0.0))))
+    return entry
+
+
+def _name(entry: Entry) -> str:
+    """A few words for an entry that another one comes along with."""
+    if entry.kind == "tooth":
+        return f"a tooth of the {entry.gear} gear" if entry.tooth is None else f"{entry.gear} tooth {entry.tooth}"
+    if entry.kind == "time":
+        return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
+    if entry.kind == "condition":
+        return f"the change of condition in recording {entry.recordings[0]}"
+    if entry.kind == "mesh_phase":
+        return "the mean tooth's shape"
+    if entry.kind == "mesh_order":
+        return f"mesh order {entry.order:.0f}"
+    return f"order {entry.order:.4g} of the {entry.gear} shaft"
+
+
+def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -> tuple[FloatArray, FloatArray]:
+    """Noise at ``at`` (k,) turns of the record, in mm^2 per sample: mean and standard error of its log.
+
+    A power law through the slow lines of ``left`` (n,) over ``x``, drawn on to where no line is; every ``skip``-th line
+    repeats with the pair and is left out. What wanders rises, so the law never falls towards zero.
+    """
+    # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
+    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * STRETCHES).astype(np.int64), STRETCHES - 1)
+    total = np.bincount(stretch, weights=left, minlength=STRETCHES)
+    turns = np.array([k for k in range(2, SLOW_LINES) if skip == 0 or k % skip])
+    angle = 2.0 * np.pi * np.outer(turns, (np.arange(STRETCHES) + 0.5) / STRETCHES)
+    power = np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size
+    design = np.stack([np.ones(turns.size), np.log(turns)], axis=1)
+    y = np.log(np.maximum(power, 1e-300)) + np.euler_gamma
+    # The log of an exponential scatters by pi/sqrt(6) whatever its mean.
+    covariance = np.linalg.inv(design.T @ design) * (np.pi**2 / 6.0)
+    law = np.linalg.lstsq(design, y, rcond=None)[0]
+    if law[1] > 0.0:
+        law = np.array([float(np.mean(y)), 0.0])
+    where = np.stack([np.ones(at.size), np.log(at)], axis=1)
+    return where @ law, np.sqrt(np.einsum("ij,jk,ik->i", where, covariance, where))
+
+
+def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
+    """What the slow curve of recording ``k`` (ramp, bow, S) says beyond what the noise wanders."""
+    s = search.states[k]
+    beta = solution.beta[search.places[k]["slow"][1:]]
+    degree = np.arange(1, beta.size + 1)
+    x = s.data.u if s.data.time_s is None else s.data.time_s
+    # A Legendre polynomial of degree j turns half j times over the record.
+    skip = s.noise.cycles
+    level, doubt = _slow_noise(x, solution.left[k], at=np.asarray(0.5 * degree, dtype=np.float64), skip=skip)
+    size = beta**2 / ((2.0 * degree + 1.0) / s.data.u.size)
+    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
+    ratio = size[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
+    tail = np.asarray(chi2_law.sf(ratio, 1)) @ (weights / np.sum(weights))
+    p = float(np.min(tail)) * degree.size * len(search.states)
+    curve = s.slow[:, 1:] @ beta
+    amplitude = 0.5 * float(np.ptp(curve))
+    if p > SHARES.drift or amplitude < search.floor:
+        return None
+    best = int(np.argmin(tail))
+    std = amplitude / math.sqrt(size[best] / math.exp(level[best]))
+    return Entry(
+        kind="time",
+        hz=0.0,
+        amplitude_um=amplitude / UM,
+        std_um=std / UM,
+        rms_um=float(np.std(curve)) / UM,
+        recordings=(k,),
+        p_value=p,
+        label="drift" if s.data.time_s is not None else "drift over the record, no time given",
+        gain=float(size[best] / math.exp(level[best])),
+    )

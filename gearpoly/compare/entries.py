@@ -1,0 +1,119 @@
+"""What was found and where, as data, as the contract's JSON, and as an engineer would say it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+Gear = Literal["driving", "driven"]
+Kind = Literal["shaft_order", "mesh_order", "time", "tooth", "mesh_phase", "condition"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One place where recordings and simulation differ. Sizes in um (these go to the edge), angles in deg.
+
+    ``kind`` as in the contract. ``amplitude_um`` with ``std_um``; ``rms_um`` where a shape has no single amplitude.
+    ``order`` of the shaft of ``gear``, or of the mesh; ``hz``; ``tooth``, ``encoder_deg``; ``phase`` (begin, end) in
+    pitches from the pitch point; ``recordings`` in which it was found. ``p_value`` bounds the chance that any such
+    entry arises from noise anywhere in the search. ``companion_of`` the order or tooth that it comes along with;
+    ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of a wave: it is amplitude cos(order theta -
+    phase). ``label`` a plain word for the kind of wave.
+    """
+
+    kind: Kind
+    p_value: float
+    recordings: tuple[int, ...]
+    gear: Gear | None = None
+    order: float | None = None
+    order_std: float | None = None
+    hz: float | None = None
+    hz_std: float | None = None
+    amplitude_um: float | None = None
+    std_um: float | None = None
+    rms_um: float | None = None
+    amplitude_um_by_recording: tuple[float, ...] | None = None
+    phase_deg: float | None = None
+    tooth: int | None = None
+    encoder_deg: float | None = None
+    phase: tuple[float, float] | None = None
+    label: str = ""
+    companion_of: str | None = None
+    rivals: tuple[str, ...] = ()
+    gain: float = 0.0
+
+    def to_json(self) -> dict[str, object]:
+        """The entry under the contract's keys; what does not apply is left out, but a tooth's number may be null."""
+        out: dict[str, object] = {"kind": self.kind}
+        names = (
+            "gear", "order", "order_std", "hz", "hz_std", "amplitude_um", "std_um", "rms_um",
+            "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase", "label", "companion_of", "p_value",
+        )  # fmt: skip
+        if self.kind == "tooth":
+            out["gear"] = self.gear
+            out["tooth"] = self.tooth
+        for name in names:
+            value = getattr(self, name)
+            if value is None or value == "":
+                continue
+            if name == "order" and float(value).is_integer():
+                value = int(value)
+            out[name] = list(value) if isinstance(value, tuple) else value
+        out["recordings"] = list(self.recordings)
+        if self.rivals:
+            out["rivals"] = list(self.rivals)
+        return out
+
+
+def _size(entry: Entry) -> str:
+    if entry.amplitude_um is None or entry.std_um is None:
+        return f"{entry.rms_um:.2g} um rms"
+    std = entry.std_um
+    # One figure of the error, two where it begins with 1, and as many decimals for the value.
+    digits = 2 if std <= 0.0 else max(0, min(4, -math.floor(math.log10(std)) + (1 if f"{std:e}"[0] == "1" else 0)))
+    return f"{abs(entry.amplitude_um):.{digits}f} +- {std:.{digits}f} um"
+
+
+def _side(phase: tuple[float, float]) -> str:
+    low, high = phase
+    if high <= 0.15:
+        return "entry side"
+    if low >= -0.15:
+        return "exit side"
+    return "whole contact" if high - low > 0.8 else "about the pitch point"
+
+
+def says(entry: Entry) -> str:
+    """One sentence, as an engineer would say it."""
+    size = _size(entry)
+    extra = f" ({entry.label})" if entry.label else ""
+    if entry.companion_of:
+        extra += f", comes with {entry.companion_of}"
+    if entry.rivals:
+        extra += "; or " + ", or ".join(entry.rivals)
+    if entry.kind == "tooth":
+        if entry.tooth is None:
+            name = f"a tooth of the {entry.gear} gear (numbering unknown)"
+        else:
+            name = f"{entry.gear} tooth {entry.tooth}"
+        side = f", {_side(entry.phase)}" if entry.phase else ""
+        sense = "" if entry.amplitude_um is None else (" low" if entry.amplitude_um < 0.0 else " high")
+        where = "" if entry.encoder_deg is None else f", at {entry.encoder_deg:.0f} deg of its encoder"
+        return f"{name}{side}, {size}{sense}{where}{extra}"
+    if entry.kind == "shaft_order":
+        order = entry.order or 0.0
+        shown = f"{order:.0f}" if float(order).is_integer() else f"{order:.4g}"
+        return f"order {shown} of the {entry.gear} shaft, {size}{extra}"
+    if entry.kind == "mesh_order":
+        return f"mesh order {entry.order:.0f}, {size}{extra}"
+    if entry.kind == "time":
+        if entry.hz == 0.0:
+            return f"a slow drift over the recording, {size}{extra}"
+        return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"
+    if entry.kind == "mesh_phase" and entry.phase is not None:
+        low, high = entry.phase
+        return f"every mesh, from {low:.2f} to {high:.2f} of a pitch after the pitch point, {size}{extra}"
+    which = " and ".join(str(k) for k in entry.recordings)
+    plural = "s" if len(entry.recordings) > 1 else ""
+    return f"recording{plural} {which} against the others of the set, {size}{extra}"

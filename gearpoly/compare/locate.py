@@ -1,0 +1,101 @@
+"""Where recordings and simulation differ: waves, single teeth, mesh phases, times and conditions, against the noise.
+
+What an inspection or a grade leaves open of each tooth (pitch and slope) is fitted first, with its prior, together with
+slow curves and whatever the caller knows to be uncertain (zeros, compliance). Then the strongest find of all searches
+is taken into the fit, everything is fitted again, and so on until nothing exceeds what noise would do anywhere in the
+search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
+from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.maps import Maps, tooth_maps
+from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
+from gearpoly.compare.search import Search
+from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.units import FloatArray, read_only
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Located:
+    """What ``locate`` found. ``entries`` strongest first; ``noises`` one per recording, ``noise_level`` pooled, in mm;
+    ``maps`` per recording of the residual without its slow curve; ``as_built`` (2 z_1 + 2 z_2,) in mm on the drive
+    flank (driving pitch, driving slope, driven pitch, driven slope) and its ``as_built_std``; ``left`` what nothing
+    explains, in mm; ``residual_rms`` and ``repeatable_rms`` (``None`` without whole cycles) in mm of the residuals as
+    given."""
+
+    entries: tuple[Entry, ...]
+    noises: tuple[Noise, ...]
+    noise_level: float
+    maps: tuple[Maps, ...]
+    as_built: FloatArray
+    as_built_std: FloatArray
+    left: tuple[FloatArray, ...]
+    residual_rms: float
+    repeatable_rms: float | None
+
+
+def locate(
+    residuals: Sequence[AlignedResidual],
+    *,
+    gears: tuple[GearKnown, GearKnown],
+    floor: float = 0.0,
+    numbered: bool = True,
+) -> Located:
+    """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
+
+    ``gears`` driving and driven; ``floor`` in mm, below which the simulation itself is not true (chords,
+    interpolation): smaller finds are left out; ``numbered``: whether zeros or inspection fix the tooth numbering. The
+    result does not depend on any random number. Raises ``ValueError`` where a residual is too short for a noise
+    estimate.
+    """
+    search = Search(residuals, gears, floor)
+    solution = search.run()
+    states = search.states
+    noises = tuple(s.noise for s in states)
+    entries: list[Entry] = []
+    seen: set[int] = set()
+    for k, s in enumerate(states):
+        for peak in [*s.orders, *s.times]:
+            if id(peak) in seen:
+                continue
+            seen.add(id(peak))
+            entry = wave_entry(search, solution, k, peak)
+            if entry is not None:
+                entries.append(entry)
+        drift = drift_entry(search, solution, k)
+        if drift is not None:
+            entries.append(drift)
+    entries += tooth_entries(search, solution, numbered=numbered)
+    entries += phase_entries(search, solution)
+    entries += condition_entries(search, solution)
+    entries.sort(key=lambda e: -e.gain)
+    maps = []
+    for s, places in zip(states, search.places, strict=True):
+        plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
+        maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
+    raw = [estimate_noise(s.data.u, s.data.residual, z_1=search.z_1, z_2=search.z_2) for s in states]
+    sizes = [s.data.u.size for s in states]
+    repeats = [n.repeatable for n in raw if n.repeatable is not None]
+    std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
+    return Located(
+        entries=tuple(with_companions(entries, z_1=search.z_1, z_2=search.z_2)),
+        noises=noises,
+        noise_level=pooled_level(list(noises), sizes),
+        maps=tuple(maps),
+        as_built=read_only(solution.beta[: search.tooth_parameters]),
+        as_built_std=read_only(std[: search.tooth_parameters]),
+        left=tuple(read_only(left) for left in solution.left),
+        residual_rms=math.sqrt(
+            sum(float(np.sum((s.data.residual - np.mean(s.data.residual)) ** 2)) for s in states) / sum(sizes)
+        ),
+        repeatable_rms=math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(states) else None,
+    )

@@ -1,0 +1,193 @@
+"""The joint model of a set of recordings: as-built teeth, slow curves, and what the search has found so far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gearpoly.compare.columns import (
+    Dense,
+    Part,
+    Waves,
+    as_built_part,
+    pair_deviation,
+    shape_deviation,
+    shape_entries,
+    shape_part,
+)
+from gearpoly.compare.lines import LineSearch, Peak
+from gearpoly.compare.noise import SLOW, Noise, estimate_noise, slow_curves
+from gearpoly.compare.regression import Solution, Stack, solve
+from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.sharing import Carried
+from gearpoly.compare.teeth import BEYOND, ToothFind
+from gearpoly.units import UM, FloatArray, IntArray
+
+CREDIBLE = 3.0
+"""Prior standard deviations to which a tooth's estimate may move the hand-over. While a large wave is not yet found the
+teeth stand in for it, beyond all belief, and would hand over where no teeth do."""
+
+HEIGHTS = 3.0
+"""Prior standard deviation of a found tooth's shape, over the find's own size."""
+
+KNOTS = 1.0 / 12.0
+"""Pitches between the knots of a found tooth's free shape."""
+
+
+@dataclass
+class Tooth:
+    """A tooth that was found, in one recording: its free shape's ``entries`` and ``heights`` (k,) in mm at the
+    knots."""
+
+    find: ToothFind
+    entries: tuple[IntArray, FloatArray]
+    heights: FloatArray
+
+    @property
+    def name(self) -> str:
+        which = "all" if self.find.recording is None else str(self.find.recording)
+        return f"tooth {self.find.gear} {self.find.tooth} {which}"
+
+    @property
+    def prior_std(self) -> float:
+        """mm. Heights are of the find's size; where a knot is hardly ever in contact only this keeps it from running
+        away."""
+        return HEIGHTS * max(abs(self.find.amplitude), UM)
+
+
+@dataclass
+class State:
+    """One recording in the search."""
+
+    data: AlignedResidual
+    carried: Carried
+    search: LineSearch
+    slow: FloatArray
+    noise: Noise
+    flank_at: int
+    orders: list[Peak] = field(default_factory=list)
+    times: list[Peak] = field(default_factory=list)
+    teeth: list[Tooth] = field(default_factory=list)
+
+    @property
+    def coast(self) -> bool:
+        return self.data.flank == "coast"
+
+
+class JointModel:
+    """All recordings of a set, what has been found in them so far, and the fit of everything at once."""
+
+    def __init__(self, residuals: Sequence[AlignedResidual], gears: tuple[GearKnown, GearKnown], floor: float) -> None:
+        self.gears = gears
+        self.floor = floor
+        self.z_1, self.z_2 = gears[0].z, gears[1].z
+        self.tooth_parameters = 2 * (self.z_1 + self.z_2)
+        self.flanks = sorted({r.flank for r in residuals}, reverse=True)
+        self.states = [self._state(r) for r in residuals]
+        self.beta_built = np.zeros(self.tooth_parameters * len(self.flanks))
+        self.finds: list[ToothFind] = []
+        self.built_rms = 0.0
+        self.places: list[dict[str, IntArray]] = []
+
+    def _state(self, data: AlignedResidual) -> State:
+        x = data.u if data.time_s is None else data.time_s
+        return State(
+            data=data,
+            carried=data.carried(self.z_1, self.z_2),
+            search=LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2),
+            slow=slow_curves(x),
+            noise=estimate_noise(data.u, data.residual, z_1=self.z_1, z_2=self.z_2),
+            flank_at=self.flanks.index(data.flank) * self.tooth_parameters,
+        )
+
+    def built_precision(self) -> FloatArray:
+        parts = []
+        for gear in self.gears:
+            pitch, slope = gear.prior_std
+            parts += [np.full(gear.z, pitch**-2.0), np.full(gear.z, slope**-2.0)]
+        return np.tile(np.concatenate(parts), len(self.flanks))
+
+    def fit(self, *, passes: int = 2) -> Solution:
+        """Fit everything found so far; twice, since an unloaded pair that deviates may hand over elsewhere."""
+        for _ in range(passes):
+            stacks, precision = self._stacks()
+            solution = solve(stacks, precision=precision)
+            self.beta_built = solution.beta[: self.beta_built.size]
+            for s, places in zip(self.states, self.places, strict=True):
+                for tooth in s.teeth:
+                    tooth.heights = solution.beta[places[tooth.name]]
+        self.stacks = stacks
+        return solution
+
+    def _stacks(self) -> tuple[list[Stack], FloatArray]:
+        precision = [self.built_precision()]
+        at = precision[0].size
+        stacks, self.places = [], []
+        self.built_rms = 0.0
+        common: dict[str, IntArray] = {}
+        for s in self.states:
+            own = self.beta_built[s.flank_at : s.flank_at + self.tooth_parameters]
+            deviation = self.deviation(s)
+            weight = s.carried.weights(deviation)
+            built = as_built_part(s.carried, weight, coast=s.coast)
+            shapes = [shape_part(t.entries, weight, knots=t.heights.size, coast=s.coast) for t in s.teeth]
+            # Linear about the present estimate: the curve's change there, less what the columns make of it.
+            change = s.carried.change(deviation) * (-1.0 if s.coast else 1.0)
+            self.built_rms = max(self.built_rms, float(np.std(change)))
+            within = CREDIBLE / np.sqrt(self.built_precision()[: self.tooth_parameters])
+            values = s.data.residual - change + built.apply(np.clip(own, -within, within))
+            for shape, tooth in zip(shapes, s.teeth, strict=True):
+                values = values + shape.apply(tooth.heights)
+            parts: list[tuple[Part, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
+            places: dict[str, IntArray] = {}
+
+            u, t = s.data.u, s.data.time_s
+            own_parts: list[tuple[str, Part, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
+            if s.data.nuisance is not None and s.data.nuisance_std is not None:
+                own_parts.append(("nuisance", Dense(columns=s.data.nuisance), s.data.nuisance_std**-2.0))
+            for name, x, peaks in (("orders", u, s.orders), ("times", t, s.times)):
+                if peaks and x is not None:
+                    waves = Waves(x=x, frequency=np.array([p.frequency for p in peaks]))
+                    own_parts.append((name, waves, np.zeros(waves.size)))
+            for shape, tooth in zip(shapes, s.teeth, strict=True):
+                if tooth.find.recording is None and tooth.name in common:
+                    # One tooth, one shape: what all recordings show alike has one set of heights.
+                    places[tooth.name] = common[tooth.name]
+                    parts.append((shape, places[tooth.name]))
+                else:
+                    own_parts.append((tooth.name, shape, np.full(shape.size, tooth.prior_std**-2.0)))
+            for name, part, prior in own_parts:
+                places[name] = at + np.arange(part.size)
+                parts.append((part, places[name]))
+                precision.append(prior)
+                at += part.size
+                if name.endswith("all"):
+                    common[name] = places[name]
+            stacks.append(Stack(values=values, noise=s.noise, parts=parts))
+            self.places.append(places)
+        return stacks, np.concatenate(precision)
+
+    def knots(self, s: State) -> FloatArray:
+        low, high = s.carried.contact[0] - BEYOND, s.carried.contact[1] + BEYOND
+        return np.linspace(low, high, max(4, round((high - low) / KNOTS) + 1))
+
+    def deviation(self, s: State) -> FloatArray:
+        """Deviation (P, n) in mm of the pairs of a recording, as estimated so far."""
+        own = self.beta_built[s.flank_at : s.flank_at + self.tooth_parameters]
+        within = CREDIBLE / np.sqrt(self.built_precision()[: self.tooth_parameters])
+        out = pair_deviation(s.carried, np.clip(own, -within, within), coast=s.coast)
+        for tooth in s.teeth:
+            out += shape_deviation(tooth.entries, tooth.heights)
+        return out
+
+    def renew_noise(self, solution: Solution) -> None:
+        for s, left in zip(self.states, solution.left, strict=True):
+            s.noise = estimate_noise(s.data.u, left, z_1=self.z_1, z_2=self.z_2)
+
+    def new_tooth(self, s: State, find: ToothFind) -> Tooth:
+        """A found tooth in recording ``s``, its shape still flat."""
+        knots = self.knots(s)
+        entries = shape_entries(s.carried, gear=find.gear, tooth=find.tooth, knots=knots, coast=s.coast)
+        return Tooth(find=find, entries=entries, heights=np.zeros(knots.size))

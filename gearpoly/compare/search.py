@@ -1,0 +1,192 @@
+"""The search: take the strongest find into the fit, fit everything again, and go on until only noise is left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.compare.families import SHARES, log_tail_line
+from gearpoly.compare.lines import Peak
+from gearpoly.compare.model import JointModel, State
+from gearpoly.compare.regression import Solution
+from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
+
+ROUNDS = 14
+"""Most rounds of find and refit."""
+
+ONE_BY_ONE = 5
+"""Rounds in which one tooth at a time is taken, since its neighbours may be its echo; later ones are taken together."""
+
+MOST = 40
+"""Finds after which the search stops: so many mean that the pair file or the alignment is wrong as a whole."""
+
+TOGETHER = 0.5
+"""Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
+echo."""
+
+RIVALRY = 30.0
+"""Ratio of gains within which a tooth and a wave are both tried before one is taken."""
+
+FOLLOWED_WAVE, FOLLOWED_TOOTH = 0.03, 0.12
+"""Parts of the as-built teeth's own signal that the linear sharing does not follow (contact points move, stiffness is
+not constant): a wave's amplitude over the rms, and the rms over one tooth's contact. An inspection leaves little to
+follow, a grade much."""
+
+
+class Search(JointModel):
+    """Looks for waves and teeth in what the joint model leaves."""
+
+    def order_candidates(self, k: int, solution: Solution) -> list[Peak]:
+        """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
+        s, stack = self.states[k], self.stacks[k]
+        orders = s.search.orders
+        frequency = orders.frequency
+        if not np.any(s.search.searched):
+            return []
+        gain = s.noise.gain(frequency, spacing=s.search.spacing)
+        cross, own = stack.against(lambda low, high: orders.turning(s.data.u[low:high]), gain, solution.beta.size)
+        white = s.noise.whitened(solution.left[k])
+        total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known]
+        score = np.stack([total.real, -total.imag], axis=1)
+        rest, count = s.noise.rest_at(frequency)
+        alone = own[:, 0, 0].copy()
+        for a in range(2):
+            for b in range(2):
+                own[:, a, b] -= np.einsum("ij,ij->j", cross[:, :, a], solution.covariance @ cross[:, :, b])
+        good = s.search.searched & (np.linalg.eigvalsh(own)[:, 0] > 1e-4 * alone)
+        z = np.zeros(frequency.size)
+        z[good] = 0.5 * np.einsum("fi,fij,fj->f", score[good], np.linalg.inv(own[good]), score[good]) / rest[good]
+        log_false = math.log(frequency.size * len(self.states) / SHARES.orders) + log_tail_line(z, count)
+        # What the simulation itself cannot resolve is no find.
+        amplitude = np.zeros(frequency.size)
+        amplitude[good] = np.linalg.norm(np.linalg.solve(own[good], score[good][:, :, None])[:, :, 0], axis=1)
+        take = (log_false < 0.0) & (amplitude > max(self.floor, FOLLOWED_WAVE * self.built_rms))
+        return [
+            Peak(domain="order", frequency=float(frequency[j]), std=0.0, gain=2.0 * float(z[j]),
+                 log_false=float(log_false[j]), known=True)
+            for j in np.flatnonzero(take)
+        ]  # fmt: skip
+
+    def wave_candidates(self, k: int, solution: Solution) -> list[Peak]:
+        s = self.states[k]
+        known = self.order_candidates(k, solution)
+        white = s.noise.whitened(solution.left[k])
+        other = [p for p in s.search.peaks(white, s.noise, recordings=len(self.states)) if not p.known]
+        taken = [p.frequency for p in s.orders]
+        fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
+        for p in other:
+            # Between the same whole orders only what no integer order explains as well.
+            near = [q for q in fresh if p.domain == "order" and abs(q.frequency - p.frequency) * s.search.span < 1.5]
+            if not near and self._above_floor(s, p):
+                fresh.append(p)
+        return sorted(fresh, key=lambda p: -p.gain)
+
+    def _above_floor(self, s: State, peak: Peak) -> bool:
+        frequency = peak.frequency if peak.domain == "order" else peak.frequency * s.search.dt / s.search.spacing
+        gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=s.search.spacing))[0])
+        return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > self.floor
+
+    def tooth_candidates(self, solution: Solution) -> list[ToothFind]:
+        out: list[ToothFind] = []
+        taken = {(f.gear, f.tooth, f.recording, f.flank) for f in self.finds}
+        precision = self.built_precision()
+        for flank_at, flank in enumerate(self.flanks):
+            members = [k for k, s in enumerate(self.states) if s.data.flank == flank]
+            group = [self.states[k] for k in members]
+            scores = [s.noise.score(s.noise.whitened(solution.left[k])) for k, s in zip(members, group, strict=True)]
+            for gear, first, z in ((1, 0, self.z_1), (2, 2 * self.z_1, self.z_2)):
+                cells = []
+                for s in group:
+                    weight = s.carried.weights(self.deviation(s))
+                    cells.append(make_cells(s.carried, weight, gear=gear, coast=s.coast))
+                at = flank_at * self.tooth_parameters + first
+                information = tooth_information(
+                    cells, [s.noise for s in group], precision=(float(precision[at]), float(precision[at + z]))
+                )
+                beside = self.z_1 + self.z_2 - z + (len(self.flanks) - 1) * (self.z_1 + self.z_2)
+                finds = scan_teeth(cells, scores, information, tests_beside=beside)
+                for find in finds:
+                    which = None if find.recording is None else members[find.recording]
+                    if (find.gear, find.tooth, which, flank) not in taken:
+                        out.append(replace(find, recording=which, flank=flank))
+        samples = sum(s.data.u.size for s in self.states) / len(self.states) / max(self.z_1, self.z_2)
+        level = min(s.noise.innovation for s in self.states)
+        least = samples * (FOLLOWED_TOOTH * self.built_rms / level) ** 2
+        out = [f for f in out if abs(f.amplitude) > self.floor and f.gain > least]
+        return sorted(out, key=lambda f: -f.gain)
+
+    def run(self) -> Solution:
+        solution = self.fit(passes=3)
+        for _ in range(2):
+            self.renew_noise(solution)
+            solution = self.fit(passes=1)
+        for turn in range(ROUNDS):
+            if len(self.finds) + max(len(s.orders) + len(s.times) for s in self.states) > MOST:
+                break
+            waves = [self.wave_candidates(k, solution) for k in range(len(self.states))]
+            teeth = self.tooth_candidates(solution)
+            best_wave = max((w[0].gain for w in waves if w), default=0.0)
+            best_tooth = teeth[0].gain if teeth else 0.0
+            if max(best_wave, best_tooth) == 0.0:
+                break
+            if self._tooth_first(waves, best_wave, teeth):
+                for _ in range(1 if turn < ONE_BY_ONE else 4):
+                    if teeth:
+                        self._take_tooth(teeth)
+                        teeth = [t for t in teeth[1:] if (t.gear, t.tooth) != (teeth[0].gear, teeth[0].tooth)]
+            else:
+                self._take_waves(waves, best_wave)
+            solution = self.fit(passes=3 if self.finds else 2)
+            self.renew_noise(solution)
+            solution = self.fit(passes=1)
+        return solution
+
+    def _tooth_first(self, waves: list[list[Peak]], best_wave: float, teeth: list[ToothFind]) -> bool:
+        """Whether the best tooth explains more than the best waves.
+
+        Where neither is far ahead both are tried: a score says how likely a find is if all else is as fitted, and teeth
+        that stand in for a wave not yet found are not.
+        """
+        best_tooth = teeth[0].gain if teeth else 0.0
+        if not RIVALRY * best_wave > best_tooth > best_wave / RIVALRY:
+            return best_tooth > best_wave
+        misfit = []
+        for tooth in (True, False):
+            kept = [(list(s.orders), list(s.times), list(s.teeth)) for s in self.states], list(self.finds)
+            built = self.beta_built.copy()
+            if tooth:
+                self._take_tooth(teeth)
+            else:
+                self._take_waves(waves, best_wave)
+            misfit.append(self.fit(passes=1).misfit)
+            for s, (orders, times, shapes) in zip(self.states, kept[0], strict=True):
+                s.orders, s.times, s.teeth = orders, times, shapes
+            self.finds, self.beta_built = kept[1], built
+        return misfit[0] < misfit[1]
+
+    def _take_tooth(self, teeth: list[ToothFind]) -> None:
+        best = teeth[0]
+        rival = next((t for t in teeth if t.gear != best.gear and t.gain > 0.9 * best.gain), None)
+        if rival is not None:
+            best = replace(best, rival=(rival.gear, rival.tooth))
+        self.finds.append(best)
+        for k, s in enumerate(self.states):
+            alike = best.recording is None and s.data.flank == best.flank
+            if alike or best.recording == k:
+                s.teeth.append(self.new_tooth(s, best))
+
+    def _take_waves(self, waves: list[list[Peak]], best: float) -> None:
+        for k, peaks in enumerate(waves):
+            for peak in peaks:
+                if peak.gain < TOGETHER * best:
+                    continue
+                if peak.domain == "time":
+                    self.states[k].times.append(peak)
+                    continue
+                # What is fixed to a shaft is there in every recording; how large, each says for itself.
+                for s in self.states if peak.known else [self.states[k]]:
+                    here = [abs(p.frequency - peak.frequency) * s.search.span for p in s.orders]
+                    if peak.frequency < s.search.nyquist and (not here or min(here) > 0.3):
+                        s.orders.append(peak)

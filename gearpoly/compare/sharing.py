@@ -1,0 +1,174 @@
+"""Which pairs of teeth carry at each position, and what a small deviation of any tooth does to the transmission error.
+
+Unloaded, the pair that touches first sets the error: x = max over pairs of h_i = e_i - gap_i, with e_i what both teeth
+have more of material than was simulated. Loaded, the pairs give until they carry: sum of k_i (h_i - x) over those with
+h_i > x equals the force, and each touching pair has a say in the measure of its stiffness (derived here; linear
+contact).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.units import FloatArray, IntArray
+
+Flank = Literal["drive", "coast"]
+
+ABSENT = 1e3
+"""Gap in mm of a pair that is not there: larger than any tooth, so that it never touches."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sharing:
+    """The pairs near contact on an even grid over one hunting cycle, first place at u = 0 (u counts meshes).
+
+    ``mesh`` (P, G) numbers of the pairs: mesh n is driving tooth n mod z_1. ``gap`` (P, G) in mm beyond the first
+    touch.
+    ``share`` (P, G), the part of each pair's deviation that reaches the transmission error under load; ``None``:
+    unloaded. ``contact`` where in u - n a pair's contact begins and ends on the true path.
+    """
+
+    z_1: int
+    z_2: int
+    mesh: IntArray
+    gap: FloatArray
+    share: FloatArray | None
+    contact: tuple[float, float]
+    approach: FloatArray | None = None
+
+    @cached_property
+    def stiffness(self) -> FloatArray | None:
+        """Stiffness (P, G) of each pair over the force, in 1/mm; a pair that does not touch is taken to be as stiff as
+        those that do."""
+        if self.share is None or self.approach is None:
+            return None
+        pressed = self.approach - self.gap
+        touching = (self.share > 1e-6) & (pressed > 1e-9)
+        k = np.where(touching, self.share / np.where(touching, pressed, 1.0), 0.0)
+        mean = np.sum(k, axis=0) / np.maximum(np.sum(touching, axis=0), 1)
+        k = np.where(touching, k, mean)
+        return np.asarray(np.where(mean > 0.0, k, 1.0 / np.maximum(self.approach, 1e-9)))
+
+    def at(self, u: FloatArray) -> Carried:
+        """The pairs at positions ``u`` (n,) in meshes, from the nearest place of the grid."""
+        size = self.mesh.shape[1]
+        period = float(np.lcm(self.z_1, self.z_2))
+        turn = np.floor(u / period)
+        place = np.rint((u - turn * period) * (size / period)).astype(np.int64)
+        over = place == size
+        turn = turn + over
+        place = np.where(over, 0, place)
+        mesh = self.mesh[:, place] + (turn * period).astype(np.int64)
+        return Carried(
+            z_1=self.z_1,
+            z_2=self.z_2,
+            mesh=mesh,
+            phase=u - mesh,
+            gap=self.gap[:, place],
+            share=None if self.share is None else self.share[:, place],
+            stiffness=None if self.stiffness is None else self.stiffness[:, place],
+            contact=self.contact,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Carried:
+    """The pairs at each sample: ``mesh``, ``phase`` (u - n), ``gap``, ``share``, ``stiffness`` (P, n) as in
+    ``Sharing``."""
+
+    z_1: int
+    z_2: int
+    mesh: IntArray
+    phase: FloatArray
+    gap: FloatArray
+    share: FloatArray | None
+    contact: tuple[float, float]
+    stiffness: FloatArray | None = None
+
+    def weights(self, deviation: FloatArray) -> FloatArray:
+        """Share (P, n) of each pair in the transmission error, where the pairs deviate by ``deviation`` (P, n) in
+        mm."""
+        height = deviation - self.gap
+        if self.stiffness is not None:
+            pressed = np.where(height > _balanced(height, self.stiffness), self.stiffness, 0.0)
+            return np.asarray(pressed / np.sum(pressed, axis=0))
+        if self.share is not None:
+            return self.share
+        first = np.argmax(height, axis=0)
+        return np.asarray(np.arange(self.mesh.shape[0])[:, None] == first, dtype=np.float64)
+
+    def change(self, deviation: FloatArray) -> FloatArray:
+        """Change (n,) in mm of the transmission error by deviations (P, n) of the pairs."""
+        if self.stiffness is not None:
+            return _balanced(deviation - self.gap, self.stiffness) - _balanced(-self.gap, self.stiffness)
+        if self.share is not None:
+            return np.asarray(np.sum(self.share * deviation, axis=0))
+        return np.asarray(np.max(deviation - self.gap, axis=0) - np.max(-self.gap, axis=0))
+
+
+def _balanced(height: FloatArray, stiffness: FloatArray) -> FloatArray:
+    """Place x (n,) in mm at which pairs of ``height`` (P, n), pressed by ``stiffness`` (P, n) in 1/mm, carry force 1.
+
+    The more pairs carry, the further forward x stands until a pair would have to pull: x is the largest of the places
+    that the highest pair, the two highest, and so on would give.
+    """
+    order = np.argsort(-height, axis=0)
+    h, k = np.take_along_axis(height, order, 0), np.take_along_axis(stiffness, order, 0)
+    x = (np.cumsum(k * h, axis=0) - 1.0) / np.cumsum(k, axis=0)
+    return np.asarray(np.max(x, axis=0))
+
+
+def nominal_carried(
+    u: FloatArray, *, z_1: int, z_2: int, contact: tuple[float, float] = (-0.8, 0.8), flank: Flank = "drive"
+) -> Carried:
+    """What is known of the pairs without any simulation: each carries from ``contact[0]`` to ``contact[1]`` about its
+    pitch point, and where two do, each counts half.
+
+    On the coast flank driving tooth n meets driven tooth n + 1, half a pitch later, to the half backlash.
+    """
+    late = 0.0 if flank == "drive" else 0.5
+    first = np.floor(u - late).astype(np.int64)
+    mesh = np.stack([first - 1, first, first + 1, first + 2])
+    phase = u - late - mesh
+    inside = ((phase >= contact[0]) & (phase <= contact[1])).astype(np.float64)
+    share = inside / np.maximum(np.sum(inside, axis=0), 1.0)
+    return Carried(z_1=z_1, z_2=z_2, mesh=mesh, phase=phase, gap=np.zeros_like(phase), share=share, contact=contact)
+
+
+def sharing_from_rows(
+    *,
+    z_1: int,
+    z_2: int,
+    theta_2: FloatArray,
+    position: IntArray,
+    driving: IntArray,
+    gap: FloatArray,
+    share: FloatArray | None = None,
+    contact: tuple[float, float],
+    flank: Flank = "drive",
+    approach: FloatArray | None = None,
+) -> Sharing:
+    """Sharing from a simulation's contact rows: ``theta_2`` (G,) in rad, even over one hunting cycle from 0; per row
+    (k,) the ``position`` (rising), the ``driving`` tooth, its ``gap`` in mm without load and, under load, its
+    ``share``; ``approach`` (G,) in mm as in ``Sharing``.
+    """
+    u = theta_2 * (z_2 / (2.0 * np.pi))
+    late = 0.0 if flank == "drive" else 0.5
+    # The tooth's number recurs every z_1 meshes; the contact is the one next to its pitch point.
+    mesh_of_row = driving + z_1 * np.rint((u[position] - late - driving) / z_1).astype(np.int64)
+    start = np.searchsorted(position, np.arange(theta_2.size))
+    slot = np.arange(position.size) - start[position]
+    width = int(slot.max()) + 1
+    mesh = np.zeros((width, theta_2.size), dtype=np.int64)
+    gaps = np.full((width, theta_2.size), ABSENT)
+    mesh[slot, position] = mesh_of_row
+    gaps[slot, position] = gap
+    shares = None
+    if share is not None:
+        shares = np.zeros((width, theta_2.size))
+        shares[slot, position] = share
+    return Sharing(z_1=z_1, z_2=z_2, mesh=mesh, gap=gaps, share=shares, contact=contact, approach=approach)

@@ -1,0 +1,178 @@
+"""The simulated transmission error of one condition over a whole hunting cycle, ready to be read off at any angle.
+
+Between hand-overs the curve is nearly straight, at hand-overs it bends sharply, so positions are added only where a
+straight line would miss the curve by more than a stated error.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearpoly.assemble import Assembled
+from gearpoly.compare.sharing import Sharing, sharing_from_rows
+from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance, pair_compliance
+from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
+from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.units import UM, FloatArray, read_only
+
+PER_MESH = 32
+"""Even places per pitch: a hand-over then lies in every tenth interval, so that the others need no second look."""
+
+PLACES = 400_000
+"""Most even places over a cycle; pairs of more than 12 500 meshes get fewer per pitch, down to ``LEAST_PER_MESH``."""
+
+LEAST_PER_MESH = 8
+"""Still enough that no stretch of single contact falls between two places."""
+
+ERROR = 0.02 * UM
+"""mm. Halving stops where straight lines follow the curve to this, a fifth of the least order line that is looked
+for, and of either sign."""
+
+HALVINGS = 12
+"""Times that an interval is halved at most: 1/32 of a pitch becomes 1e-5 of a pitch, less than encoders resolve."""
+
+SHARERS = 40.0 * UM
+"""mm. Pairs that close within this of the first are kept beside it: what an uninspected tooth may deviate by, so that
+its pair may turn out to be the one that touches."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Template:
+    """Simulated transmission error of a pair under one condition, periodic in the hunting cycle.
+
+    ``theta_2`` (n,) driven rotations in rad, rising from 0 to ``cycle``; ``te`` (n,) in mm along the line of action,
+    straight lines between; ``error`` in mm, the most by which a line was still seen to miss the curve. ``even``
+    (meshes * per_mesh,) in mm is the same curve on even places of the cycle. ``torque`` in N.mm. ``sharing`` says which
+    pairs carry there, and ``rigid`` (n,) in mm is the curve without load at ``theta_2``, None where nothing bends.
+    """
+
+    flank: Flank
+    torque: float
+    theta_2: FloatArray
+    te: FloatArray
+    even: FloatArray
+    per_mesh: int
+    error: float
+    sharing: Sharing
+    rigid: FloatArray | None
+
+    @property
+    def cycle(self) -> float:
+        """The hunting cycle as driven rotation in rad."""
+        return float(self.theta_2[-1])
+
+    @cached_property
+    def mean(self) -> float:
+        """Mean over the cycle, mm."""
+        return float(np.trapezoid(self.te, self.theta_2)) / self.cycle
+
+    def at(self, theta_2: FloatArray) -> FloatArray:
+        """Transmission error in mm at any driven rotations in rad."""
+        return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te)
+
+    def slope(self, theta_2: FloatArray) -> FloatArray:
+        """d(TE)/d(theta_2) in mm/rad over 1/32 of a pitch: short against the stretch between hand-overs, long against
+        chords, whose ripple of nanometres is steep but means nothing."""
+        h = self.cycle * self.per_mesh / self.even.size / 64.0
+        return (self.at(theta_2 + h) - self.at(theta_2 - h)) / (2.0 * h)
+
+    def deflection(self, theta_2: FloatArray) -> FloatArray | None:
+        """What load changes (n,) in mm; None where nothing bends."""
+        if self.rigid is None:
+            return None
+        return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te - self.rigid)
+
+
+def make_template(
+    assembled: Assembled, *, flank: Flank, torque: float, error: float = ERROR, per_mesh: int | None = None
+) -> Template:
+    """Simulate ``assembled`` over one hunting cycle on ``flank`` under ``torque`` (N.mm), lines true to ``error`` (mm).
+
+    Teeth bend where the pair's file says so and the torque is above 0. Raises ``GeometryError`` where no teeth touch,
+    ``NotConvergedError`` where the certified kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
+    """
+    pair = assembled.pair
+    meshes = pair.meshes_per_cycle
+    per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
+    bends = assembled.elasticity if torque > 0.0 else None
+    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
+    near = 0.0 if compliance is None else NEAR + load_reach(compliance, torque)
+
+    def curve(theta_2: FloatArray) -> FloatArray:
+        found = contacts(pair, theta_2, flank=flank, near=near, fast=True)
+        if compliance is None:
+            return found.te * pair.r_b2
+        return loaded(found, compliance, torque=torque, sharing=assembled.sharing).te * pair.r_b2
+
+    size = meshes * per_mesh
+    theta_2 = np.linspace(0.0, pair.cycle, size + 1)
+    rows = contacts(pair, theta_2[:-1], flank=flank, near=max(near, SHARERS), fast=True)
+    load = None if compliance is None else loaded(rows, compliance, torque=torque, sharing=assembled.sharing)
+    even = (rows.te if load is None else load.te) * pair.r_b2
+    te = np.append(even, even[0])
+    low = np.arange(size)
+    missed = 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (theta_2[low] + theta_2[low + 1])
+        found = curve(middle)
+        off = np.abs(found - 0.5 * (te[low] + te[low + 1]))
+        # A bend that hides from the middle (two that cancel, one at an end) lies beside one that does not.
+        bad = off > 0.5 * error
+        beside = np.diff(low) == 1
+        bad[1:] |= beside & (off[:-1] > error)
+        bad[:-1] |= beside & (off[1:] > error)
+        # A line misses a bend by at most twice what shows at its middle, a smooth curve by just that.
+        missed = max(missed, 2.0 * float(np.max(off, initial=0.0, where=~bad)))
+        low, middle, found = low[bad], middle[bad], found[bad]
+        if not low.size:
+            break
+        theta_2, te = np.insert(theta_2, low + 1, middle), np.insert(te, low + 1, found)
+        first = low + np.arange(low.size)
+        low = np.sort(np.concatenate((first, first + 1)))
+    else:
+        missed = max(missed, 2.0 * float(np.max(off)))
+    rigid = None
+    if compliance is not None:
+        unloaded = contacts(pair, theta_2[:-1], flank=flank, near=0.0, fast=True).te * pair.r_b2
+        rigid = read_only(np.append(unloaded, unloaded[0]))
+    return Template(
+        flank=flank,
+        torque=torque,
+        theta_2=read_only(theta_2),
+        te=read_only(te),
+        even=read_only(even),
+        per_mesh=per_mesh,
+        error=missed,
+        sharing=_sharing(pair, rows, load, compliance),
+        rigid=rigid,
+    )
+
+
+def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, by: PairCompliance | None) -> Sharing:
+    """Which pairs carry on the even places, and what part of each pair's deviation reaches the transmission error."""
+    share = None
+    if load is not None and by is not None:
+        _, contact = by.contact(np.maximum(load.force, LEAST_LOAD * float(np.max(load.force))), rows.point)
+        stiffness = (load.force > 0.0) / (by.teeth(rows.driving, rows.driven, rows.point) + contact)
+        share = stiffness / np.bincount(rows.position, weights=stiffness)[rows.position]
+    pitch_point = pair.r_b1 * math.tan(pair.driving.alpha_w)
+    path = pair.a * math.sin(pair.alpha_w)
+    entry, exit_ = path - pair.driven.gear.l_a, pair.driving.gear.l_a
+    begin, end = ((l - pitch_point) / pair.driving.gear.p_b for l in (entry, exit_))
+    return sharing_from_rows(
+        z_1=pair.driving.gear.z,
+        z_2=pair.driven.gear.z,
+        theta_2=rows.theta_2,
+        position=rows.position,
+        driving=rows.driving,
+        gap=rows.gap,
+        share=share,
+        # On the coast flank the path is run through backwards, half a pitch late.
+        contact=(begin, end) if rows.flank == "drive" else (0.5 - end, 0.5 - begin),
+        flank=rows.flank,
+    )

@@ -1,0 +1,216 @@
+"""The zeros of both encoders: what the recordings state, what a place on the hunting cycle makes of it, as readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.compare.align import Laid, Stated
+from gearpoly.compare.curve import Cycle
+from gearpoly.compare.place import Place
+from gearpoly.errors import InputFileError
+from gearpoly.mesh.pair import Flank
+from gearpoly.recording.recording import Recording
+from gearpoly.units import DEG, FloatArray
+
+TURN = 2.0 * math.pi
+
+EVEN = 1.0 / math.sqrt(12.0)
+"""Standard deviation of what lies anywhere within 1."""
+
+Numbering = Literal["curves", "stated", "open"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Base:
+    """The zero readings in rad from which an alignment starts, one per shaft for the whole set; ``None`` where no
+    recording states one."""
+
+    driving: float | None
+    driven: float | None
+
+    @property
+    def stated(self) -> Stated:
+        """Which of both are stated."""
+        return Stated(driving=self.driving is not None, driven=self.driven is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Zeros:
+    """Readings in rad, 0 to 2 pi, of both encoders at the contract's angle zero, ``None`` where a shaft has no encoder;
+    ``rms`` in mm that is left with them."""
+
+    driving: float | None
+    driven: float | None
+    rms: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Alignment:
+    """Where the encoders of a set of recordings stand on the teeth.
+
+    ``zeros`` with standard errors ``std_driving`` and ``std_driven`` in rad; ``rivals`` fit nearly as well, best first
+    (and more than a handful stand for all); ``contradicted`` fits much better than what the stated zeros allow.
+    ``phased``: the place within a pitch comes from the curves, else from what was stated, if anything. ``numbering``
+    says what fixes the tooth numbers, if anything.
+
+    Per recording: ``shift`` in rad by which its driven rotation (by the base zero) is too large, ``offset`` in mm by
+    which its transmission error is.
+    """
+
+    zeros: Zeros
+    std_driving: float
+    std_driven: float
+    rivals: tuple[Zeros, ...]
+    contradicted: Zeros | None
+    phased: bool
+    numbering: Numbering
+    shift: FloatArray
+    offset: FloatArray
+
+    @property
+    def numbered(self) -> bool:
+        """Whether tooth numbers mean anything."""
+        return self.numbering != "open"
+
+    @property
+    def std(self) -> float:
+        """The larger standard error of both zeros, rad."""
+        known = [
+            std
+            for std, zero in ((self.std_driving, self.zeros.driving), (self.std_driven, self.zeros.driven))
+            if zero is not None
+        ]
+        return max(known)
+
+
+def base_zeros(recordings: Sequence[Recording], *, z_1: int, z_2: int) -> Base:
+    """The middle of all stated zeros, per shaft.
+
+    Raises ``InputFileError`` where two of them differ by more than half a tooth.
+    """
+    return Base(driving=_base(recordings, "driving", z_1), driven=_base(recordings, "driven", z_2))
+
+
+def _base(recordings: Sequence[Recording], shaft: Literal["driving", "driven"], z: int) -> float | None:
+    held = [
+        (r, zero)
+        for r in recordings
+        if (zero := r.driving_zero_rad if shaft == "driving" else r.driven_zero_rad) is not None
+    ]
+    if not held:
+        return None
+    origin, first = held[0]
+    apart = [math.remainder(zero - first, TURN) for _, zero in held]
+    low, high = int(np.argmin(apart)), int(np.argmax(apart))
+    if apart[high] - apart[low] > math.pi / z:
+        later = max(low, high)
+        other = held[min(low, high)][0] if min(low, high) else origin
+        found = f"{held[later][1] / DEG:.3f}, {(apart[high] - apart[low]) / DEG:.3f} deg from that of {other.source}"
+        wish = (
+            f"want readings of one zero, to half a tooth ({180.0 / z:.3f} deg), since recordings of one set share it; "
+            "or compare them one by one"
+        )
+        raise InputFileError(held[later][0].source, where=f"{shaft}_zero_deg", found=found, wish=wish)
+    return first + sum(apart) / len(apart)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shafts:
+    """What the recordings hold of both shafts: whether each has an encoder, which way it counts, and per recording
+    whether both were read (``counted``) and the flank and torque (N.mm) it was made on."""
+
+    driving: bool
+    driven: bool
+    direction_1: int
+    direction_2: int
+    counted: tuple[bool, ...]
+    flank: tuple[Flank, ...]
+    torque: tuple[float, ...]
+
+
+def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment:
+    """Make zeros of a place on the cycle, or keep what is stated where the curves have nothing to say."""
+    anchor = _anchor(shafts)
+    best = laid.best if laid.phased else _kept(laid.best, cycle, base, shafts, anchor)
+    rate = cycle.pitch * cycle.r_b2
+    offset = np.empty(best.offset.size)
+    for k, counted in enumerate(shafts.counted):
+        # A transmission error that the rig computed has its own zero, which is not that of the encoders.
+        origin = anchor if counted else shafts.counted.index(False)
+        offset[k] = best.offset[origin] + round((best.offset[k] - best.offset[origin]) / rate) * rate
+    both = shafts.driving and shafts.driven
+    driven_pitch, driving_pitch = cycle.pitch, TURN / cycle.z_1
+    if laid.phased:
+        std_2 = laid.std
+        std_1 = math.hypot(laid.std, laid.offset_std / cycle.r_b2 if both else 0.0) / cycle.ratio
+    else:
+        std_2 = EVEN * (driven_pitch if base.driven is not None else TURN)
+        std_1 = EVEN * (driving_pitch if base.driving is not None else TURN)
+    stated = base.driving is not None if not shafts.driven else base.driven is not None
+    if both:
+        stated = stated and base.driving is not None
+    numbering: Numbering = "open"
+    if laid.certain or (laid.numbered and not stated):
+        numbering = "curves"
+    elif stated and (not laid.phased or not laid.rivals):
+        numbering = "stated"
+    return Alignment(
+        zeros=_zeros(best, cycle, base, shafts, anchor),
+        std_driving=std_1,
+        std_driven=std_2,
+        rivals=tuple(_zeros(one, cycle, base, shafts, anchor) for one in laid.rivals) if laid.phased else (),
+        contradicted=None if laid.contradicted is None else _zeros(laid.contradicted, cycle, base, shafts, anchor),
+        phased=laid.phased,
+        numbering=numbering,
+        shift=best.shifts,
+        offset=offset,
+    )
+
+
+def _anchor(shafts: Shafts) -> int:
+    """The recording whose mean TE fixes the driving zero: on the drive flank, since thickness moves the coast flank,
+    and under the least torque, since compliance is uncertain."""
+    order = sorted(
+        range(len(shafts.counted)),
+        key=lambda k: (not shafts.counted[k], shafts.flank[k] == "coast", shafts.torque[k], k),
+    )
+    return order[0]
+
+
+def _kept(best: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Place:
+    """The place that the stated zeros give where the curve is too flat to say: driven rotation as stated, and what the
+    mean transmission error adds to it."""
+    if shafts.counted[anchor]:
+        rate = cycle.pitch
+        total = float(best.offset[anchor]) / cycle.r_b2
+        g = math.gcd(cycle.z_1, cycle.z_2)
+        pitches = g * round(total / (g * rate))
+        rest = total - pitches * rate
+        # rest = late_2 - ratio late_1. Both stated zeros are rough alike, so the doubt is shared by least squares.
+        late = 0.0
+        if base.driving is not None:
+            late = rest / (1.0 + cycle.ratio**2) if base.driven is not None else rest
+        period = cycle.z_1 // g
+        inverse = pow(cycle.z_2 // g, -1, period) if period > 1 else 0
+        shift = late + (pitches // g * inverse % period) * TURN
+    else:
+        shift = 0.0
+    moved = (shift - float(best.shifts[anchor])) % cycle.span
+    return Place(shift=best.shift + moved, shifts=best.shifts + moved, offset=best.offset, rms=best.rms)
+
+
+def _zeros(place: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Zeros:
+    """The readings that a place means."""
+    late_2 = float(place.shifts[anchor])
+    if shafts.counted[anchor]:
+        late_1 = (late_2 - float(place.offset[anchor]) / cycle.r_b2) / cycle.ratio
+    else:
+        late_1 = late_2 / cycle.ratio
+    driving = ((base.driving or 0.0) + shafts.direction_1 * late_1) % TURN
+    driven = ((base.driven or 0.0) + shafts.direction_2 * late_2) % TURN
+    return Zeros(driving=driving if shafts.driving else None, driven=driven if shafts.driven else None, rms=place.rms)

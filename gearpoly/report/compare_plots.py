@@ -1,0 +1,187 @@
+"""Pictures of a comparison: what is left by tooth and phase for both gears, over shaft orders, and over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from gearpoly.compare.compare import Aligned, Comparison
+from gearpoly.compare.families import SHARES, line_threshold
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.spectrum import Grid
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
+from gearpoly.units import NM, UM, FloatArray
+
+MESHES = 6.0
+"""Mesh orders that the order spectrum shows; what lies beyond is mostly the rest of steps."""
+
+FINE = 2
+"""Places per independent line of a spectrum."""
+
+LABELLED = 6
+"""Lines that are named in a spectrum, the largest ones."""
+
+
+def plot_comparison(comparison: Comparison, *, target: Path) -> None:
+    """Draw the recording with the most left over, and the spectra of all, and write them to ``target``."""
+    aligned = comparison.aligned
+    timed = [k for k, one in enumerate(aligned) if one.time_s is not None]
+    figure = Figure(figsize=(13.0, 11.0 if timed else 8.0), layout="constrained")
+    rows: Any = figure.subfigures(3 if timed else 2, 1, height_ratios=(5, 3, 3) if timed else (5, 3))
+    worst = int(np.argmax([one.rms for one in aligned]))
+    _maps(rows[0], comparison, worst)
+    _orders(rows[1].subplots(), comparison)
+    if timed:
+        _times(rows[2].subplots(), comparison, timed)
+    one = aligned[worst]
+    figure.suptitle(
+        f"{comparison.name}: recorded minus simulated, {comparison.located.residual_rms / UM:.3f} um rms, "
+        f"noise {comparison.located.noise_level / UM:.3f} um; maps of recording {worst} "
+        f"({one.flank} flank, {one.torque / NM:g} N.m)",
+        fontsize=11,
+    )
+    save(figure, target)
+
+
+def _maps(figure: Any, comparison: Comparison, k: int) -> None:
+    """What every tooth of both gears differs by from the mean tooth, over the mesh phase, and the mean tooth."""
+    maps, numbered = comparison.located.maps[k], comparison.alignment.numbered
+    held = [values[np.isfinite(values)] for values in (maps.driving, maps.driven)]
+    top = max((float(np.max(np.abs(values))) for values in held if values.size), default=0.0) / UM
+    # Below three standard errors of a cell colours would only show noise.
+    top = max(top, 3.0 * max(maps.std_driving, maps.std_driven) / UM, 1e-3)
+    axes = figure.subplots(1, 3, width_ratios=(4, 4, 3))
+    for axis, values, name, std in (
+        (axes[0], maps.driving, "driving", maps.std_driving),
+        (axes[1], maps.driven, "driven", maps.std_driven),
+    ):
+        picture = axis.imshow(
+            values / UM, aspect="auto", origin="lower", cmap="RdBu_r", vmin=-top, vmax=top, interpolation="nearest",
+            extent=(0.0, 1.0, -0.5, values.shape[0] - 0.5),
+        )  # fmt: skip
+        axis.set_xlabel("phase / pitches after the pitch point")
+        axis.set_ylabel(f"{name} tooth" + ("" if numbered else " (numbering open)"))
+        axis.set_title(f"{name} gear: from the mean tooth; one cell +- {std / UM:.2g} um", fontsize=9)
+        step = max(1, values.shape[0] // 12)
+        axis.set_yticks(range(0, values.shape[0], step))
+    figure.colorbar(picture, ax=axes[1], label="residual / um", shrink=0.9)
+    axes[2].axhline(0.0, color=GREY, linewidth=0.8)
+    axes[2].plot(maps.phase, maps.mean / UM, color=BLUE, drawstyle="steps-mid")
+    axes[2].set_xlabel("phase / pitches")
+    axes[2].set_ylabel("mean tooth / um")
+    axes[2].set_title("mean tooth", fontsize=9)
+    axes[2].margins(x=0.0)
+    axes[2].grid(color=GREY, alpha=0.25, linewidth=0.5)
+    if maps.note:
+        figure.supxlabel(maps.note, fontsize=8)
+
+
+def _colours(count: int) -> list[str]:
+    return [(BLUE, ORANGE, GREEN)[k % 3] for k in range(count)]
+
+
+def _orders(axis: Any, comparison: Comparison) -> None:
+    pair = comparison.assembled.pair
+    z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
+    tops = []
+    for k, (one, colour) in enumerate(zip(comparison.aligned, _colours(len(comparison.aligned)), strict=True)):
+        noise = comparison.located.noises[k]
+        u = one.theta_2 * (z_2 / (2.0 * np.pi))
+        span, spacing = float(np.ptp(u)), float(np.median(np.diff(u)))
+        top = min(MESHES + 0.5, 0.5 / spacing)
+        frequency, amplitude = _spectrum(u, one, span, top)
+        # The orders of both shafts are the places that were searched.
+        places = top * (z_1 + z_2)
+        limit = _threshold(noise, frequency, one.residual.size, places, SHARES.orders)
+        label = f"recording {k}: {one.flank}, {one.torque / NM:g} N.m"
+        axis.semilogy(frequency * z_1, amplitude / UM, color=colour, linewidth=0.6, alpha=0.8, label=label)
+        axis.semilogy(frequency * z_1, limit / UM, color=colour, linewidth=1.0, linestyle="--")
+        tops.append((frequency * z_1, amplitude / UM, limit / UM))
+    for mesh in range(1, int(MESHES) + 1):
+        axis.axvline(mesh * z_1, color=GREY, linewidth=0.5, alpha=0.5, zorder=0)
+    _name_peaks(axis, tops, lambda order: _order_words(order, z_1, z_2))
+    _bottom(axis, tops)
+    axis.set_xlabel(f"order of the driving shaft (grey: mesh orders, {z_1} each)")
+    axis.set_ylabel("amplitude / um")
+    axis.set_title("order spectrum; dashed: what noise exceeds in one of a hundred recordings", fontsize=9)
+    axis.legend(fontsize=8, loc="upper right")
+    axis.margins(x=0.0)
+    axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
+
+
+def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
+    tops = []
+    for k, colour in zip(timed, _colours(len(timed)), strict=True):
+        one, noise = comparison.aligned[k], comparison.located.noises[k]
+        time = one.time_s
+        assert time is not None  # these are the recordings with time
+        u = one.theta_2 * (comparison.assembled.pair.driven.gear.z / (2.0 * np.pi))
+        span, dt = float(np.ptp(time)), float(np.median(np.diff(time)))
+        per_second = float(np.ptp(u)) / span
+        top = min((MESHES + 0.5) * per_second, 0.5 / dt)
+        frequency, amplitude = _spectrum(time, one, span, top)
+        limit = _threshold(noise, frequency / per_second, one.residual.size, top * span, SHARES.time)
+        label = f"recording {k}: {one.flank}, {one.torque / NM:g} N.m"
+        axis.semilogy(frequency, amplitude / UM, color=colour, linewidth=0.6, alpha=0.8, label=label)
+        axis.semilogy(frequency, limit / UM, color=colour, linewidth=1.0, linestyle="--")
+        tops.append((frequency, amplitude / UM, limit / UM))
+    _name_peaks(axis, tops, lambda hertz: f"{hertz:.4g} Hz")
+    _bottom(axis, tops)
+    axis.set_xlabel("frequency / Hz")
+    axis.set_ylabel("amplitude / um")
+    axis.set_title("time-locked spectrum: a wave fixed in time is sharp here, one of a shaft is blurred", fontsize=9)
+    axis.legend(fontsize=8, loc="upper right")
+    axis.margins(x=0.0)
+    axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
+
+
+def _spectrum(x: FloatArray, one: Aligned, span: float, top: float) -> tuple[FloatArray, FloatArray]:
+    """Frequencies (k,) in cycles per unit of ``x`` (n,) and amplitudes (k,) in mm of waves in the residual."""
+    step = 1.0 / (FINE * span)
+    grid = Grid(x, step=step, count=max(2, int(top / step)))
+    # Each sample counts by the stretch it stands for: a strong line then does not spill over the others.
+    weight = np.gradient(x)
+    values = weight * (one.residual - np.average(one.residual, weights=weight))
+    frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
+    return frequency, 2.0 * np.abs(grid.transform(values)) / float(np.sum(weight))
+
+
+def _threshold(noise: Noise, per_mesh: FloatArray, samples: int, places: float, share: float) -> FloatArray:
+    """Amplitude (k,) in mm that noise exceeds with chance ``share`` at any of ``places``, at cycles ``per_mesh``."""
+    density = np.interp(per_mesh, noise.frequency, noise.density)
+    count = max(8.0, float(np.median(noise.count)))
+    return 2.0 * np.sqrt(line_threshold(count, places=max(places, 1.0), share=share) * density / samples)
+
+
+def _order_words(order: float, z_1: int, z_2: int) -> str:
+    for value, name in ((order / z_1, "mesh"), (order, "driving"), (order * z_2 / z_1, "driven")):
+        if abs(value - round(value)) < 0.02 and round(value) > 0:
+            return f"{name} {round(value)}"
+    return f"{order:.3f}"
+
+
+def _name_peaks(axis: Any, curves: list[tuple[FloatArray, FloatArray, FloatArray]], words: Any) -> None:
+    """Name the largest lines above their threshold, each place once."""
+    found: list[tuple[float, float, float]] = []
+    for x, amplitude, limit in curves:
+        inner = np.flatnonzero(
+            (amplitude[1:-1] >= amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]) & (amplitude[1:-1] > limit[1:-1])
+        )
+        found += [(float(amplitude[k + 1]), float(x[k + 1]), float(x[-1])) for k in inner[x[inner + 1] > 3.0 * x[1]]]
+    named: list[float] = []
+    for height, at, last in sorted(found, reverse=True):
+        if len(named) < LABELLED and all(abs(at - other) > 0.06 * last for other in named):
+            named.append(at)
+            axis.annotate(
+                words(at), (at, height), textcoords="offset points", xytext=(3, 4), fontsize=7, annotation_clip=True
+            )
+
+
+def _bottom(axis: Any, curves: list[tuple[FloatArray, FloatArray, FloatArray]]) -> None:
+    """Cut the floor off: a tenth of the threshold is far inside the noise."""
+    low = min(float(np.min(limit)) for _, _, limit in curves) / 10.0
+    high = max(float(np.max(amplitude[1:])) for _, amplitude, _ in curves) * 2.0
+    axis.set_ylim(low, max(high, 20.0 * low))

@@ -1,0 +1,168 @@
+"""A comparison in words and as JSON: how the recordings lie on the teeth, their noise, and where they differ."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from gearpoly import __version__
+from gearpoly.compare.compare import Aligned, Comparison
+from gearpoly.compare.entries import says
+from gearpoly.compare.zeros import Zeros
+from gearpoly.units import DEG, NM, RPM, UM
+
+
+def _deg(angle: float | None, digits: int = 4) -> float | None:
+    return None if angle is None else round(angle / DEG, digits) % 360.0
+
+
+def _zeros_json(zeros: Zeros) -> dict[str, float | None]:
+    return {
+        "driving_zero_deg": _deg(zeros.driving),
+        "driven_zero_deg": _deg(zeros.driven),
+        "rms_um": zeros.rms / UM,
+    }
+
+
+def alignment_json(comparison: Comparison) -> dict[str, Any]:
+    """The contract's ``alignment``, with what it rests on and its rivals."""
+    found = comparison.alignment
+    return {
+        "driving_zero_deg": _deg(found.zeros.driving),
+        "driven_zero_deg": _deg(found.zeros.driven),
+        "std_deg": found.std / DEG,
+        "driving_std_deg": None if found.zeros.driving is None else found.std_driving / DEG,
+        "driven_std_deg": None if found.zeros.driven is None else found.std_driven / DEG,
+        "numbered": found.numbered,
+        "numbering": found.numbering,
+        "phased": found.phased,
+        "rivals": [_zeros_json(one) for one in found.rivals],
+        "contradicted_by": None if found.contradicted is None else _zeros_json(found.contradicted),
+    }
+
+
+def comparison_json(comparison: Comparison) -> dict[str, Any]:
+    """Everything as plain values, sizes in um and angles in deg."""
+    located = comparison.located
+    repeatable = located.repeatable_rms
+    return {
+        "gearpoly": __version__,
+        "pair": comparison.name,
+        "noise_um": located.noise_level / UM,
+        "noise_um_by_recording": [noise.level / UM for noise in located.noises],
+        "alignment": alignment_json(comparison),
+        "where": [entry.to_json() for entry in located.entries],
+        "residual_rms_um": located.residual_rms / UM,
+        **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
+        "recordings": [
+            {
+                "file": str(one.cleaned.recording.source),
+                "flank": one.flank,
+                "torque_nm": one.torque / NM,
+                "speed_rpm": None if one.speed is None else one.speed / RPM,
+                "samples": one.cleaned.size,
+                "hunting_cycles": one.cycles,
+                "mean_um": one.mean / UM,
+                "residual_rms_um": one.rms / UM,
+                "noise_um": noise.level / UM,
+                "noise_std_um": noise.level_std / UM,
+                "noise_from": noise.basis,
+                "repeatable_rms_um": None if noise.repeatable is None else noise.repeatable / UM,
+                "ratio_off": one.cleaned.ratio_offset / one.cleaned.ratio if one.cleaned.ratio_is_off else None,
+                "done": [deed.says for deed in one.cleaned.done],
+            }
+            for one, noise in zip(comparison.aligned, located.noises, strict=True)
+        ],
+        "remarks": list(comparison.remarks),
+    }
+
+
+def json_text(comparison: Comparison) -> str:
+    """``comparison_json`` as text; nothing in it is infinite or no number."""
+    return json.dumps(comparison_json(comparison), allow_nan=False, indent=1)
+
+
+def print_comparison(console: Console, comparison: Comparison) -> None:
+    """Print what an engineer asks first: do they lie on each other, how much is left, how loud is the noise, where."""
+    pair, located = comparison.assembled.pair, comparison.located
+    table = Table(title=comparison.name, title_justify="left", show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column()
+    gears = " on ".join(
+        f"{z} teeth ({origin})"
+        for z, origin in zip((pair.driving.gear.z, pair.driven.gear.z), comparison.assembled.origin, strict=True)
+    )
+    table.add_row("gears", gears)
+    for k, one in enumerate(comparison.aligned):
+        table.add_row(f"recording {k}", _recording_words(comparison, k, one))
+    table.add_row("zeros", _zero_words(comparison))
+    for k, rival in enumerate(comparison.alignment.rivals[:3]):
+        table.add_row("or perhaps" if k == 0 else "", f"{_readings(rival)}: {rival.rms / UM:.3f} um rms left")
+    more = len(comparison.alignment.rivals) - 3
+    if more > 0:
+        table.add_row("", f"and {more} more that fit nearly as well")
+    repeats = located.repeatable_rms
+    table.add_row(
+        "left over",
+        f"{located.residual_rms / UM:.3f} um rms about each mean, noise {located.noise_level / UM:.3f} um"
+        + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle"),
+    )
+    console.print(table)
+    if located.entries:
+        console.print("where they differ, strongest first:", style="bold", highlight=False)
+        for entry in located.entries:
+            console.print(f"  {_capital(says(entry))}", highlight=False, soft_wrap=True)
+    else:
+        console.print(
+            "nothing beyond noise, and beyond what inspection or grade leave open of each tooth",
+            style="bold",
+            highlight=False,
+        )
+    for one_noise in dict.fromkeys(noise.basis for noise in located.noises):
+        console.print(f"noise from {one_noise}", style="dim", highlight=False, soft_wrap=True)
+    for k, one in enumerate(comparison.aligned):
+        for deed in one.cleaned.done:
+            console.print(f"recording {k}: {deed.says}", style="dim", highlight=False, soft_wrap=True)
+    for remark in comparison.remarks:
+        console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
+
+
+def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
+    speed = "" if one.speed is None else f", {one.speed / RPM:.4g} rpm"
+    load = f"{one.torque / NM:g} N.m"
+    noise = comparison.located.noises[k].level / UM
+    return (
+        f"{one.cleaned.recording.source.name}: {one.flank} flank, {load}{speed}, {one.cleaned.size} samples, "
+        f"{one.cycles:.3g} hunting cycles; left {one.rms / UM:.3f} um rms about {one.mean / UM:+.3f} um, "
+        f"noise {noise:.3f} um"
+    )
+
+
+def _readings(zeros: Zeros) -> str:
+    parts = [
+        f"{name} {angle / DEG % 360.0:.3f} deg"
+        for name, angle in (("driving", zeros.driving), ("driven", zeros.driven))
+        if angle is not None
+    ]
+    return ", ".join(parts)
+
+
+def _zero_words(comparison: Comparison) -> str:
+    found = comparison.alignment
+    if not found.phased:
+        return f"{_readings(found.zeros)}, not told by the curves, which are too flat to place the teeth"
+    digits = max(1, min(4, 2 - math.floor(math.log10(max(found.std / DEG, 1e-6)))))
+    how = {
+        "curves": "tooth numbers found from the curves themselves",
+        "stated": "tooth numbers from the stated zeros",
+        "open": "tooth numbers stay open: other places fit as well",
+    }[found.numbering]
+    return f"{_readings(found.zeros)}, +- {found.std / DEG:.{digits}f} deg; {how}"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
