@@ -1,13 +1,17 @@
-"""The command line: parse, call, print. Heavy imports wait until a command needs them, so that --help answers at
-once."""
+"""The command line: every module of ``gearpoly.commands`` is a command, found without registration.
+
+Heavy imports wait until a command runs, so that --help answers at once.
+"""
 
 from __future__ import annotations
 
-from enum import StrEnum
-from pathlib import Path
+import pkgutil
+from importlib import import_module
 from typing import Annotated
 
 import typer
+
+from gearpoly import commands
 
 app = typer.Typer(
     name="gearpoly",
@@ -16,13 +20,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-
-class FlankChoice(StrEnum):
-    """Which flank carries."""
-
-    drive = "drive"
-    coast = "coast"
 
 
 def _version(wanted: bool) -> None:
@@ -42,138 +39,13 @@ def root(
     """Spur gears with their manufacturing errors as exact polygons, turned until they touch."""
 
 
-@app.command()
-def simulate(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
-    csv: Annotated[
-        Path | None,
-        typer.Option(help="Write TE, backlash and pairs over the driven angle (CSV; - for standard output)."),
-    ] = None,
-    json: Annotated[
-        Path | None,
-        typer.Option(help="Write everything, contact positions too (JSON; - for standard output)."),
-    ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw TE, backlash and touching pairs (png, svg or pdf).")] = None,
-    flank: Annotated[
-        FlankChoice | None,
-        typer.Option(help="Which flank carries; default drive, or the recording's."),
-    ] = None,
-    turns: Annotated[
-        float | None,
-        typer.Option(help="Turns of the driven gear; default: a whole hunting cycle.", min=0.0),
-    ] = None,
-    points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
-    at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
-    fast: Annotated[
-        bool,
-        typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
-    ] = False,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
-) -> None:
-    """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
-    from rich.console import Console
-
-    from gearpoly import simulate as run
-    from gearpoly.assemble import assemble
-    from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_target, write_text
-    from gearpoly.files.pairfile import effective_defaults, read_pair
-    from gearpoly.report.progress import watched
-    from gearpoly.units import NM
-
-    outputs = [target for target in (csv, json, plot) if target is not None]
-    if sum(str(target) == "-" for target in outputs) > 1:
-        raise OutOfRangeError("only one of --csv and --json can go to standard output")
-    for target in outputs:
-        check_target(target)
-    if plot is not None:
-        from gearpoly.report.plots import check_format, plot_run
-
-        check_format(plot)
-    file = read_pair(pair)
-    assembled = assemble(file, path=pair, seed=seed)
-    remarks: list[str] = []
-    torque = file.pair.torque_nm
-    side = flank.value if flank is not None else "drive"
-    if at is not None:
-        if turns is not None or points_per_mesh is not None:
-            raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
-        from gearpoly.recording.read import read_recording
-
-        recording = read_recording(at)
-        theta_2, remarks = run.recording_positions(assembled.pair, recording)
-        remarks += recording.remarks
-        side = recording.flank if flank is None else side
-        torque = run.recorded_torque(recording, default=torque)
-    else:
-        theta_2 = run.cycle_positions(
-            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or run.POINTS_PER_MESH
-        )
-    to_stdout = any(str(target) == "-" for target in outputs)
-    console = Console(stderr=to_stdout)
-    with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
-        simulation = run.simulate(
-            assembled,
-            theta_2,
-            torque=torque * NM,
-            flank="coast" if side == "coast" else "drive",
-            seed=seed,
-            evenly=at is None,
-            fast=fast,
-            progress=progress,
-        )
-    remarks += run.strength_remarks(simulation)
-    defaults = effective_defaults(file)
-    if csv is not None:
-        write_text(csv, run.csv_text(simulation))
-    if json is not None:
-        write_text(json, run.json_text(simulation, name=file.name, defaults=defaults, remarks=remarks))
-    if plot is not None:
-        plot_run(simulation, name=file.name, target=plot)
-    if not to_stdout:
-        from gearpoly.report.summary import print_summary
-
-        print_summary(console, simulation, name=file.name, defaults=defaults, remarks=remarks)
+def _find() -> None:
+    """A module ``study_report`` holds the function ``study_report`` of the command ``study-report``; ``ORDER`` is its
+    place in the help."""
+    found = [import_module(f"gearpoly.commands.{one.name}") for one in pkgutil.iter_modules(commands.__path__)]
+    for module in sorted(found, key=lambda module: module.ORDER):
+        name = module.__name__.rpartition(".")[2]
+        app.command(name=name.replace("_", "-"))(getattr(module, name))
 
 
-@app.command()
-def compare(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
-    recordings: Annotated[
-        list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
-    ],
-    json: Annotated[
-        Path | None, typer.Option(help="Write alignment, noise and where they differ (JSON; - for standard output).")
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw maps by tooth and phase, order and time spectra (png, svg or pdf).")
-    ] = None,
-) -> None:
-    """Lay recordings on the simulation of their pair and say where they differ, against the noise."""
-    from rich.console import Console
-
-    from gearpoly.compare.compare import compare as run
-    from gearpoly.files.output import check_target, write_text
-    from gearpoly.files.pairfile import read_pair
-    from gearpoly.recording.read import read_recording
-    from gearpoly.report.compare_report import json_text, print_comparison
-    from gearpoly.report.progress import steps
-
-    for target in (json, plot):
-        if target is not None:
-            check_target(target)
-    if plot is not None:
-        from gearpoly.report.compare_plots import plot_comparison
-        from gearpoly.report.plots import check_format
-
-        check_format(plot)
-    file = read_pair(pair)
-    with steps() as step:
-        step("reading")
-        comparison = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
-    if json is not None:
-        write_text(json, json_text(comparison))
-    if plot is not None:
-        plot_comparison(comparison, target=plot)
-    if str(json) != "-":
-        print_comparison(Console(), comparison)
+_find()

@@ -1,0 +1,52 @@
+"""``gearpoly compare``: recordings laid on the simulation of their pair."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 20
+
+
+def compare(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    recordings: Annotated[
+        list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
+    ],
+    json: Annotated[
+        Path | None, typer.Option(help="Write alignment, noise and where they differ (JSON; - for standard output).")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw maps by tooth and phase, order and time spectra (png, svg or pdf).")
+    ] = None,
+) -> None:
+    """Lay recordings on the simulation of their pair and say where they differ, against the noise."""
+    from rich.console import Console
+
+    from gearpoly.compare.compare import compare as run
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.pairfile import read_pair
+    from gearpoly.recording.read import read_recording
+    from gearpoly.report.compare_report import json_text, print_comparison
+    from gearpoly.report.progress import steps
+
+    for target in (json, plot):
+        if target is not None:
+            check_target(target)
+    if plot is not None:
+        from gearpoly.report.compare_plots import plot_comparison
+        from gearpoly.report.plots import check_format
+
+        check_format(plot)
+    file = read_pair(pair)
+    with steps() as step:
+        step("reading")
+        comparison = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+    if json is not None:
+        write_text(json, json_text(comparison))
+    if plot is not None:
+        plot_comparison(comparison, target=plot)
+    if str(json) != "-":
+        print_comparison(Console(), comparison)

@@ -1,0 +1,111 @@
+"""``gearpoly simulate``: one pair over its hunting cycle, or at a recording's own samples."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 10
+
+
+class FlankChoice(StrEnum):
+    """Which flank carries."""
+
+    drive = "drive"
+    coast = "coast"
+
+
+def simulate(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    csv: Annotated[
+        Path | None,
+        typer.Option(help="Write TE, backlash and pairs over the driven angle (CSV; - for standard output)."),
+    ] = None,
+    json: Annotated[
+        Path | None,
+        typer.Option(help="Write everything, contact positions too (JSON; - for standard output)."),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw TE, backlash and touching pairs (png, svg or pdf).")] = None,
+    flank: Annotated[
+        FlankChoice | None,
+        typer.Option(help="Which flank carries; default drive, or the recording's."),
+    ] = None,
+    turns: Annotated[
+        float | None,
+        typer.Option(help="Turns of the driven gear; default: a whole hunting cycle.", min=0.0),
+    ] = None,
+    points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
+    at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
+    fast: Annotated[
+        bool,
+        typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+) -> None:
+    """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
+    from rich.console import Console
+
+    from gearpoly import simulate as run
+    from gearpoly.assemble import assemble
+    from gearpoly.errors import OutOfRangeError, blamed
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.pairfile import effective_defaults, read_pair
+    from gearpoly.report.progress import watched
+    from gearpoly.units import NM
+
+    outputs = [target for target in (csv, json, plot) if target is not None]
+    if sum(str(target) == "-" for target in outputs) > 1:
+        raise OutOfRangeError("only one of --csv and --json can go to standard output")
+    for target in outputs:
+        check_target(target)
+    if plot is not None:
+        from gearpoly.report.plots import check_format, plot_run
+
+        check_format(plot)
+    file = read_pair(pair)
+    assembled = assemble(file, path=pair, seed=seed)
+    remarks: list[str] = []
+    torque = file.pair.torque_nm
+    side = flank.value if flank is not None else "drive"
+    if at is not None:
+        if turns is not None or points_per_mesh is not None:
+            raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
+        from gearpoly.recording.read import read_recording
+
+        recording = read_recording(at)
+        theta_2, remarks = run.recording_positions(assembled.pair, recording)
+        remarks += recording.remarks
+        side = recording.flank if flank is None else side
+        torque = run.recorded_torque(recording, default=torque)
+    else:
+        theta_2 = run.cycle_positions(
+            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or run.POINTS_PER_MESH
+        )
+    to_stdout = any(str(target) == "-" for target in outputs)
+    console = Console(stderr=to_stdout)
+    with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
+        simulation = run.simulate(
+            assembled,
+            theta_2,
+            torque=torque * NM,
+            flank="coast" if side == "coast" else "drive",
+            seed=seed,
+            evenly=at is None,
+            fast=fast,
+            progress=progress,
+        )
+    remarks += run.strength_remarks(simulation)
+    defaults = effective_defaults(file)
+    if csv is not None:
+        write_text(csv, run.csv_text(simulation))
+    if json is not None:
+        write_text(json, run.json_text(simulation, name=file.name, defaults=defaults, remarks=remarks))
+    if plot is not None:
+        plot_run(simulation, name=file.name, target=plot)
+    if not to_stdout:
+        from gearpoly.report.summary import print_summary
+
+        print_summary(console, simulation, name=file.name, defaults=defaults, remarks=remarks)
