@@ -6,22 +6,26 @@ there is not, and are zero otherwise. Nothing is drawn for an inspected gear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from gearpoly.errors import blamed
+from gearpoly.files.gde_inspection import inspection
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.pairfile import profile_csv_path
-from gearpoly.files.traces import read_traces
+from gearpoly.files.traces import Trace, read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
+    Pit,
     Shape,
     Slope,
     Traces,
+    Wave,
+    Wear,
     pitch_and_thickness,
     tip_relief,
 )
@@ -34,7 +38,9 @@ from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limi
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
-from gearpoly.units import DEG, GPA, UM, FloatArray, read_only
+from gearpoly.mesh.shafts import Shafts
+from gearpoly.recording.chain import EncoderErrors, encoder_errors
+from gearpoly.units import DEG, GPA, NM, UM, URAD, FloatArray, read_only
 
 NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 
@@ -42,7 +48,8 @@ NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assembled:
     """A pair made from a file: ``pair`` itself, how each gear came by its deviations ("ideal", "inspected" or
-    "drawn"), and what bends: None where teeth stay rigid.
+    "drawn"), and what bends: None where teeth stay rigid. ``shafts`` lie between mesh and encoders, ``encoders`` read
+    the driving and the driven shaft.
     """
 
     pair: GearPair
@@ -50,6 +57,9 @@ class Assembled:
     limits: tuple[Limits | None, Limits | None]
     elasticity: Elasticity | None
     sharing: Sharing
+    deviations: tuple[Deviations, Deviations]
+    shafts: Shafts = field(default_factory=Shafts)
+    encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
 
 
 def nominal_gear(section: GearSection) -> Gear:
@@ -83,7 +93,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
             gears.append(nominal_gear(section))
     with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
-    flanks, origins, limits = [], [], []
+    flanks, origins, limits, made_of = [], [], [], []
     for k, name in enumerate(NAMES):
         section = sections[k]
         gear, mate = gears[k], gears[1 - k]
@@ -97,7 +107,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
             )
             if section.inspection is not None:
                 shapes, origin, limit = (
-                    _inspected(made, section.inspection, path),
+                    _inspected(made, section.inspection, path, NAMES[k]),
                     "inspected",
                     None,
                 )
@@ -106,7 +116,9 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
                 shapes, origin = _drawn(made, limit, streams(seed)[k], NAMES[k]), "drawn"
             else:
                 shapes, origin, limit = Deviations(), "ideal", None
-            flanks.append(draw_flanks(gear, shapes + _relief(section, gear), l_start=made.l_start, points=made.points))
+            shapes = shapes + _relief(section, gear) + _damage(section, gear, k)
+            flanks.append(draw_flanks(gear, shapes, l_start=made.l_start, points=made.points))
+        made_of.append(shapes)
         origins.append(origin)
         limits.append(limit)
     eccentricities = [
@@ -126,13 +138,24 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
         nu=file.material.poisson_ratio,
         law=file.model.compliance,
         contact=file.model.contact,
+        scale=file.model.compliance_scale,
+        cracks=tuple((k, c.tooth, c.compliance_factor) for k, s in enumerate(sections) for c in s.crack),
+        friction=file.pair.friction_coefficient,
+        misalignment=file.pair.misalignment_um * UM,
     )
+    resonance = file.pair.resonance
+    shafts = Shafts(windup=file.pair.windup_urad_per_nm * URAD / NM)
+    if resonance is not None:
+        shafts = replace(shafts, frequency=resonance.frequency_hz, damping=resonance.damping_ratio)
     return Assembled(
         pair=pair,
+        deviations=(made_of[0], made_of[1]),
         origin=(origins[0], origins[1]),
         limits=(limits[0], limits[1]),
         elasticity=bends if file.model.tooth_deflection else None,
         sharing=file.model.load_sharing,
+        shafts=shafts,
+        encoders=(encoder_errors(file.driving.encoder), encoder_errors(file.driven.encoder)),
     )
 
 
@@ -187,10 +210,13 @@ def _per_tooth(value: float | tuple[float, ...] | None, z: int) -> FloatArray:
     return read_only(np.broadcast_to(np.asarray(0.0 if value is None else value, dtype=float) * UM, (z,)))
 
 
-def _inspected(made: _Making, sheet: Inspection, path: Path | str) -> Deviations:
+def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Literal["driving", "driven"]) -> Deviations:
     """Deviations as measured: pitch, thickness, slope and crowning from the sheet, whole traces in place of the last
     two."""
     gear, z = made.gear, made.gear.z
+    traces: tuple[Trace, ...] = ()
+    if sheet.gde is not None:
+        sheet, traces = inspection(path, made.section, sheet, which)
     coast = sheet.pitch_coast_um
     where = pitch_and_thickness(
         gear,
@@ -199,7 +225,7 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str) -> Deviations
         index_coast=None if coast is None else _per_tooth(coast, z),
     )
     csv = profile_csv_path(path, made.section)
-    traces = read_traces(csv, z) if csv is not None else ()
+    traces = read_traces(csv, z) if csv is not None else traces
     sides: dict[str, tuple[Shape, ...]] = {}
     for flank, slope, crowning in (
         ("drive", sheet.profile_slope_um, sheet.profile_crowning_um),
@@ -236,3 +262,40 @@ def _relief(section: GearSection, gear: Gear) -> Deviations:
         drive=shape if relief.flank != "coast" else (),
         coast=shape if relief.flank != "drive" else (),
     )
+
+
+def _damage(section: GearSection, gear: Gear, which: int) -> Deviations:
+    """What work and machine left on the flanks: wear, undulation, spalls. ``which`` is 0 for the driving gear."""
+    drive: list[Shape] = []
+    coast: list[Shape] = []
+    if section.wear_um:
+        drive.append(Wear(section.wear_um * UM, gear.l_pitch))
+        coast.append(Wear(section.wear_um * UM, gear.l_pitch))
+    for wave in section.undulation:
+        for side, name, turn in ((drive, "drive", 1.0), (coast, "coast", -1.0)):
+            if wave.flank in (name, "both"):
+                side.append(
+                    Wave(
+                        a=wave.amplitude_um * UM,
+                        order=wave.order,
+                        phase=wave.angle_deg * DEG,
+                        tau=gear.tau,
+                        r_b=gear.r_b,
+                        l_pitch=gear.l_pitch,
+                        sense=turn * (1.0 if which == 0 else -1.0),
+                    )
+                )
+    for spall in section.spall:
+        drive.append(
+            Pit(
+                spall.depth_um * UM,
+                spall.tooth,
+                gear.z,
+                gear.r_b,
+                spall.from_mm,
+                spall.to_mm,
+                # A wall steeper than its depth would fold the flank over itself.
+                max(spall.wall_mm, 2.0 * spall.depth_um * UM),
+            )
+        )
+    return Deviations(drive=tuple(drive), coast=tuple(coast))

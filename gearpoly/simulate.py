@@ -119,13 +119,15 @@ class Simulation:
     """One run of one pair: contacts of both flanks at the same driven rotations, seen on ``flank``, and its ``load``
     if any.
 
-    ``contact_ratio`` is the mean number of touching pairs, None where the positions are not evenly spaced.
+    ``contact_ratio`` is the mean number of touching pairs, None where the positions are not evenly spaced. ``further``
+    (N,) in rad is what twisting shafts and a resonance add to the transmission error.
     """
 
     assembled: Assembled
     flank: Flank
     backlash: Backlash
     load: LoadedContacts | None
+    further: FloatArray
     torque: float
     contact_ratio: float | None
     seed: int
@@ -143,7 +145,7 @@ class Simulation:
     @property
     def te(self) -> FloatArray:
         """Transmission error (N,) in rad, loaded where there is load."""
-        return self.contacts.te if self.load is None else self.load.te
+        return (self.contacts.te if self.load is None else self.load.te) + self.further
 
     @property
     def touches(self) -> BoolArray:
@@ -226,11 +228,13 @@ def simulate(
     seed: int,
     evenly: bool,
     fast: bool = False,
+    speed: float | None = None,
     progress: Progress,
 ) -> Simulation:
     """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
     shaft).
 
+    ``speed`` of the driving shaft in rad/s makes a mesh resonance swing, if the pair has one.
     Evenly spaced positions (``evenly``) also give the contact ratio. Teeth stay rigid where the pair's file says so.
     Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do, ``OutOfRangeError`` for a
     load beyond small deflections.
@@ -258,9 +262,49 @@ def simulate(
 
         # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.
         ratio = mean_count(pair, theta_2, load.pairs, carrying, resolution=2e-3)
+    further = further_te(assembled, theta_2, torque=torque, flank=flank, speed=speed)
     return Simulation(
-        assembled=assembled, flank=flank, backlash=backlash, load=load, torque=torque, contact_ratio=ratio, seed=seed
+        assembled=assembled,
+        flank=flank,
+        backlash=backlash,
+        load=load,
+        further=further,
+        torque=torque,
+        contact_ratio=ratio,
+        seed=seed,
     )
+
+
+SWINGS_PER_MESH = 32
+"""Places per pitch from which the harmonics that a resonance magnifies are taken: sixteen mesh orders."""
+
+
+def further_te(
+    assembled: Assembled, theta_2: FloatArray, *, torque: float, flank: Flank, speed: float | None
+) -> FloatArray:
+    """What shafts and resonance add to the transmission error (N,) in rad at ``theta_2`` (N,) in rad; arguments as for
+    ``simulate``."""
+    pair, shafts = assembled.pair, assembled.shafts
+    out = np.full(theta_2.size, shafts.twist(torque=torque, coast=flank == "coast"))
+    if shafts.frequency is None or speed is None:
+        return out
+    te = cycle_te(assembled, torque=torque, flank=flank)
+    swings = shafts.swings(te, period=pair.cycle / (speed * pair.ratio))
+    return out + np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
+
+
+def cycle_te(assembled: Assembled, *, torque: float, flank: Flank) -> FloatArray:
+    """Transmission error of the mesh alone in rad at even places of a hunting cycle, ``SWINGS_PER_MESH`` a pitch."""
+    pair = assembled.pair
+    size = pair.meshes_per_cycle * SWINGS_PER_MESH
+    even = np.arange(size, dtype=np.float64) * (pair.cycle / size)
+    bends = assembled.elasticity if torque > 0.0 else None
+    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
+    near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
+    found = contacts(pair, even, flank=flank, near=near, fast=True)
+    if compliance is None:
+        return found.te
+    return loaded(found, compliance, torque=torque, sharing=assembled.sharing).te
 
 
 YIELD = 700.0

@@ -54,7 +54,7 @@ def simulate(
     from gearpoly.files.output import check_target, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
-    from gearpoly.units import NM
+    from gearpoly.units import NM, RPM
 
     outputs = [target for target in (csv, json, plot) if target is not None]
     if sum(str(target) == "-" for target in outputs) > 1:
@@ -68,18 +68,22 @@ def simulate(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     remarks: list[str] = []
-    torque = file.pair.torque_nm
+    torque, speed = file.pair.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:
             raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
+        from gearpoly.recording.chain import corrected
         from gearpoly.recording.read import read_recording
 
-        recording = read_recording(at)
+        recording = corrected(
+            read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
+        )
         theta_2, remarks = run.recording_positions(assembled.pair, recording)
         remarks += recording.remarks
         side = recording.flank if flank is None else side
         torque = run.recorded_torque(recording, default=torque)
+        speed = recording.speed_rpm if recording.speed_rpm is not None else speed
     else:
         theta_2 = run.cycle_positions(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or run.POINTS_PER_MESH
@@ -95,6 +99,7 @@ def simulate(
             seed=seed,
             evenly=at is None,
             fast=fast,
+            speed=None if speed is None else speed * RPM,
             progress=progress,
         )
     remarks += run.strength_remarks(simulation)

@@ -56,7 +56,7 @@ _WANT = {
     "bool_type": "true or false",
     "string_type": "text in quotes",
     "string_too_short": "text that is not empty",
-    "tuple_type": "a list of numbers",
+    "tuple_type": "a list",
 }
 _BOUND = {
     "greater_than_equal": ("ge", "too small", "{} or more"),
@@ -117,7 +117,7 @@ def _position(raw: dict[str, Any], loc: tuple[int | str, ...]) -> tuple[float, .
 
 def _place_for(loc: tuple[int | str, ...]) -> str:
     """What the writer of an unknown key most likely meant."""
-    path, name = tuple(str(key) for key in loc[:-1]), str(loc[-1])
+    path, name = tuple(str(key) for key in loc[:-1] if not isinstance(key, int)), str(loc[-1])
     here = f"in [{'.'.join(path)}]" if path else "at the top of the file"
     # The other gear's sections hold the same keys: look in this gear's, from the outermost in.
     in_gear = path[:1] in (("driving",), ("driven",))

@@ -53,6 +53,13 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
+class Resonance(Section):
+    """A torsional resonance of the mesh: harmonics of the static transmission error near it are magnified."""
+
+    frequency_hz: float = Field(gt=0.0, le=1e6, description="natural frequency in Hz, above 0")
+    damping_ratio: float = _field("damping over its critical value, above 0 to 1", 0.05, gt=0.0, le=1.0)
+
+
 class PairSection(Section):
     """How the two gears are mounted and run."""
 
@@ -68,6 +75,12 @@ class PairSection(Section):
     speed_rpm: float | None = _field(
         "speed of the driving shaft in rpm, above 0; default: quasi-static", gt=0.0, le=1e6
     )
+    friction_coefficient: float = _field("coefficient of friction between the teeth, 0 to 1", 0.0, ge=0.0, le=1.0)
+    misalignment_um: UmSize = _field("gap in um that a lead error opens across the face width, 0 or more", 0.0)
+    windup_urad_per_nm: float = _field(
+        "twist of the shafts between the encoders in urad per N.m of driven torque", 0.0, ge=-1e6, le=1e6
+    )
+    resonance: Resonance | None = _field("torsional resonance of the mesh, a table")
 
 
 class ModelSection(Section):
@@ -78,6 +91,9 @@ class ModelSection(Section):
         _field("law by which a tooth bends, see docs/compliance.md", "cantilever")
     )
     contact: Literal["palmgren", "linear", "weber_banaschek"] = _field("law by which two flanks flatten", "palmgren")
+    compliance_scale: float = _field(
+        "factor on the compliance of every pair, contact included, 0.01 to 100", 1.0, ge=0.01, le=100.0
+    )
     load_sharing: Literal["equilibrium", "paper"] = _field(
         "equilibrium: only pressed pairs carry; paper: pairs join one by one and none leaves", "equilibrium"
     )
@@ -141,6 +157,19 @@ class Inspection(Section):
         "tooth thickness deviation E_s in um along the reference circle; negative thins"
     )
     profile_csv: str | None = _field("file of measured traces in quotes, relative to the pair file", min_length=1)
+    gde: str | None = _field("inspection file (XML) in quotes, relative to the pair file", min_length=1)
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.gde is not None:
+            for key in sorted(self.model_fields_set - {"gde", "uncertainty_um"}):
+                if getattr(self, key) is not None:
+                    _broken(
+                        "gde",
+                        f'"{self.gde}", and {key} too',
+                        "want one of the two, since each states what was measured",
+                    )
+        return self
 
 
 class TipRelief(Section):
@@ -162,6 +191,57 @@ class Eccentricity(Section):
         ge=-1e4,
         le=1e4,
     )
+
+
+class Undulation(Section):
+    """A wave on the flanks that goes on from tooth to tooth, A cos(order phi + angle): a ghost order."""
+
+    order: int = Field(ge=1, le=100_000, description="waves per turn of the gear, a whole number from 1")
+    amplitude_um: UmSize = Field(description="amplitude in um, 0 or more")
+    angle_deg: float = _field("phase in deg at the reference circle of tooth 0", 0.0, ge=-1e4, le=1e4)
+    flank: Literal["both", "drive", "coast"] = _field("which flanks carry the wave", "drive")
+
+
+class Spall(Section):
+    """A place on one tooth's drive flank where material has broken away."""
+
+    tooth: int = Field(ge=0, description="number of the tooth, from 0")
+    depth_um: UmSize = Field(description="depth in um, 0 or more")
+    from_mm: Length = Field(description="radius in mm where it begins")
+    to_mm: Length = Field(description="radius in mm where it ends, above from_mm")
+    wall_mm: Length = _field("length in mm over which its walls rise, as tanh(r/wall)", 0.05)
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.to_mm <= self.from_mm:
+            _broken("to_mm", f"{self.to_mm}, not above from_mm = {self.from_mm}", "want the larger radius in to_mm")
+        return self
+
+
+class Crack(Section):
+    """A tooth that gives more than its neighbours when its drive flank is loaded."""
+
+    tooth: int = Field(ge=0, description="number of the tooth, from 0")
+    compliance_factor: float = Field(
+        ge=0.1, le=1000.0, description="compliance over that of the sound tooth, contact not counted"
+    )
+
+
+class Interpolation(Section):
+    """An error of reading that recurs a whole number of times per turn of a shaft: interpolation, or lines."""
+
+    order: int = Field(ge=1, le=10_000_000, description="waves per turn of the encoder, a whole number from 1")
+    amplitude_urad: float = Field(ge=0.0, le=1e6, description="amplitude in urad of the shaft, 0 or more")
+    angle_deg: float = _field("phase in deg: error = amplitude cos(order reading + angle)", 0.0, ge=-1e4, le=1e4)
+
+
+class Encoder(Section):
+    """What a shaft's encoder reads wrong: reading minus truth."""
+
+    eccentricity_urad: float = _field("amplitude in urad of an error once per turn, 0 or more", 0.0, ge=0.0, le=1e6)
+    eccentricity_deg: float = _field("reading in deg at which that error is largest", 0.0, ge=-1e4, le=1e4)
+    scale: float = _field("reading over truth, where the counts per turn are set wrong", 1.0, gt=0.5, lt=2.0)
+    interpolation: tuple[Interpolation, ...] = _field("errors that recur within a turn, tables", (), strict=False)
 
 
 class GearSection(Section):
@@ -197,6 +277,11 @@ class GearSection(Section):
     inspection: Inspection | None = _field("what was measured, a table")
     tip_relief: TipRelief | None = _field("tip relief, a table")
     eccentricity: Eccentricity | None = _field("eccentricity, a table")
+    wear_um: UmSize = _field("wear in um at the tip, none at the reference circle, 0 or more", 0.0)
+    undulation: tuple[Undulation, ...] = _field("waves on the flanks, tables", (), strict=False)
+    spall: tuple[Spall, ...] = _field("spalls, tables", (), strict=False)
+    crack: tuple[Crack, ...] = _field("cracked teeth, tables", (), strict=False)
+    encoder: Encoder | None = _field("what this shaft's encoder reads wrong, a table")
 
     @model_validator(mode="after")
     def _keys_agree(self) -> Self:
@@ -214,7 +299,22 @@ class GearSection(Section):
             if isinstance(values, tuple) and len(values) != self.teeth:
                 wish = f"want {self.teeth}, one per tooth, or one number for all teeth"
                 _broken(f"inspection.{key}", f"a list of {len(values)} values", wish)
+        for name, faults in (("spall", self.spall), ("crack", self.crack)):
+            for fault in faults:
+                if fault.tooth >= self.teeth:
+                    wish = f"want a tooth from 0 to {self.teeth - 1}"
+                    _broken(f"{name}.tooth", f"{fault.tooth}, of a gear with {self.teeth} teeth", wish)
         return self
+
+
+class Measurement(Section):
+    """What the rig itself did to recordings of this pair, apart from its encoders."""
+
+    thermal_drift_um: tuple[tuple[Um, ...], ...] = _field(
+        "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
+        (),
+        strict=False,
+    )
 
 
 class PairFile(Section):
@@ -226,6 +326,7 @@ class PairFile(Section):
     material: MaterialSection = _field("material of both gears, a table", MaterialSection())
     driving: GearSection = Field(description="the driving gear, a table")
     driven: GearSection = Field(description="the driven gear, a table")
+    measurement: Measurement | None = _field("what the rig did to the recordings, a table")
 
     @model_validator(mode="after")
     def _gears_agree(self) -> Self:

@@ -29,11 +29,12 @@ def read_pair(path: Path | str) -> PairFile:
     except ValidationError as error:
         raise explain(file, raw, error) from None
     for gear, section in (("driving", pair.driving), ("driven", pair.driven)):
-        traces = profile_csv_path(file, section)
-        if traces is not None and not traces.is_file():
-            found = f"no such file, {traces}"
-            wish = "want the path of a trace file, relative to the pair file"
-            raise InputFileError(file, where=f"{gear}.inspection.profile_csv", found=found, wish=wish)
+        for key, source in (("profile_csv", profile_csv_path(file, section)), ("gde", gde_path(file, section))):
+            if source is not None and not source.is_file():
+                called = "a trace file" if key == "profile_csv" else "an inspection file"
+                found = f"no such file, {source}"
+                wish = f"want the path of {called}, relative to the pair file"
+                raise InputFileError(file, where=f"{gear}.inspection.{key}", found=found, wish=wish)
     return pair
 
 
@@ -46,21 +47,28 @@ def profile_csv_path(file: Path | str, gear: GearSection) -> Path | None:
     return Path(file).parent / gear.inspection.profile_csv
 
 
+def gde_path(file: Path | str, gear: GearSection) -> Path | None:
+    """Where the inspection file of a gear of the pair file ``file`` lies, or ``None``."""
+    if gear.inspection is None or gear.inspection.gde is None:
+        return None
+    return Path(file).parent / gear.inspection.gde
+
+
 def moved(pair: PairFile, *, source: Path | str, target: Path | str) -> PairFile:
     """The pair as a file ``target`` must hold it, so that trace files named in ``source`` are still
     found.
     """
     gears: dict[str, GearSection] = {}
     for name, gear in (("driving", pair.driving), ("driven", pair.driven)):
-        traces = profile_csv_path(source, gear)
-        if (
-            traces is not None
-            and gear.inspection is not None
-            and not Path(gear.inspection.profile_csv or "").is_absolute()
-        ):
-            relative = Path(os.path.relpath(traces, Path(target).parent)).as_posix()
-            inspection = gear.inspection.model_copy(update={"profile_csv": relative})
-            gears[name] = gear.model_copy(update={"inspection": inspection})
+        if gear.inspection is None:
+            continue
+        new = {
+            key: Path(os.path.relpath(path, Path(target).parent)).as_posix()
+            for key, path in (("profile_csv", profile_csv_path(source, gear)), ("gde", gde_path(source, gear)))
+            if path is not None and not Path(getattr(gear.inspection, key)).is_absolute()
+        }
+        if new:
+            gears[name] = gear.model_copy(update={"inspection": gear.inspection.model_copy(update=new)})
     return pair.model_copy(update=gears)
 
 
@@ -110,17 +118,24 @@ def dump_pair(pair: PairFile) -> str:
 
 def _dump(section: Section, prefix: str) -> Iterator[str]:
     tables: list[tuple[str, Section]] = []
+    arrays: list[tuple[str, tuple[Section, ...]]] = []
     for key, value in section:
         default = type(section).model_fields[key].default
         if value is None or (key not in section.model_fields_set and value == default):
             continue
         if isinstance(value, Section):
             tables.append((key, value))
+        elif isinstance(value, tuple) and value and isinstance(value[0], Section):
+            arrays.append((key, value))
         else:
             yield f"{key} = {_toml(value)}"
     for key, table in tables:
         yield f"\n[{prefix}{key}]"
         yield from _dump(table, f"{prefix}{key}.")
+    for key, entries in arrays:
+        for entry in entries:
+            yield f"\n[[{prefix}{key}]]"
+            yield from _dump(entry, f"{prefix}{key}.")
 
 
 def _toml(value: object) -> str:

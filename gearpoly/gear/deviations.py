@@ -102,6 +102,64 @@ class Relief:
 
 
 @dataclass(frozen=True)
+class Wear:
+    """Wear takes off what slides: ``w`` mm at the tip, none at the roll length ``l_pitch``, -w |l - l_pitch| / (l_a -
+    l_pitch)."""
+
+    w: float
+    l_pitch: float
+
+    def __call__(self, l: FloatArray, span: Span) -> FloatArray:
+        return -self.w * np.abs(l - self.l_pitch) / (span.l_a - self.l_pitch)
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Undulation of ``order`` waves per turn: a cos(order phi + phase), ``a`` in mm, along the generating motion.
+
+    ``phi`` is the rotation at which a point of the flank comes into contact, k tau + sense (l - l_pitch)/r_b in rad:
+    ``sense`` is 1 where contact runs up the flank (driving gear, drive flank) and -1 where it runs down.
+    """
+
+    a: float
+    order: int
+    phase: float
+    tau: float
+    r_b: float
+    l_pitch: float
+    sense: float
+
+    def __call__(self, l: FloatArray, span: Span) -> FloatArray:
+        k = np.arange(round(2.0 * math.pi / self.tau))[:, None]
+        phi = k * self.tau + self.sense * (l - self.l_pitch) / self.r_b
+        return self.a * np.cos(self.order * phi + self.phase)
+
+
+@dataclass(frozen=True)
+class Pit:
+    """A spall: ``depth`` mm off one ``tooth`` of ``z`` between the radii ``r_from`` and ``r_to`` in mm, where half the
+    depth is gone; its walls rise as tanh over ``wall`` mm. ``r_b`` is the gear's base radius."""
+
+    depth: float
+    tooth: int
+    z: int
+    r_b: float
+    r_from: float
+    r_to: float
+    wall: float
+
+    def __call__(self, l: FloatArray, span: Span) -> FloatArray:
+        out = np.zeros((self.z, l.shape[-1]))
+        out[self.tooth] = self.along(l[self.tooth if l.shape[0] > 1 else 0])
+        return out
+
+    def along(self, l: FloatArray) -> FloatArray:
+        """Deviation in mm of the tooth itself at roll lengths ``l`` of any shape."""
+        r = np.hypot(l, self.r_b)
+        return -0.5 * self.depth * (np.tanh((r - self.r_from) / self.wall) - np.tanh((r - self.r_to) / self.wall))
+
+
+@dataclass(frozen=True)
 class Traces:
     """Measured or scattered profiles: flank ``k`` has ``deviation[k]`` at ``l[k]`` (mm), straight between, level
     beyond the ends.

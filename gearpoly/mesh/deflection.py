@@ -25,12 +25,21 @@ LEAST_LOAD = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Elasticity:
-    """What bends: Young's modulus ``E`` in MPa and Poisson's ratio ``nu`` of both gears, and the laws by name."""
+    """What load does: Young's modulus ``E`` in MPa and Poisson's ratio ``nu`` of both gears, and the laws by name.
+
+    ``scale`` multiplies the compliance of every pair, contact included. ``cracks`` (gear 0 or 1, tooth, factor) soften
+    single teeth whose drive flank is loaded. ``friction`` is the coefficient between the teeth, ``misalignment`` the
+    gap in mm that a lead error opens across the face width.
+    """
 
     E: float = 206_000.0
     nu: float = 0.3
     law: str = "cantilever"
     contact: str = "palmgren"
+    scale: float = 1.0
+    cracks: tuple[tuple[int, int, float], ...] = ()
+    friction: float = 0.0
+    misalignment: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,6 +83,31 @@ class PairCompliance:
 
     def contact(self, force: FloatArray, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Flattening in mm and its slope in mm/N under ``force`` (...) in N of contacts at ``point`` (..., 2) in mm."""
+        flattening, slope = self._flattening(force, point)
+        return self.elasticity.scale * flattening, self.elasticity.scale * slope
+
+    def secant(self, force: FloatArray, teeth: FloatArray, point: FloatArray) -> FloatArray:
+        """How far pairs give per unit of their ``force`` (...), mm/N; ``teeth`` (...) as ``teeth`` gives it.
+
+        A gap g across the face width closes while the load grows: a pair of stiffness K carries sqrt(2 F g/K) below
+        F = K g/2 and F/K + g/2 above (line load in proportion to the local approach; derived here).
+        """
+        flattening, _ = self.contact(force, point)
+        c = teeth + flattening / force
+        g = self.elasticity.misalignment
+        if g == 0.0:
+            return c
+        return np.where(force * c < 0.5 * g, np.sqrt(2.0 * g * c / force), c + 0.5 * g / force)
+
+    def tangent(self, force: FloatArray, teeth: FloatArray, point: FloatArray) -> FloatArray:
+        """How far pairs give per unit of further force, mm/N; arguments as for ``secant``."""
+        _, slope = self.contact(force, point)
+        c, g = teeth + slope, self.elasticity.misalignment
+        if g == 0.0:
+            return c
+        return np.where(force * c < 0.5 * g, np.sqrt(0.5 * g * c / np.maximum(force, 1e-300)), c)
+
+    def _flattening(self, force: FloatArray, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         if find_law(self.elasticity.law).includes_contact:
             return np.zeros(force.shape), np.zeros(force.shape)
         E, nu = self.elasticity.E, self.elasticity.nu
@@ -108,7 +142,15 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
     Raises ``GeometryError`` where a gear has no face width, ``OutOfRangeError`` for a material or law that is none.
     """
     b = pair.common_face_width
-    tables = [_tooth_table(mounted, elasticity, b=b, flank=flank) for mounted in (pair.driving, pair.driven)]
+    tables = []
+    for which, mounted in enumerate((pair.driving, pair.driven)):
+        table = _tooth_table(mounted, elasticity, b=b, flank=flank)
+        factor = np.full(mounted.gear.z, elasticity.scale)
+        for gear, tooth, more in elasticity.cracks:
+            # A crack at the root of the drive flank opens under drive load and closes under coast load.
+            if gear == which and flank == "drive":
+                factor[tooth] *= more
+        tables.append(ToothTable(r=table.r, c=read_only(table.c * factor[:, None])))
     return PairCompliance(pair=pair, elasticity=elasticity, b=b, driving=tables[0], driven=tables[1])
 
 

@@ -26,9 +26,9 @@ BALANCED = 1e-12
 """Relative change of every force at which the iteration for the contact law stops; moments then balance to 1e-9 of
 the torque with room to spare, since each step balances them anew."""
 
-ROUNDS = 60
-"""Iterations allowed; the load enters its own stiffness only by its tenth power, so each gains a digit and 13 are
-usual."""
+ROUNDS = 200
+"""Iterations allowed. The load enters its own stiffness only by its tenth power, so each gains a digit and 13 are
+usual; across a gap it enters by its square root, and each gains only a factor of two."""
 
 SMALL = 0.05
 """Of the module. Deflections above it are no longer small against the teeth, and the outline that was used has
@@ -66,8 +66,9 @@ def load_reach(compliance: PairCompliance, torque: float) -> float:
     force = torque / compliance.pair.r_b2
     # A contact anywhere on the path; laws that ask for the place vary with it only in their logarithm.
     pitch_point = np.array([compliance.pair.driving.gear.r, 0.0])
-    flattening, _ = compliance.contact(np.array(force), pitch_point)
-    return 1.2 * (force * compliance.softest() + float(flattening))
+    if force == 0.0:
+        return 0.0
+    return 1.2 * force * float(compliance.secant(np.array(force), np.array(compliance.softest()), pitch_point))
 
 
 def loaded(
@@ -90,7 +91,7 @@ def loaded(
     problem = _Problem(
         closing=grid.fill(contacts.gap / pair.r_b1, np.inf),
         lever_1=grid.fill(lever_1, 1.0),
-        lever_2=grid.fill(lever_2, 1.0),
+        lever_2=grid.fill(lever_2 + _friction_lever(contacts, compliance), 1.0),
         teeth=grid.fill(compliance.teeth(contacts.driving, contacts.driven, point), 1.0),
         point=np.stack([grid.fill(point[:, k], 0.0) for k in (0, 1)], axis=-1),
         torque=torque,
@@ -109,9 +110,10 @@ def loaded(
             f"torque {torque / NM:g} N.m closes "
             f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near=load_reach(...)"
         )
-    _, slope = compliance.contact(np.maximum(force, LEAST_LOAD * torque / pair.r_b2), problem.point)
+    least = np.maximum(force, LEAST_LOAD * torque / pair.r_b2)
     touches = force != 0.0
-    tangent = np.where(touches, problem.lever_1 * problem.lever_2 / (problem.teeth + slope), 0.0)
+    softness = compliance.tangent(least, problem.teeth, problem.point)
+    tangent = np.where(touches, problem.lever_1 * problem.lever_2 / softness, 0.0)
     sense = 1.0 if contacts.flank == "drive" else -1.0
     rows = force[grid.position, grid.place]
     total = np.sum(force, axis=1)
@@ -125,6 +127,27 @@ def loaded(
         pairs=contacts.pairs if torque == 0.0 else np.count_nonzero(touches, axis=1),
         stiffness=np.sum(tangent, axis=1) / (pair.r_b1 * pair.r_b2),
     )
+
+
+def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> FloatArray:
+    """By how much friction lengthens the lever (rows,) in mm on which each normal force turns the driven gear.
+
+    The driving flank drags the driven one along the way it slides over it; below zero in approach, where the same
+    torque needs more normal force, above it in recess.
+    """
+    mu = compliance.elasticity.friction
+    if mu == 0.0:
+        return np.zeros(contacts.position.size)
+    p, n, a, ratio = contacts.point, contacts.normal, compliance.pair.a, compliance.pair.ratio
+    from_2 = p - np.array([a, 0.0])
+    # Velocities of both flanks at the contact for unit driving speed: counter-clockwise, and clockwise about (a, 0).
+    sliding = np.stack((-p[:, 1] - ratio * from_2[:, 1], p[:, 0] + ratio * from_2[:, 0]), axis=-1)
+    along = np.stack((-n[:, 1], n[:, 0]), axis=-1)
+    drag = np.sign(np.sum(sliding * along, axis=-1))[:, None] * along
+    # Forward moment about the driven axis is clockwise.
+    turns = -(from_2[:, 0] * drag[:, 1] - from_2[:, 1] * drag[:, 0])
+    pushes = -(from_2[:, 0] * n[:, 1] - from_2[:, 1] * n[:, 0])
+    return mu * turns * np.sign(pushes)
 
 
 @dataclass(frozen=True)
@@ -175,8 +198,7 @@ def _equilibrium(problem: _Problem, compliance: PairCompliance, *, keep: bool) -
         return np.zeros(problem.closing.shape[0]), np.zeros(problem.closing.shape)
     for _ in range(ROUNDS):
         load = np.maximum(force, least)
-        flattening, _ = compliance.contact(load, problem.point)
-        k = 1.0 / (problem.teeth + flattening / load)
+        k = 1.0 / compliance.secant(load, problem.teeth, problem.point)
         phi, touches = _turn(problem, k, keep=keep)
         pressed = np.where(touches, phi[:, None] - np.where(touches, problem.closing, 0.0), 0.0)
         before, force = force, k * problem.lever_1 * pressed

@@ -1,0 +1,138 @@
+"""What an inspection or a grade leaves open of every tooth: pitch and slope, with what is known of them beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.files.models import Inspection, PairFile
+from gearpoly.mesh.pair import Flank
+from gearpoly.physics.base import changed, gear_section, on_gear
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import column
+from gearpoly.units import UM, FloatArray, read_only
+
+IDEAL = 0.01
+"""um. Doubt about the teeth of a gear that is declared ideal or inspected without any uncertainty."""
+
+WITHIN = 2.0
+"""Standard deviations at which a gear that passed its grade reaches a limit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearPrior:
+    """One gear beforehand: standard deviations in um of every tooth's ``pitch`` and ``slope``, and of what all teeth
+    have in common: ``mean_slope``, ``crowning``, ``thickness``. ``graded``: nobody inspected it."""
+
+    z: int
+    pitch: float
+    slope: float
+    mean_slope: float
+    crowning: float
+    thickness: float
+    graded: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AsBuilt:
+    """The layout of the as-built parameters, in um about what was declared: per flank and gear all pitches, all slopes,
+    one crowning; and their ``precision`` (m, m)."""
+
+    gears: tuple[GearPrior, GearPrior]
+    flanks: tuple[Flank, ...]
+    precision: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return len(self.flanks) * sum(2 * gear.z + 1 for gear in self.gears)
+
+    def start(self, flank: Flank, gear: int) -> int:
+        """Where the parameters of one gear's flank begin."""
+        before = self.flanks.index(flank) * sum(2 * one.z + 1 for one in self.gears)
+        return before + (2 * self.gears[0].z + 1 if gear else 0)
+
+    def pitch(self, values: FloatArray, flank: Flank, gear: int) -> FloatArray:
+        """The pitches (z,) of one gear's flank."""
+        start = self.start(flank, gear)
+        return values[start : start + self.gears[gear].z]
+
+    def slope(self, values: FloatArray, flank: Flank, gear: int) -> FloatArray:
+        """The slopes (z,) of one gear's flank."""
+        start = self.start(flank, gear) + self.gears[gear].z
+        return values[start : start + self.gears[gear].z]
+
+    def crowning(self, values: FloatArray, flank: Flank, gear: int) -> float:
+        """What the teeth of one gear's flank have in common of crowning."""
+        return float(values[self.start(flank, gear) + 2 * self.gears[gear].z])
+
+    def columns(self, scene: Scene) -> FloatArray:
+        """Effects (n, m) in mm of one um of each parameter."""
+        n = scene.samples.size
+        out = np.zeros((n, self.size))
+        if scene.samples.flank not in self.flanks:
+            return out
+        rows = np.arange(n)
+        for gear in (0, 1):
+            z, start = self.gears[gear].z, self.start(scene.samples.flank, gear)
+            u = scene.spans[gear].u(scene.roll(gear))
+            weight = scene.samples.sense * scene.weight * UM
+            for p in range(weight.shape[0]):
+                tooth = scene.teeth(gear)[p]
+                out[rows, start + tooth] += weight[p]
+                out[rows, start + z + tooth] += weight[p] * (u[p] - 0.5)
+                out[:, start + 2 * z] -= weight[p] * (2.0 * u[p] - 1.0) ** 2
+        return out
+
+    def written(self, file: PairFile, values: FloatArray) -> PairFile:
+        """The pair file with these deviations on top of what it declares."""
+        for gear in (0, 1):
+            section = gear_section(file, gear)
+            keys: dict[str, object] = {}
+            # What of the coast flank follows from the drive flank by default must not move along.
+            for name in ("pitch_coast_um", "profile_slope_coast_um", "profile_crowning_coast_um"):
+                keys[name] = _listed(column(section, name))
+            for flank in self.flanks:
+                tail = "_coast_um" if flank == "coast" else "_um"
+                for name, more in (
+                    ("pitch", self.pitch(values, flank, gear)),
+                    ("profile_slope", self.slope(values, flank, gear)),
+                    ("profile_crowning", np.array(self.crowning(values, flank, gear))),
+                ):
+                    keys[f"{name}{tail}"] = _listed(column(section, f"{name}{tail}") + more)
+            file = on_gear(file, gear, inspection=changed(section.inspection or Inspection(), **keys))
+        return file
+
+
+def _listed(values: FloatArray) -> tuple[float, ...]:
+    return tuple((np.round(values, 6) + 0.0).tolist())
+
+
+def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -> AsBuilt:
+    """The layout for the flanks that were recorded, drive first."""
+    order: tuple[Flank, ...] = tuple(sorted(set(flanks), reverse=True))
+    blocks = []
+    for flank in order:
+        for gear in gears:
+            mean = gear.thickness if flank == "coast" else 0.0
+            blocks += [
+                _precision(gear.z, gear.pitch, mean),
+                _precision(gear.z, gear.slope, gear.mean_slope),
+                np.array([[gear.crowning**-2.0]]),
+            ]
+    size = sum(len(block) for block in blocks)
+    precision, at = np.zeros((size, size)), 0
+    for block in blocks:
+        precision[at : at + len(block), at : at + len(block)] = block
+        at += len(block)
+    return AsBuilt(gears=gears, flanks=order, precision=read_only(precision))
+
+
+def _precision(z: int, each: float, common: float) -> FloatArray:
+    """Inverse of each^2 I + common^2 1 1' (Sherman and Morrison)."""
+    out = np.eye(z) / each**2
+    if common > 0.0:
+        out -= common**2 / each**4 / (1.0 + z * common**2 / each**2)
+    return out

@@ -1,0 +1,158 @@
+"""The present state as one linear system: as-built teeth, nuisance, waves that nobody can name, and the claims."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.nuisance import Nuisance
+from gearpoly.diagnose.system import System
+from gearpoly.physics.base import Claim, Values
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+SHAPE_DOUBT = 20.0
+"""Steps of a shape coordinate that are its prior about the present value: far more than data leave, and a bound where
+they leave everything."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Layout:
+    """Where everything stands among the parameters: ``built`` first, then ``nuisance``, ``foreign`` waves, ``forms`` of
+    claimed teeth that their physics leaves open, and the coordinates of each claim."""
+
+    built: slice
+    nuisance: slice
+    foreign: slice
+    forms: slice
+    claims: list[slice]
+
+    def places(self, k: int) -> list[int]:
+        """Parameters of claim ``k``."""
+        return list(range(self.claims[k].start, self.claims[k].stop))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Linear:
+    """The system about the present state with its layout; ``columns`` (n_k, m) in mm before whitening."""
+
+    system: System
+    layout: Layout
+    columns: list[FloatArray]
+    target: list[FloatArray]
+    noises: list[Noise]
+
+    def left(self, system: System | None = None) -> list[FloatArray]:
+        """What the solution leaves of every recording, in mm."""
+        x = (self.system if system is None else system).solution
+        return [y - a @ x for a, y in zip(self.columns, self.target, strict=True)]
+
+
+def derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
+    """Derivative (n_k, q) in mm of every recording by the coordinates of a claim, at its values."""
+    base = model.change(scenes, claim, claim.values, but=claim)
+    out: list[list[FloatArray]] = [[] for _ in scenes]
+    for k, quantity in enumerate(claim.physics.coordinates):
+        step = quantity.step if claim.values[k] + quantity.step <= quantity.high else -quantity.step
+        values: Values = (*claim.values[:k], claim.values[k] + step, *claim.values[k + 1 :])
+        for mine, there, here in zip(out, model.change(scenes, claim, values, but=claim), base, strict=True):
+            mine.append((there - here) / step)
+    return [np.column_stack(mine) for mine in out]
+
+
+KNOTS = 12
+"""Places along the contact of a claimed tooth between which its form may differ from what the physics draws."""
+
+LOOSE = 0.08
+"""Part of a claim's largest effect by which its tooth's form may differ, one sigma: no spall is cut by a formula."""
+
+
+def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], FloatArray]:
+    """Columns (n_k, q) in mm per unit of what claimed teeth may deviate by beside their physics, and the standard
+    deviation (q,) of each."""
+    out: list[list[FloatArray]] = [[np.zeros((scene.samples.size, 0))] for scene in scenes]
+    std: list[float] = []
+    for claim in model.claims:
+        if claim.place.tooth is None:
+            continue
+        changes = model.change(scenes, claim, claim.values, but=claim)
+        size = LOOSE * max(float(np.max(np.abs(c))) for c in changes)
+        for mine, scene in zip(out, scenes, strict=True):
+            mine.append(_hats(scene, claim.place.gear or 0, claim.place.tooth))
+        std += [size] * KNOTS
+    return [np.concatenate(mine, axis=1) for mine in out], np.array(std)
+
+
+def _hats(scene: Scene, gear: int, tooth: int) -> FloatArray:
+    """Hats (n, KNOTS) along the active flank of one tooth, as they show in the transmission error."""
+    place = np.clip(scene.spans[gear].u(scene.roll(gear)), 0.0, 1.0) * (KNOTS - 1)
+    mine = scene.teeth(gear) == tooth
+    hats = np.maximum(0.0, 1.0 - np.abs(place[:, :, None] - np.arange(KNOTS)))
+    return np.asarray(scene.samples.sense * np.einsum("pn,pnk->nk", scene.weight * mine, hats))
+
+
+def linearise(
+    model: Model,
+    scenes: list[Scene],
+    noises: list[Noise],
+    *,
+    nuisance: Nuisance,
+    foreign: list[FloatArray],
+) -> Linear:
+    """The system of the present state; ``foreign`` (n_k, q) are waves that no physics makes."""
+    built = [model.as_built.columns(scene) for scene in scenes]
+    forms, form_std = loose_forms(model, scenes)
+    blocks = [[b, c, w, f] for b, c, w, f in zip(built, nuisance.columns, foreign, forms, strict=True)]
+    m_b, m_n, m_w, m_f = built[0].shape[1], nuisance.std.size, foreign[0].shape[1], form_std.size
+    present = np.zeros(m_b + m_n + m_w + m_f)
+    present[:m_b] = model.built
+    present[m_b + nuisance.shift] = model.shift
+    prior = np.zeros(present.size)
+    # The compliance's column is relative to the present scale; the prior is about the declared one.
+    if nuisance.scale is not None:
+        prior[m_b + nuisance.scale] = 1.0 / model.scale - 1.0
+    precision = np.zeros((present.size, present.size))
+    precision[:m_b, :m_b] = model.as_built.precision
+    precision[range(m_b, m_b + m_n), range(m_b, m_b + m_n)] = nuisance.std**-2.0
+    first = m_b + m_n + m_w
+    precision[range(first, first + m_f), range(first, first + m_f)] = form_std**-2.0
+    slices, at = [], present.size
+    for claim in model.claims:
+        for mine, columns in zip(blocks, derivatives(model, scenes, claim), strict=True):
+            mine.append(columns)
+        q = len(claim.values)
+        slices.append(slice(at, at + q))
+        at += q
+        # Amplitudes count from nothing, shapes from where they are.
+        a = claim.physics.amplitudes
+        held = np.array([*claim.values[:a], *(0.0,) * (q - a)])
+        present = np.concatenate((present, held))
+        prior = np.concatenate((prior, held))
+        shape = np.zeros(q)
+        for k in range(claim.physics.amplitudes, q):
+            shape[k] = (SHAPE_DOUBT * claim.physics.coordinates[k].step) ** -2.0
+        if claim.physics.fixed_amplitudes:
+            shape[: claim.physics.amplitudes] = 1e6
+        wider = np.zeros((at, at))
+        wider[: at - q, : at - q] = precision
+        wider[range(at - q, at), range(at - q, at)] = shape
+        precision = wider
+    columns_all = [np.concatenate(mine, axis=1) for mine in blocks]
+    target = [r + a @ present for r, a in zip(model.residuals(scenes), columns_all, strict=True)]
+    system = System(
+        white=[noise.whitened(a) for noise, a in zip(noises, columns_all, strict=True)],
+        target=[noise.whitened(y) for noise, y in zip(noises, target, strict=True)],
+        precision=precision,
+        prior=prior,
+    )
+    layout = Layout(
+        built=slice(0, m_b),
+        nuisance=slice(m_b, m_b + m_n),
+        foreign=slice(m_b + m_n, first),
+        forms=slice(first, first + m_f),
+        claims=slices,
+    )
+    return Linear(system=system, layout=layout, columns=columns_all, target=target, noises=noises)

@@ -1,0 +1,109 @@
+"""The working state of a diagnosis: the declared pair, what is estimated of it, and the recordings beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.assemble import Assembled, assemble
+from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.diagnose.as_built import AsBuilt
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Claim, Scope, Values, changed
+from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Observed:
+    """A recording: its ``samples``, the ``recorded`` transmission error (n,) in mm, the ``slope`` (n,) in mm/rad of the
+    declared pair's; ``fit`` (n,) marks the samples that a cross-validated fit sees; ``estimator`` of its noise."""
+
+    samples: Samples
+    recorded: FloatArray
+    slope: FloatArray
+    fit: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    estimator: NoiseEstimator
+
+
+@dataclass(kw_only=True, eq=False)
+class Model:
+    """What is believed at present.
+
+    ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
+    ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
+    ``claims`` the physics accepted so far.
+    """
+
+    declared: PairFile
+    path: Path
+    scope: Scope
+    as_built: AsBuilt
+    observed: list[Observed]
+    shift_std: float
+    built: FloatArray
+    scale: float = 1.0
+    shift: float = 0.0
+    claims: list[Claim] = field(default_factory=list)
+
+    def file(self, *, but: Claim | None = None) -> PairFile:
+        """The pair file with everything in it, one claim left out if asked."""
+        file = self.as_built.written(self.declared, self.built)
+        model = changed(file.model, compliance_scale=file.model.compliance_scale * self.scale)
+        file = changed(file, model=model)
+        for claim in self.claims:
+            if claim is not but:
+                file = claim.written(file)
+        return file
+
+    def assembled(self, file: PairFile | None = None) -> Assembled:
+        """The pair of ``file``, or of the present state."""
+        return assemble(self.file() if file is None else file, path=self.path, seed=0)
+
+    def samples(self) -> list[Samples]:
+        """The samples of all recordings by the present zeros."""
+        return [replace(one.samples, theta_2=one.samples.theta_2 + self.shift) for one in self.observed]
+
+    def scenes(self) -> list[Scene]:
+        """All recordings simulated with the present state."""
+        assembled = self.assembled()
+        return [stage(assembled, samples) for samples in self.samples()]
+
+    def residuals(self, scenes: list[Scene]) -> list[FloatArray]:
+        """Recorded minus simulated (n,) in mm of every recording, what the measuring chain adds taken off too."""
+        out = []
+        for one, scene in zip(self.observed, scenes, strict=True):
+            left = one.recorded - scene.te
+            for claim in self.claims:
+                if claim.physics.measures and claim.physics.effect is not None:
+                    left = left - claim.physics.effect(scene, claim.place, claim.values)
+            out.append(left)
+        return out
+
+    def change(
+        self, scenes: list[Scene], claim: Claim, values: Values, *, but: Claim | None = None
+    ) -> list[FloatArray]:
+        """What a claim with ``values`` changes (n,) in mm in every scene, against the same claim with no amplitude.
+
+        First order where the physics knows it; else the set-up with the claim in it is simulated (``but`` without
+        another).
+        """
+        physics, place = claim.physics, claim.place
+        if physics.effect is not None:
+            return [physics.effect(scene, place, values) for scene in scenes]
+        nothing = (*(0.0,) * physics.amplitudes, *values[physics.amplitudes :])
+        others = self.file(but=but)
+        with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
+        return [_again(scene, with_) - _again(scene, without) for scene in scenes]
+
+
+def _again(scene: Scene, assembled: Assembled) -> FloatArray:
+    """Transmission error (n,) in mm of a set-up whose gears are those of the scene, but not what load and shafts do."""
+    return scene.with_load_of(assembled)
+
+
+def noises(model: Model, left: list[FloatArray]) -> list[Noise]:
+    """The noise of every recording, from what is left of it."""
+    return [one.estimator.estimate(values) for one, values in zip(model.observed, left, strict=True)]

@@ -1,0 +1,123 @@
+"""What is open without being physics: the zeros, the mean, and how soft teeth truly are.
+
+No two compliance laws agree, and a fit with the wrong one finds reliefs where there are none. So the compliance may be
+scaled, and its shape may vary as a beam, ISO 6336, the potential-energy method and Weber and Banaschek differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.mesh.compliance import law_names
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+SCALE_STD = 0.15
+"""Relative doubt about a declared compliance: what the laws' means differ by."""
+
+SCALE_STEP = 0.02
+"""Relative step by which the compliance is varied for its derivative."""
+
+MODES = 8
+"""Ways in which laws differ that are kept; the rest is below ``LEAST``."""
+
+LEAST = 0.002 * UM
+"""mm rms. Differences of laws below this are not worth a column."""
+
+OFFSET = 0.01
+"""Part of a mean deflection by which the load's own share of it may be misjudged: laws differ in how the contact
+hardens, shafts and bearings give a little."""
+
+BEYOND = 1.5
+"""Truth may lie outside what the laws span, by half of their spread."""
+
+CONTACTS = ("linear", "palmgren")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Nuisance:
+    """Columns (n_k, q) per recording, in mm per unit, and the prior standard deviation (q,) of each; ``scale`` is the
+    place of the compliance's scale among them, if any, ``shift`` that of the zero."""
+
+    columns: list[FloatArray]
+    std: FloatArray
+    shift: int
+    scale: int | None
+
+
+def make_nuisance(
+    scenes: list[Scene], *, slopes: list[FloatArray], shift_std: float, laws: list[FloatArray] | None
+) -> Nuisance:
+    """The nuisance of all scenes; ``slopes`` (n_k,) in mm/rad of the transmission error over driven rotation,
+    ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in which compliance laws differ.
+    """
+    sizes = [scene.samples.size for scene in scenes]
+    counted = [scene.samples.counted for scene in scenes]
+    # One true zero for all recordings whose encoders were read; a transmission error that the rig computed has its own.
+    means = [np.array([1.0 if c else 0.0 for c in counted])] if any(counted) else []
+    means += [np.eye(len(scenes))[k] for k, c in enumerate(counted) if not c]
+    columns = [[np.full(size, mean[k]) for mean in means] for k, size in enumerate(sizes)]
+    std = [1e3] * len(means)
+    at_shift = len(std)
+    for mine, along in zip(columns, slopes, strict=True):
+        mine.append(along)
+    std.append(shift_std)
+    at_scale = None
+    if any(scene.bends for scene in scenes):
+        at_scale = len(std)
+        for mine, scene in zip(columns, scenes, strict=True):
+            mine.append(softened(scene))
+        std.append(SCALE_STD)
+    for k, scene in enumerate(scenes):
+        if scene.bends:
+            for j, mine in enumerate(columns):
+                mine.append(np.full(sizes[j], 1.0 if j == k else 0.0))
+            std.append(OFFSET * abs(float(np.mean(scene.under(None) - scene.te))))
+    out = [np.column_stack(mine) for mine in columns]
+    if laws is not None:
+        out = [np.concatenate((mine, law), axis=1) for mine, law in zip(out, laws, strict=True)]
+        std += [1.0] * laws[0].shape[1]
+    return Nuisance(columns=out, std=np.array(std), shift=at_shift, scale=at_scale)
+
+
+def softened(scene: Scene) -> FloatArray:
+    """Change (n,) in mm of the transmission error per relative change of the compliance."""
+    elasticity = scene.assembled.elasticity
+    if elasticity is None or not scene.bends:
+        return np.zeros(scene.samples.size)
+    softer = replace(elasticity, scale=elasticity.scale * (1.0 + SCALE_STEP))
+    return (scene.under(softer) - scene.te) / SCALE_STEP
+
+
+def law_modes(scenes: list[Scene]) -> list[FloatArray] | None:
+    """The main ways (n_k, q) in mm in which the transmission error differs from law to law, their means being equal;
+    each a prior standard deviation. None where nothing bends."""
+    if not any(scene.bends for scene in scenes):
+        return None
+    scale = np.concatenate([softened(scene) for scene in scenes])
+    differences = []
+    for law in law_names():
+        for contact in CONTACTS:
+            parts = []
+            for scene in scenes:
+                elasticity = scene.assembled.elasticity
+                if elasticity is None or (law, contact) == (elasticity.law, elasticity.contact):
+                    break
+                parts.append(scene.under(replace(elasticity, law=law, contact=contact)) - scene.te)
+            if len(parts) == len(scenes):
+                differences.append(np.concatenate(parts))
+    if not differences:
+        return None
+    table = np.array(differences)
+    # A softer law as a whole is the scale's matter; how the softness varies along the path is the modes'.
+    table -= np.outer(table @ scale / float(scale @ scale), scale)
+    _, s, v = np.linalg.svd(table, full_matrices=False)
+    size = s / np.sqrt(table.shape[0])
+    kept = [k for k in range(min(MODES, s.size)) if size[k] / np.sqrt(table.shape[1]) > LEAST]
+    if not kept:
+        return None
+    modes = BEYOND * size[kept, None] * v[kept]
+    edges = np.cumsum([scene.samples.size for scene in scenes])[:-1]
+    return [np.asarray(part.T) for part in np.split(modes, edges, axis=1)]

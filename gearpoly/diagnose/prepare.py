@@ -1,0 +1,117 @@
+"""From a pair file and recordings to the working state of a diagnosis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.assemble import nominal_gear, stated_limits
+from gearpoly.compare.compare import Aligned, Beside
+from gearpoly.compare.noise import NoiseEstimator, whole_cycles
+from gearpoly.compare.stand_in import known_file
+from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, make_as_built
+from gearpoly.diagnose.model import Model, Observed
+from gearpoly.files.models import GearSection, PairFile
+from gearpoly.mesh.pair import active_start, tight_centre_distance
+from gearpoly.physics.base import Scope
+from gearpoly.physics.scene import Samples
+from gearpoly.units import DEG, UM
+
+LEAST_SHIFT = 0.002 * DEG
+"""rad. No zero is known better than this before the fit, whatever the alignment says of itself."""
+
+HELD_OUT = 0.6
+"""Part of a recording shorter than two hunting cycles from which a cross-validated fit learns; the rest is held out."""
+
+
+def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
+    """The working state before any physics is claimed."""
+    declared = known_file(file)
+    gears = nominal_gear(file.driving), nominal_gear(file.driven)
+    pair = beside.assembled.pair
+    observed = [_observed(one, k, beside) for k, one in enumerate(beside.aligned)]
+    reach = []
+    for gear, mate, mounted in zip(gears, gears[::-1], (pair.driving, pair.driven), strict=True):
+        reach.append((active_start(gear, mate, l_form=mounted.flanks.root.l_form), gear.l_a))
+    priors = [_prior(section, gears, k) for k, section in enumerate((file.driving, file.driven))]
+    as_built = make_as_built((priors[0], priors[1]), [one.samples.flank for one in observed])
+    recordings = [one.cleaned.recording for one in beside.aligned]
+    scope = Scope(
+        file=declared,
+        gears=gears,
+        flanks=tuple(one.samples.flank for one in observed),
+        torques=tuple(one.samples.torque for one in observed),
+        speeds=tuple(one.samples.speed for one in observed),
+        encoders=(
+            any(r.driving_angle_rad is not None for r in recordings),
+            any(r.driven_angle_rad is not None for r in recordings),
+        ),
+        timed=all(one.samples.time is not None for one in observed),
+        counted=all(one.samples.counted for one in observed),
+        span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
+        inspected=(not priors[0].graded, not priors[1].graded),
+        reach=(reach[0], reach[1]),
+    )
+    return Model(
+        declared=declared,
+        path=path,
+        scope=scope,
+        as_built=as_built,
+        observed=observed,
+        shift_std=max(beside.alignment.std_driven, LEAST_SHIFT),
+        built=np.zeros(as_built.size),
+    )
+
+
+def _prior(section: GearSection, gears: Sequence[object], which: int) -> GearPrior:
+    """What the file says of one gear beforehand."""
+    z = section.teeth
+    if section.inspection is not None:
+        each = max(section.inspection.uncertainty_um, IDEAL)
+        return GearPrior(z=z, pitch=each, slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False)
+    if section.grade is None and section.limits is None:
+        return GearPrior(z=z, pitch=IDEAL, slope=IDEAL, mean_slope=0.0, crowning=IDEAL, thickness=IDEAL, graded=False)
+    mine, mate = nominal_gear(section), gears[1 - which]
+    limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))  # type: ignore[arg-type]
+    slope = limits.f_HalphaT / WITHIN / UM
+    return GearPrior(
+        z=z,
+        # Index deviations range over F_p, half of it to either side.
+        pitch=max(0.5 * limits.F_pT / UM, IDEAL),
+        slope=max(slope, IDEAL),
+        mean_slope=max(slope, IDEAL),
+        crowning=max(limits.f_falphaT / WITHIN / UM, IDEAL),
+        thickness=max(0.25 * (limits.E_sns - limits.E_sni) / UM, IDEAL),
+        graded=True,
+    )
+
+
+def _observed(one: Aligned, number: int, beside: Beside) -> Observed:
+    zeros, recording = beside.alignment.zeros, one.cleaned.recording
+    pair = beside.assembled.pair
+    u = one.theta_2 * (pair.driven.gear.z / (2.0 * math.pi))
+    samples = Samples(
+        number=number,
+        flank=one.flank,
+        torque=one.torque,
+        speed=one.speed if one.speed is None else float(one.speed),
+        theta_1=one.theta_1,
+        theta_2=one.theta_2,
+        time=one.time_s,
+        reading_1=(zeros.driving or 0.0) + recording.driving_direction * one.theta_1,
+        reading_2=(zeros.driven or 0.0) + recording.driven_direction * one.theta_2,
+        direction_1=recording.driving_direction,
+        direction_2=recording.driven_direction,
+        counted=recording.te_rad is None and recording.te_mm is None,
+    )
+    estimator = NoiseEstimator(u, z_1=pair.driving.gear.z, z_2=pair.driven.gear.z)
+    period = float(pair.meshes_per_cycle)
+    cycles = whole_cycles(u, period)
+    along = u - u[0]
+    fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else along < HELD_OUT * along[-1]
+    return Observed(
+        samples=samples, recorded=one.recorded, slope=one.template.slope(one.theta_2), fit=fit, estimator=estimator
+    )

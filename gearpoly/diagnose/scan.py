@@ -1,0 +1,198 @@
+"""Every physics at every place, weighed against all that is believed already."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import chi2
+
+from gearpoly.compare.spectrum import Grid
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.system import System, gain_of
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Physics, Place, Values
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+BATCH = 128
+"""Columns that are weighed at once: some ten MB each, and matrix products of a good size."""
+
+HIGHEST_ORDER = 8192
+"""Orders of either shaft that are looked at in one transform."""
+
+FAINT_WAVE = 10.0
+"""Gain of a wave below which its order is not looked at more closely: chance makes one in 150 as large, and none of
+thousands is significant below twice as much."""
+
+KNOWN = 1e-4
+"""Part of a column's information that must be left beside everything else, or it is told from nothing."""
+
+EVALUATIONS = 60
+"""Shapes that are tried when a candidate is polished: a simplex in two coordinates settles in half as many."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """A claim that might be made: its ``gain`` in misfit, amplitudes' signal over its doubt, for ``freedoms``."""
+
+    claim: Claim
+    gain: float
+    freedoms: int
+
+    def log_chance(self, *, tests: int) -> float:
+        """Log of the chance that noise alone would gain as much anywhere among ``tests`` places."""
+        return math.log(tests) + float(chi2.logsf(max(self.gain, 0.0), self.freedoms))
+
+
+def probes(physics: Physics, place: Place) -> list[Values]:
+    """The values at which the effect of each amplitude is looked at, one by one."""
+    out = []
+    for k in range(physics.amplitudes):
+        size = place.probe[k] if place.probe else physics.coordinates[k].step
+        amplitudes = tuple(size if j == k else 0.0 for j in range(physics.amplitudes))
+        out.append((*amplitudes, *place.shape))
+    return out
+
+
+def _columns(model: Model, scenes: list[Scene], linear: Linear, claim: Claim, *, white: bool) -> list[FloatArray]:
+    """Effect (n_k, a) per unit of each amplitude of a claim's physics, in mm or whitened."""
+    out: list[list[FloatArray]] = [[] for _ in scenes]
+    place = replace(claim.place, shape=claim.values[claim.physics.amplitudes :] or claim.place.shape)
+    for k, values in enumerate(probes(claim.physics, place)):
+        for mine, change in zip(out, model.change(scenes, claim, values), strict=True):
+            mine.append(change / values[k])
+    columns = [np.column_stack(mine) for mine in out]
+    return [noise.whitened(c) for noise, c in zip(linear.noises, columns, strict=True)] if white else columns
+
+
+def _allowed(physics: Physics, amplitude: FloatArray) -> bool:
+    """Whether amplitudes lie where the physics can have them."""
+    return all(q.low <= a <= q.high * 1.5 for q, a in zip(physics.coordinates, amplitude.tolist(), strict=False))
+
+
+def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:
+    """Every physics at every place, but for claims that were made."""
+    taken = {claim.key for claim in model.claims}
+    for physics in catalogue().values():
+        for place in physics.places(model.scope):
+            if Claim(physics=physics, place=place, values=()).key not in taken:
+                yield physics, place
+
+
+def scan(
+    model: Model, scenes: list[Scene], linear: Linear, *, only: Iterable[tuple[Physics, Place]] | None = None
+) -> tuple[list[Candidate], int]:
+    """All candidates with their gains, best first, and how many places were looked at."""
+    out: list[Candidate] = []
+    held: list[tuple[Claim, list[FloatArray]]] = []
+    looked = 0
+    rough = _rough_gains(scenes, linear)
+    for physics, place in all_places(model) if only is None else only:
+        looked += 1
+        if physics.wavelike and rough[place.gear or 0][place.order or 0] < FAINT_WAVE:
+            continue
+        values = (*(0.0,) * physics.amplitudes, *place.shape)
+        claim = Claim(physics=physics, place=place, values=values)
+        # A tooth's columns are 0 but where it is in contact: batches of one tooth are weighed there alone.
+        if held and (held[-1][0].place.gear, held[-1][0].place.tooth) != (place.gear, place.tooth):
+            one_tooth = held[-1][0].place.tooth is not None or place.tooth is not None
+            if one_tooth or sum(c[0].shape[1] for _, c in held) >= BATCH:
+                out += _weigh(linear.system, held)
+                held = []
+        held.append((claim, _columns(model, scenes, linear, claim, white=True)))
+    if held:
+        out += _weigh(linear.system, held)
+    return sorted(out, key=lambda one: -one.gain), looked
+
+
+def _rough_gains(scenes: list[Scene], linear: Linear) -> tuple[FloatArray, FloatArray]:
+    """Gain in misfit by a wave of every order of the driving and of the driven shaft, all else staying as fitted."""
+    out = []
+    for gear in (0, 1):
+        gains = np.zeros(HIGHEST_ORDER + 1)
+        for scene, noise, white in zip(scenes, linear.noises, linear.system.left, strict=True):
+            s = scene.samples
+            turns = (s.theta_1 if gear == 0 else s.theta_2) / (2.0 * math.pi)
+            sums = Grid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
+            # The score of a wave, over its information in white noise of the same spectrum there.
+            z = scene.gear(gear).z
+            spacing = float(np.median(np.abs(np.diff(turns)))) * z
+            enlarged = np.abs(noise.gain(np.arange(HIGHEST_ORDER + 1) / z, spacing=spacing)) ** 2
+            gains += 2.0 * np.abs(sums) ** 2 / (s.size * enlarged)
+        out.append(gains)
+    return out[0], out[1]
+
+
+def _weigh(system: System, held: list[tuple[Claim, list[FloatArray]]]) -> list[Candidate]:
+    columns = [np.concatenate(parts, axis=1) for parts in zip(*(c for _, c in held), strict=True)]
+    if held[0][0].place.tooth is not None:
+        where = [np.flatnonzero(np.any(c != 0.0, axis=1)) for c in columns]
+        columns = [c[rows] for c, rows in zip(columns, where, strict=True)]
+        score, information = system.scores(columns, where=where)
+    else:
+        score, information = system.scores(columns)
+    alone = sum((np.einsum("ij,ij->j", c, c) for c in columns), np.zeros(columns[0].shape[1]))
+    left = np.diag(information)
+    out, at = [], 0
+    for claim, parts in held:
+        q = parts[0].shape[1]
+        index = np.arange(at, at + q)
+        at += q
+        if np.any(left[index] <= KNOWN * alone[index]) or np.any(alone[index] <= 0.0):
+            continue
+        gain, amplitude = gain_of(score, information, index[None, :])
+        physics = claim.physics
+        if not _allowed(physics, amplitude[0]):
+            continue
+        if physics.fixed_amplitudes:
+            amplitude = np.ones_like(amplitude)
+            # Present as it is, not as much of it as fits best.
+            gain = np.array([2.0 * score[index].sum() - information[np.ix_(index, index)].sum()])
+        values = (*amplitude[0].tolist(), *claim.values[q:])
+        out.append(
+            Candidate(claim=replace(claim, values=values), gain=float(gain[0]), freedoms=len(physics.coordinates))
+        )
+    return out
+
+
+def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate) -> Candidate:
+    """The candidate at the shape that gains most."""
+    physics, claim = candidate.claim.physics, candidate.claim
+    q = physics.amplitudes
+    start = np.array(claim.values[q:])
+    if not start.size:
+        return candidate
+    best = candidate
+    spread = np.array([8.0 * c.step for c in physics.coordinates[q:]])
+
+    def lost(shape: FloatArray) -> float:
+        nonlocal best
+        bounds = physics.coordinates[q:]
+        if any(not c.low <= s <= c.high for c, s in zip(bounds, shape.tolist(), strict=True)):
+            return 0.0
+        trial = replace(claim, values=(*(0.0,) * q, *shape.tolist()))
+        found = _weigh(linear.system, [(trial, _columns(model, scenes, linear, trial, white=True))])
+        if not found:
+            return 0.0
+        if found[0].gain > best.gain:
+            best = found[0]
+        return -found[0].gain
+
+    simplex = np.vstack([start, *(start + np.where(np.arange(start.size) == k, s, 0.0) for k, s in enumerate(spread))])
+    minimize(
+        lost,
+        start,
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 1e-3, "fatol": 0.05},
+    )
+    return best
+
+
+def columns_of(model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate) -> list[FloatArray]:
+    """Whitened effect (n_k, a) per unit of each amplitude of a candidate at its shape."""
+    return _columns(model, scenes, linear, candidate.claim, white=True)

@@ -1,0 +1,245 @@
+"""Forward, backward, and all together again: which physics the evidence makes necessary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.linear import Linear, linearise
+from gearpoly.diagnose.model import Model, noises
+from gearpoly.diagnose.nuisance import Nuisance, law_modes, make_nuisance
+from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
+from gearpoly.diagnose.system import System
+from gearpoly.physics.base import Claim
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+FAMILY = 0.05
+"""Chance that a healthy set of recordings raises any claim."""
+
+FAINT = 0.012 * UM
+"""mm rms. Effects below this are within what chords, contacts and interpolation leave of the simulation itself."""
+
+ECHO = 0.004
+"""Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
+
+SETTLED = 0.004 * UM
+"""mm rms. Changes below this need no further simulation."""
+
+PASSES = 5
+"""Most rounds of simulating and fitting again after a change."""
+
+MOST = 8
+"""Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
+
+POLISHED = 6
+"""Candidates of different kinds that are polished before one is taken."""
+
+SHORTLIST = 40
+"""Candidates from which those are chosen."""
+
+
+@dataclass(kw_only=True, eq=False)
+class Search:
+    """The search in progress: the ``model`` and everything linear about it."""
+
+    model: Model
+    foreign: list[FloatArray]
+    step: Callable[[str], None]
+    scenes: list[Scene]
+    noises: list[Noise]
+    nuisance: Nuisance
+    linear: Linear
+    laws: list[FloatArray] | None
+    tests: int = 1
+
+    @staticmethod
+    def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
+        """Simulate the declared pair at all samples and fit what is open of it."""
+        scenes = model.scenes()
+        laws = law_modes(scenes)
+        nuisance = _nuisance(model, scenes, laws)
+        first = noises(model, model.residuals(scenes))
+        linear = linearise(model, scenes, first, nuisance=nuisance, foreign=foreign)
+        search = Search(
+            model=model,
+            foreign=foreign,
+            step=step,
+            scenes=scenes,
+            noises=first,
+            nuisance=nuisance,
+            linear=linear,
+            laws=laws,
+        )
+        search.settle()
+        return search
+
+    def run(self) -> list[Candidate]:
+        """Make claims until none pays; return the candidates of the last look."""
+        refused: set[tuple[object, ...]] = set()
+        found: list[Candidate] = []
+        while len(self.model.claims) < MOST:
+            self.step(f"looking for what is missing ({len(self.model.claims)} found)")
+            found, self.tests = scan(self.model, self.scenes, self.linear)
+            best = self.best(found, refused)
+            if best is None:
+                break
+            before = list(self.model.claims), self.model.built.copy(), self.model.scale, self.model.shift
+            self.model.claims.append(best.claim)
+            self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
+            self.settle()
+            self.drop_idle()
+            if best.claim.key not in {claim.key for claim in self.model.claims}:
+                refused.add(best.claim.key)
+                if len(refused) > MOST:
+                    break
+                if {c.key for c in self.model.claims} == {c.key for c in before[0]}:
+                    self.model.claims, self.model.built, self.model.scale, self.model.shift = before
+                    self.settle()
+        return found
+
+    def best(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> Candidate | None:
+        """The candidate that explains most, shapes polished, if it is more than chance and pays on held-out cycles."""
+        likely = [one for one in found[: 4 * SHORTLIST] if self.significant(one) and one.claim.key not in refused]
+        chosen: list[Candidate] = []
+        for one in likely[:SHORTLIST]:
+            alike = [other for other in chosen if other.claim.physics is one.claim.physics]
+            if len(alike) < 2 and one.claim.key not in {c.claim.key for c in alike} and len(chosen) < POLISHED:
+                chosen.append(one)
+        done = [polished(self.model, self.scenes, self.linear, one) for one in chosen]
+        done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
+        for one in done:
+            if self.pays(one):
+                return one
+        return None
+
+    def significant(self, one: Candidate) -> bool:
+        """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
+        honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
+        return honest.log_chance(tests=max(self.tests, 1)) < math.log(FAMILY) and self.size(one) > self.least()
+
+    def size(self, one: Candidate) -> float:
+        """Rms in mm of what a candidate adds and nothing else explains."""
+        samples = sum(scene.samples.size for scene in self.scenes)
+        level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
+        return level * math.sqrt(max(one.gain, 0.0) / samples)
+
+    def least(self) -> float:
+        """Rms in mm below which an effect may be what the simulation leaves of others."""
+        largest = 0.0
+        for claim in self.model.claims:
+            if not claim.physics.measures:
+                change = self.model.change(self.scenes, claim, claim.values, but=claim)
+                largest = max(largest, *(float(np.std(c)) for c in change))
+        return max(FAINT, ECHO * largest)
+
+    def pays(self, one: Candidate) -> bool:
+        """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
+        columns = columns_of(self.model, self.scenes, self.linear, one)
+        masks = [observed.fit for observed in self.model.observed]
+        others = [~mask for mask in masks]
+        if not all(np.any(mask) for mask in others):
+            return True
+        plain, wider = self.linear.system, self.linear.system.with_columns(columns)
+        gained = 0.0
+        for seen, unseen in ((masks, others), (others, masks)):
+            gained += _unseen(plain, seen, unseen) - _unseen(wider, seen, unseen)
+        return gained > 0.0
+
+    def settle(self) -> None:
+        """Simulate, fit, and simulate again until nothing moves."""
+        for turn in range(PASSES):
+            self.scenes = self.model.scenes()
+            if turn == 0:
+                self.nuisance = _nuisance(self.model, self.scenes, self.laws)
+            self.linear = self.linearised()
+            self.noises = noises(self.model, self.linear.left())
+            self.linear = self.linearised()
+            moved = self.take(self.linear)
+            if moved < SETTLED:
+                break
+
+    def linearised(self) -> Linear:
+        """The linear system of the present state and noise."""
+        return linearise(self.model, self.scenes, self.noises, nuisance=self.nuisance, foreign=self.foreign)
+
+    def take(self, linear: Linear) -> float:
+        """Put the solution into the model; return the largest rms change in mm of a simulated recording."""
+        x, layout, model = linear.system.solution, linear.layout, self.model
+        old = np.zeros(x.size)
+        new = x.copy()
+        old[layout.built] = model.built
+        model.built = x[layout.built].copy()
+        at = layout.nuisance.start
+        old[at + self.nuisance.shift] = model.shift
+        model.shift = float(x[at + self.nuisance.shift])
+        if self.nuisance.scale is not None:
+            model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
+        claims = []
+        for claim, part in zip(model.claims, layout.claims, strict=True):
+            a = claim.physics.amplitudes
+            held = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
+            values = _within(claim, np.array(claim.values) + x[part] - held)
+            old[part] = claim.values
+            new[part] = values
+            claims.append(replace(claim, values=values))
+        model.claims = claims
+        # Means, laws and foreign waves are never in the simulation.
+        still = [k for k in range(at, layout.forms.stop) if k not in (at + self.nuisance.shift, _place(self, at))]
+        step = new - old
+        step[still] = 0.0
+        return max(float(np.std(columns @ step)) for columns in linear.columns)
+
+    def gain_without(self, k: int) -> float:
+        """What claim ``k`` gains, all else fitted again without it."""
+        system = self.linear.system
+        return system.without(self.linear.layout.places(k)).misfit - system.misfit
+
+    def drop_idle(self) -> None:
+        """Take back claims that no longer gain more than chance would, weakest first."""
+        while self.model.claims:
+            gains = [self.gain_without(k) for k in range(len(self.model.claims))]
+            ones = [
+                Candidate(claim=claim, gain=gain, freedoms=len(claim.values))
+                for claim, gain in zip(self.model.claims, gains, strict=True)
+            ]
+            weak = [k for k, one in enumerate(ones) if not self.significant(one)]
+            if not weak:
+                return
+            del self.model.claims[min(weak, key=lambda k: gains[k])]
+            self.settle()
+
+
+def _nuisance(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
+    slopes = [one.slope for one in model.observed]
+    return make_nuisance(scenes, slopes=slopes, shift_std=model.shift_std, laws=laws)
+
+
+def _place(search: Search, at: int) -> int:
+    return -1 if search.nuisance.scale is None else at + search.nuisance.scale
+
+
+def _within(claim: Claim, values: FloatArray) -> tuple[float, ...]:
+    """Values within their bounds, the shape not moved by more than eight steps at once."""
+    out = []
+    for k, quantity in enumerate(claim.physics.coordinates):
+        value = float(values[k])
+        if k >= claim.physics.amplitudes:
+            value = float(np.clip(value, claim.values[k] - 8.0 * quantity.step, claim.values[k] + 8.0 * quantity.step))
+        elif claim.physics.fixed_amplitudes:
+            value = 1.0
+        out.append(float(np.clip(value, quantity.low, quantity.high)))
+    return tuple(out)
+
+
+def _unseen(system: System, seen: list[np.ndarray], unseen: list[np.ndarray]) -> float:
+    """Square misfit of the unseen samples by what the seen ones teach."""
+    x = system.at(seen).solution
+    return sum(
+        float(np.sum((y[mask] - a[mask] @ x) ** 2))
+        for a, y, mask in zip(system.white, system.target, unseen, strict=True)
+    )

@@ -1,0 +1,149 @@
+"""The joint fit of all recordings, linear about the present state, in noise made white and with what is known
+beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from gearpoly.units import FloatArray, IntArray
+
+Mask = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+FLOOR = 1e-9
+"""Relative precision added to every parameter, so that what neither data nor prior fix stays where it is."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """Least squares of ``white`` columns (n_k, m) and ``target`` (n_k,) of every recording k, whitened by its noise,
+    under a prior of ``precision`` (m, m) about ``prior`` (m,)."""
+
+    white: list[FloatArray]
+    target: list[FloatArray]
+    precision: FloatArray
+    prior: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return int(self.precision.shape[0])
+
+    @cached_property
+    def normal(self) -> FloatArray:
+        """Normal matrix (m, m)."""
+        out = self.precision.copy()
+        for a in self.white:
+            out += a.T @ a
+        return out
+
+    @cached_property
+    def _factor(self) -> tuple[FloatArray, tuple[FloatArray, bool]]:
+        diagonal = np.diag(self.normal).copy()
+        diagonal[diagonal <= 0.0] = 1.0
+        scale = np.sqrt(diagonal)
+        scaled = self.normal / np.outer(scale, scale)
+        scaled[np.diag_indices(self.size)] += FLOOR
+        return scale, cho_factor(scaled)
+
+    def solved(self, right: FloatArray) -> FloatArray:
+        """Inverse of the normal matrix times ``right`` (m,) or (m, q)."""
+        scale, factor = self._factor
+        wide = scale if right.ndim == 1 else scale[:, None]
+        out: FloatArray = cho_solve(factor, right / wide) / wide
+        return out
+
+    @cached_property
+    def solution(self) -> FloatArray:
+        """The most likely parameters (m,)."""
+        right = self.precision @ self.prior
+        for a, y in zip(self.white, self.target, strict=True):
+            right = right + a.T @ y
+        return self.solved(right)
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance (m, m) of the parameters."""
+        return self.solved(np.eye(self.size))
+
+    @cached_property
+    def left(self) -> list[FloatArray]:
+        """What the solution leaves of every target, white."""
+        return [y - a @ self.solution for a, y in zip(self.white, self.target, strict=True)]
+
+    @cached_property
+    def misfit(self) -> float:
+        """Twice the negative log of likelihood times prior, but for a constant."""
+        off = self.solution - self.prior
+        return float(off @ self.precision @ off) + sum(float(r @ r) for r in self.left)
+
+    @cached_property
+    def whiteness(self) -> float:
+        """Mean square of what is left; 1 where noise alone is left."""
+        return sum(float(r @ r) for r in self.left) / max(1, sum(r.size for r in self.left))
+
+    def without(self, places: Sequence[int]) -> System:
+        """The same without some parameters."""
+        keep = np.setdiff1d(np.arange(self.size), np.asarray(places, dtype=np.int64))
+        return System(
+            white=[a[:, keep] for a in self.white],
+            target=self.target,
+            precision=self.precision[np.ix_(keep, keep)],
+            prior=self.prior[keep],
+        )
+
+    def with_columns(self, columns: list[FloatArray]) -> System:
+        """The same with further free whitened columns (n_k, q) at the end."""
+        q = columns[0].shape[1]
+        precision = np.zeros((self.size + q, self.size + q))
+        precision[: self.size, : self.size] = self.precision
+        return System(
+            white=[np.concatenate((a, c), axis=1) for a, c in zip(self.white, columns, strict=True)],
+            target=self.target,
+            precision=precision,
+            prior=np.concatenate((self.prior, np.zeros(q))),
+        )
+
+    def at(self, masks: Sequence[Mask]) -> System:
+        """The same, seen only at some samples of every recording."""
+        return System(
+            white=[a[mask] for a, mask in zip(self.white, masks, strict=True)],
+            target=[y[mask] for y, mask in zip(self.target, masks, strict=True)],
+            precision=self.precision,
+            prior=self.prior,
+        )
+
+    def scores(
+        self, columns: list[FloatArray], *, where: list[IntArray] | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them.
+
+        ``where`` (r_k,) names the samples that columns (r_k, q) stand for, if they are 0 at all others.
+        """
+        score = np.zeros(columns[0].shape[1])
+        own = np.zeros((score.size, score.size))
+        cross = np.zeros((self.size, score.size))
+        for k, c in enumerate(columns):
+            a, r = self.white[k], self.left[k]
+            if where is not None:
+                a, r = a[where[k]], r[where[k]]
+            score += c.T @ r
+            own += c.T @ c
+            cross += a.T @ c
+        return score, own - cross.T @ self.solved(cross)
+
+
+def gain_of(score: FloatArray, information: FloatArray, groups: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Gain in misfit of every group of columns (rows of ``groups`` hold column numbers, all of one length), and the
+    amplitudes (g, k) that reach it; 0 where the columns are told from nothing."""
+    index = np.asarray(groups, dtype=np.int64)
+    s = score[index]
+    block = information[index[:, :, None], index[:, None, :]]
+    size = np.maximum(np.trace(block, axis1=1, axis2=2), 1e-300) / index.shape[1]
+    safe = block + 1e-9 * size[:, None, None] * np.eye(index.shape[1])
+    amplitude = np.linalg.solve(safe, s[:, :, None])[:, :, 0]
+    return np.einsum("gk,gk->g", s, amplitude), amplitude

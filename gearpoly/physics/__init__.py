@@ -1,0 +1,21 @@
+"""The catalogue: what a simulation may leave out. One physics, one file, found without registration.
+
+A module of this package that holds ``PHYSICS`` is a physics: a change of the pair file that the ordinary exact kernel
+then predicts, and, where many places are to be searched, a fast first-order effect of the same change.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from gearpoly.physics.base import Physics
+
+
+@cache
+def catalogue() -> dict[str, Physics]:
+    """All physics by name, in the order of their names."""
+    modules = (importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__))
+    found = (getattr(module, "PHYSICS", None) for module in modules)
+    return {physics.name: physics for physics in found if isinstance(physics, Physics)}

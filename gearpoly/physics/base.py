@@ -1,0 +1,199 @@
+"""What every physics hands to the diagnosis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from gearpoly.files.models import GearSection, PairFile, Section
+from gearpoly.gear.gear import Gear
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+GEARS = ("driving", "driven")
+
+Values = tuple[float, ...]
+"""Amplitudes first, then shape, in the units of the pair file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scope:
+    """What is known before any search: the declared ``file``, both nominal ``gears``, and of each recording the
+    ``flanks``, ``torques`` in N.mm and ``speeds`` in rad/s (None: unknown); which shafts have ``encoders``; whether all
+    recordings are ``timed``; ``span`` in driving turns of the longest; ``inspected`` gears; ``place`` in rad of the
+    encoder zeros and the contacts' range of roll lengths per gear ``reach``."""
+
+    file: PairFile
+    gears: tuple[Gear, Gear]
+    flanks: tuple[str, ...]
+    torques: tuple[float, ...]
+    speeds: tuple[float | None, ...]
+    encoders: tuple[bool, bool]
+    timed: bool
+    counted: bool
+    span: float
+    inspected: tuple[bool, bool]
+    reach: tuple[tuple[float, float], tuple[float, float]]
+
+    @property
+    def loaded(self) -> bool:
+        """Whether load bends teeth in any recording."""
+        return self.file.model.tooth_deflection and max(self.torques) > 0.0
+
+    @property
+    def conditions(self) -> int:
+        """Number of recordings."""
+        return len(self.torques)
+
+    def section(self, gear: int) -> GearSection:
+        """The declared section of gear 0 (driving) or 1."""
+        return self.file.driving if gear == 0 else self.file.driven
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a physics might be: ``gear`` 0 (driving) or 1, ``tooth``, ``order``, ``flank``; ``shape`` the values of
+    its shape to start from; ``probe`` the amplitudes at which its effect is looked at (0: by steps of one unit).
+    """
+
+    gear: int | None = None
+    tooth: int | None = None
+    order: int | None = None
+    flank: str | None = None
+    shape: Values = ()
+    probe: Values = ()
+
+    @property
+    def gear_name(self) -> str | None:
+        """ "driving" or "driven"."""
+        return None if self.gear is None else GEARS[self.gear]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """One coordinate of a physics in the unit of the pair file, between ``low`` and ``high``; ``step`` is a small
+    change of it."""
+
+    name: str
+    low: float = -math.inf
+    high: float = math.inf
+    step: float = 1.0
+
+
+Reported = dict[str, tuple[float, float]]
+"""Parameter name: value and standard error."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Physics:
+    """One way in which reality may differ from the simulation.
+
+    ``coordinates``: ``amplitudes`` of them are linear and 0 where the physics is absent, the others are shape.
+    ``places`` lists where to look. ``write`` puts it into a pair file. ``effect`` is what it adds to the transmission
+    error of a scene, (n,) in mm, to first order; None: simulate the written file. ``report`` turns values and
+    covariance into the contract's parameters; ``says`` into a sentence. ``family`` groups places that stand for one
+    question, of which only the best is kept; ``equation`` is the model in a line for the reader.
+    """
+
+    name: str
+    coordinates: tuple[Quantity, ...]
+    amplitudes: int
+    places: Callable[[Scope], Iterable[Place]]
+    write: Callable[[PairFile, Place, Values], PairFile]
+    report: Callable[[Place, FloatArray, FloatArray], Reported]
+    says: Callable[[Place, Values], str]
+    equation: str
+    effect: Callable[[Scene, Place, Values], FloatArray] | None = None
+    reloads: bool = False
+    """Only load and shafts change, so the contacts found stay."""
+
+    measures: bool = False
+    """It is in the measuring chain: recordings show it, the gears do not."""
+
+    wavelike: bool = False
+    """Its effect is mostly a wave of the place's order per turn of its gear."""
+
+    fixed_amplitudes: bool = field(default=False)
+    """The amplitudes only say whether it is there (1) or not (0)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """A physics at a place with values."""
+
+    physics: Physics
+    place: Place
+    values: Values
+
+    @cached_property
+    def key(self) -> tuple[str, int | None, int | None, int | None, str | None]:
+        """What makes it another claim than others of the same physics."""
+        p = self.place
+        return self.physics.name, p.gear, p.tooth, p.order, p.flank
+
+    def written(self, file: PairFile) -> PairFile:
+        """The pair file with this in it."""
+        return self.physics.write(file, self.place, self.values)
+
+    @property
+    def says(self) -> str:
+        """The claim as a sentence."""
+        return self.physics.says(self.place, self.values)
+
+
+def changed(section: Any, **keys: object) -> Any:
+    """A copy of a section of the pair file with other ``keys``, as if they had been stated."""
+    assert isinstance(section, Section)
+    return section.model_copy(update=keys)
+
+
+def on_gear(file: PairFile, gear: int | None, **keys: object) -> PairFile:
+    """The pair file with other keys of one gear."""
+    name = GEARS[gear or 0]
+    copy: PairFile = changed(file, **{name: changed(getattr(file, name), **keys)})
+    return copy
+
+
+def on_pair(file: PairFile, **keys: object) -> PairFile:
+    """The pair file with other keys of [pair]."""
+    copy: PairFile = changed(file, pair=changed(file.pair, **keys))
+    return copy
+
+
+def gear_section(file: PairFile, gear: int | None) -> GearSection:
+    """The section of gear 0 (driving) or 1."""
+    return file.driving if gear in (0, None) else file.driven
+
+
+def polar(x: float, y: float, covariance: FloatArray) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Length and direction in deg (0 to 360) of a vector with its covariance (2, 2), each with its standard error."""
+    length = math.hypot(x, y)
+    along = np.array([x, y]) / max(length, 1e-300)
+    across = np.array([-along[1], along[0]])
+    std = math.sqrt(max(float(along @ covariance @ along), 0.0))
+    turn = math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(length, 1e-300)
+    return (length, std), (math.degrees(math.atan2(y, x)) % 360.0, min(math.degrees(turn), 180.0))
+
+
+def plain(*names: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
+    """A report of the coordinates as they are, under ``names``."""
+
+    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+        return {name: (float(values[k]), math.sqrt(max(float(covariance[k, k]), 0.0))) for k, name in enumerate(names)}
+
+    return report
+
+
+def wave(x: float, y: float) -> tuple[float, float]:
+    """Amplitude and phase in deg of x cos + y sin = A cos(. + phase)."""
+    return math.hypot(x, y), math.degrees(math.atan2(-y, x))
+
+
+def own_of(place: Place) -> str:
+    """ "driving gear" or "driven gear"."""
+    return f"{place.gear_name} gear"

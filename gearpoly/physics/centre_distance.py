@@ -1,0 +1,45 @@
+"""Axes that stand farther apart, or nearer, than declared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.assemble import nominal_gear
+from gearpoly.files.models import PairFile
+from gearpoly.mesh.pair import tight_centre_distance
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    yield Place()
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    moved = np.full(scene.samples.size, values[0] * UM)
+    return scene.displaced(1, moved, np.zeros(scene.samples.size))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    a = file.pair.centre_distance_mm
+    if a is None:
+        a = tight_centre_distance(nominal_gear(file.driving), nominal_gear(file.driven))
+    return on_pair(file, centre_distance_mm=a + values[0] * UM)
+
+
+PHYSICS = Physics(
+    name="centre_distance",
+    coordinates=(Quantity(name="offset_um", step=5.0),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("offset_um"),
+    says=lambda place, v: (
+        f"The axes stand {abs(v[0]):.0f} um {'farther apart' if v[0] > 0 else 'nearer'} than declared."
+    ),
+    equation="each side opens by (r_b1 + r_b2)(inv alpha' - inv alpha)",
+)

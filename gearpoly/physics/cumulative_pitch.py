@@ -1,0 +1,67 @@
+"""A wave of index deviations round a gear, beyond what was declared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, on_gear, own_of, polar
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import added
+from gearpoly.units import UM, FloatArray
+
+HIGHEST = 8
+"""Waves per turn that are looked for: cutting errors are slow; faster ones are single teeth."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        # Where only a grade is known, index deviations are as-built, not missing.
+        if not scope.inspected[gear]:
+            continue
+        for order in range(1, min(HIGHEST, (scope.gears[gear].z - 1) // 2) + 1):
+            for flank in sorted(set(scope.flanks), reverse=True):
+                yield Place(gear=gear, order=order, flank=flank)
+
+
+def _wave(place: Place, values: Values, z: int) -> FloatArray:
+    angle = (place.order or 1) * 2.0 * math.pi * np.arange(z) / z
+    return values[0] * np.cos(angle) + values[1] * np.sin(angle)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if scene.samples.flank != place.flank:
+        return np.zeros(scene.samples.size)
+    gear = place.gear or 0
+    z = (scene.pair.driving if gear == 0 else scene.pair.driven).gear.z
+    return scene.deviated(gear, lambda tooth, l: (_wave(place, values, z) * UM)[tooth])
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    z = (file.driving if place.gear == 0 else file.driven).teeth
+    key = "pitch_um" if place.flank == "drive" else "pitch_coast_um"
+    return on_gear(file, place.gear, inspection=added(file, place.gear, key, _wave(place, values, z)))
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    amplitude, angle = polar(float(values[0]), float(values[1]), covariance)
+    return {"amplitude_um": amplitude, "order": (float(place.order or 1), 0.0), "angle_deg": angle}
+
+
+PHYSICS = Physics(
+    name="cumulative_pitch",
+    coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
+    amplitudes=2,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"The {own_of(place)}'s pitch waves {math.hypot(v[0], v[1]):.1f} um, {place.order} times per turn, beyond its "
+        "inspection."
+    ),
+    equation="p_k = A cos(2 pi n k/z - phi), a staircase in x",
+)

@@ -1,0 +1,70 @@
+"""A gear that runs off its axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import Eccentricity, PairFile
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Reported,
+    Scope,
+    Values,
+    gear_section,
+    on_gear,
+    own_of,
+    polar,
+)
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        if scope.section(gear).eccentricity is None:
+            yield Place(gear=gear)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    """The gear's centre moves round its axis and carries all flanks along."""
+    gear = place.gear or 0
+    mounted = scene.pair.driving if gear == 0 else scene.pair.driven
+    # At rotation 0 the centre stands at origin + sign angle; the driving gear turns counter-clockwise, the driven
+    # clockwise.
+    turned = scene.samples.theta_1 if gear == 0 else -scene.samples.theta_2
+    direction = np.exp(1j * (mounted.origin + turned))
+    centre = direction * (values[0] + 1j * mounted.sign * values[1]) * UM
+    return scene.displaced(gear, centre.real, centre.imag)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    x, y = values
+    declared = gear_section(file, place.gear).eccentricity
+    if declared is not None:
+        x += declared.amplitude_um * math.cos(math.radians(declared.angle_deg))
+        y += declared.amplitude_um * math.sin(math.radians(declared.angle_deg))
+    table = Eccentricity(amplitude_um=math.hypot(x, y), angle_deg=math.degrees(math.atan2(y, x)) % 360.0)
+    return on_gear(file, place.gear, eccentricity=table)
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    amplitude, angle = polar(float(values[0]), float(values[1]), covariance)
+    return {"amplitude_um": amplitude, "angle_deg": angle}
+
+
+PHYSICS = Physics(
+    name="eccentricity",
+    coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
+    amplitudes=2,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=_report,
+    says=lambda place, v: f"The {own_of(place)} runs {math.hypot(v[0], v[1]):.1f} um off its axis.",
+    equation="x = e cos(theta - phi) along the line of action, exact: the gear's centre moves round its axis",
+)

@@ -1,0 +1,74 @@
+"""An encoder that errs a whole number of times per turn: interpolation between its lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import Encoder, Interpolation, PairFile
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Reported,
+    Scope,
+    Values,
+    changed,
+    gear_section,
+    on_gear,
+    own_of,
+    polar,
+    wave,
+)
+from gearpoly.physics.encoder import misread
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+LOWEST = 32
+"""Errors per turn: discs have at least so many lines; slower errors belong to the mounting."""
+
+HIGHEST = 8192
+"""The same: more lines than most discs have. Above half the sampling an order may be the alias of another."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        if scope.encoders[gear]:
+            for order in range(LOWEST, HIGHEST + 1):
+                yield Place(gear=gear, order=order)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    return misread(scene, place.gear, place.order or 1, values)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    held = gear_section(file, place.gear).encoder or Encoder()
+    amplitude, angle = wave(values[0], values[1])
+    one = Interpolation.model_construct(order=place.order or 1, amplitude_urad=amplitude, angle_deg=angle % 360.0)
+    return on_gear(file, place.gear, encoder=changed(held, interpolation=(*held.interpolation, one)))
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    amplitude, angle = polar(float(values[0]), -float(values[1]), covariance * np.array([[1, -1], [-1, 1]]))
+    return {"order": (float(place.order or 1), 0.0), "amplitude_urad": amplitude, "angle_deg": angle}
+
+
+PHYSICS = Physics(
+    name="encoder_interpolation",
+    coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
+    amplitudes=2,
+    places=_places,
+    effect=_effect,
+    wavelike=True,
+    measures=True,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"The encoder on the {own_of(place)}'s shaft errs by {math.hypot(v[0], v[1]):.1f} urad, "
+        f"{place.order} times per turn: interpolation between its lines."
+    ),
+    equation="reading = truth + A cos(n reading + phase), n the line count or a multiple",
+)

@@ -1,0 +1,65 @@
+"""An encoder whose counts per turn are set wrong, or a coupling that slips: a ramp."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import Encoder, PairFile
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Reported,
+    Scope,
+    Values,
+    changed,
+    gear_section,
+    on_gear,
+    own_of,
+)
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+PPM = 1e-6
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        if scope.encoders[gear]:
+            yield Place(gear=gear)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    driving = place.gear in (0, None)
+    theta = scene.samples.theta_1 if driving else scene.samples.theta_2
+    part = -scene.pair.ratio if driving else 1.0
+    return np.asarray(part * values[0] * PPM * theta * scene.pair.r_b2)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    held = gear_section(file, place.gear).encoder or Encoder()
+    return on_gear(file, place.gear, encoder=changed(held, scale=held.scale * (1.0 + values[0] * PPM)))
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    return {"ratio": (1.0 + float(values[0]) * PPM, math.sqrt(max(float(covariance[0, 0]), 0.0)) * PPM)}
+
+
+PHYSICS = Physics(
+    name="encoder_scale",
+    coordinates=(Quantity(name="ppm"),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    measures=True,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"The encoder on the {own_of(place)}'s shaft counts {v[0]:+.1f} millionths too "
+        f"{'much' if v[0] > 0 else 'little'} per turn, or its coupling slips."
+    ),
+    equation="reading = ratio times truth: a ramp in x",
+)

@@ -1,0 +1,30 @@
+"""Friction between the teeth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    if scope.loaded:
+        yield Place(probe=(0.05,))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    return on_pair(file, friction_coefficient=min(1.0, max(0.0, file.pair.friction_coefficient + values[0])))
+
+
+PHYSICS = Physics(
+    name="friction",
+    coordinates=(Quantity(name="coefficient", low=0.0, high=1.0, step=0.02),),
+    amplitudes=1,
+    places=_places,
+    write=_write,
+    report=plain("coefficient"),
+    reloads=True,
+    says=lambda place, v: f"The teeth rub on each other with a coefficient of friction of {v[0]:.3f}.",
+    equation="N = F/(1 -+ mu rho_2/r_b2): more normal force in approach, less in recess",
+)

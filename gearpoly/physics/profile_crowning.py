@@ -1,0 +1,37 @@
+"""Flanks that are fuller in their middle, all teeth alike, beyond what was declared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import added_on_both
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    return [Place(gear=0), Place(gear=1)]
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    gear = place.gear or 0
+    return scene.deviated(gear, lambda tooth, l: -values[0] * UM * (2.0 * scene.spans[gear].u(l) - 1.0) ** 2)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    return on_gear(file, place.gear, inspection=added_on_both(file, place.gear, "profile_crowning", values[0]))
+
+
+PHYSICS = Physics(
+    name="profile_crowning",
+    coordinates=(Quantity(name="crowning_um"),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("crowning_um"),
+    says=lambda place, v: f"The flanks of the {own_of(place)} lack {v[0]:.1f} um at both ends relative to the middle.",
+    equation="d = -c (2 u - 1)^2, u from 0 at the start of the active profile to 1 at the tip",
+)

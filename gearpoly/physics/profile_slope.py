@@ -1,0 +1,41 @@
+"""Flanks that rise or fall towards the tip, all teeth alike, beyond what was declared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import added_on_both
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    # Where only a grade is known, slopes are as-built, not missing.
+    return [Place(gear=gear) for gear in (0, 1) if scope.inspected[gear]]
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    gear = place.gear or 0
+    return scene.deviated(gear, lambda tooth, l: values[0] * UM * (scene.spans[gear].u(l) - 0.5))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    return on_gear(file, place.gear, inspection=added_on_both(file, place.gear, "profile_slope", values[0]))
+
+
+PHYSICS = Physics(
+    name="profile_slope",
+    coordinates=(Quantity(name="slope_um"),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("slope_um"),
+    says=lambda place, v: (
+        f"All flanks of the {own_of(place)} {'rise' if v[0] > 0 else 'fall'} by {abs(v[0]):.1f} um "
+        "towards the tip, beyond what was declared."
+    ),
+    equation="d = s (u - 1/2), u from 0 at the start of the active profile to 1 at the tip",
+)

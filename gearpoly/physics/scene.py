@@ -1,0 +1,269 @@
+"""One recording beside the exact contacts at its own samples: what the physics are shown.
+
+Every sample is simulated at its own angle, so nothing is interpolated. By the envelope theorem the transmission error
+moves with the deviation at the contact points of the touching pairs, each weighed by its stiffness: first-order effects
+of small changes need no further simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from gearpoly.assemble import Assembled
+from gearpoly.gear.deviations import Span
+from gearpoly.gear.gear import Gear
+from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
+from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
+from gearpoly.mesh.pair import Flank, GearPair, active_start
+from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.simulate import cycle_te, further_te
+from gearpoly.units import FloatArray, IntArray
+
+DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
+"""Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Samples:
+    """Where and under what a recording was made, (n,) each: ``theta_1``, ``theta_2`` in rad from the contract's zero,
+    ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
+    ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: both encoders were read, so its
+    mean compares with those of the others."""
+
+    number: int
+    flank: Flank
+    torque: float
+    speed: float | None
+    theta_1: FloatArray
+    theta_2: FloatArray
+    time: FloatArray | None
+    reading_1: FloatArray
+    reading_2: FloatArray
+    direction_1: int
+    direction_2: int
+    counted: bool
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.theta_2.size
+
+    @property
+    def coast(self) -> bool:
+        """Whether the coast flank carries."""
+        return self.flank == "coast"
+
+    @property
+    def sense(self) -> float:
+        """Sign by which material moves the transmission error: +1 on the drive flank, -1 on the coast flank."""
+        return -1.0 if self.coast else 1.0
+
+    @cached_property
+    def along(self) -> FloatArray:
+        """Place (n,) in the recording, -1 at its beginning and 1 at its end, by time where it is known."""
+        x = self.theta_2 if self.time is None else self.time
+        return np.asarray(2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-300) - 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """A set-up simulated at the samples of one recording.
+
+    ``te`` (n,) in mm; rows of touching pairs laid out (P, n): ``tooth_1``, ``tooth_2``, roll lengths ``l_1``, ``l_2``
+    in mm, ``weight`` in the transmission error (0: none), normal ``force`` in N, ``n_x``, ``n_y`` the normal from the
+    driving into the driven tooth; ``soft`` (n,) compliance in mm/N of all touching pairs together, 0 where nothing
+    bends.
+    """
+
+    samples: Samples
+    assembled: Assembled
+    rows: FlankContacts
+    te: FloatArray
+    tooth_1: IntArray
+    tooth_2: IntArray
+    l_1: FloatArray
+    l_2: FloatArray
+    n_x: FloatArray
+    n_y: FloatArray
+    weight: FloatArray
+    force: FloatArray
+    soft: FloatArray
+
+    @property
+    def pair(self) -> GearPair:
+        """The simulated pair."""
+        return self.assembled.pair
+
+    @property
+    def bends(self) -> bool:
+        """Whether load bends teeth here."""
+        return self.assembled.elasticity is not None and self.samples.torque > 0.0
+
+    def teeth(self, gear: int) -> IntArray:
+        """Tooth numbers (P, n) of gear 0 (driving) or 1."""
+        return self.tooth_1 if gear == 0 else self.tooth_2
+
+    def roll(self, gear: int) -> FloatArray:
+        """Roll lengths (P, n) in mm of the contacts on gear 0 (driving) or 1."""
+        return self.l_1 if gear == 0 else self.l_2
+
+    @cached_property
+    def spans(self) -> tuple[Span, Span]:
+        """Between which roll lengths the flanks of both gears work."""
+        gears = self.pair.driving.gear, self.pair.driven.gear
+        starts = [
+            active_start(gear, mate, l_form=mounted.flanks.root.l_form)
+            for gear, mate, mounted in zip(gears, gears[::-1], (self.pair.driving, self.pair.driven), strict=True)
+        ]
+        return Span(l_start=starts[0], l_a=gears[0].l_a), Span(l_start=starts[1], l_a=gears[1].l_a)
+
+    def gear(self, gear: int) -> Gear:
+        """The deviation-free gear 0 (driving) or 1."""
+        return (self.pair.driving if gear == 0 else self.pair.driven).gear
+
+    def moved_by(self, deviation: FloatArray) -> FloatArray:
+        """Change (n,) in mm of the transmission error when pairs have ``deviation`` (P, n) mm more material."""
+        return np.asarray(self.samples.sense * np.einsum("pn,pn->n", self.weight, deviation))
+
+    def deviated(self, gear: int, deviation: DeviationOf) -> FloatArray:
+        """The same for a deviation of the flanks of one gear."""
+        return self.moved_by(deviation(self.teeth(gear), self.roll(gear)))
+
+    def deviated_tooth(self, gear: int, tooth: int | None, deviation: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        """The same for a deviation (k,) in mm at roll lengths (k,) in mm of a single tooth."""
+        p, n = np.nonzero((self.teeth(gear) == tooth) & (self.weight > 0.0))
+        values = self.samples.sense * self.weight[p, n] * deviation(self.roll(gear)[p, n])
+        return np.bincount(n, weights=values, minlength=self.samples.size).astype(np.float64)
+
+    def displaced(self, gear: int, x: FloatArray, y: FloatArray) -> FloatArray:
+        """The same when the centre of one gear moves by (x, y) (n,) mm in the global frame."""
+        # Towards the mate closes the gap: the driving gear along the normal, the driven against it.
+        towards = 1.0 if gear == 0 else -1.0
+        return self.moved_by(towards * (x * self.n_x + y * self.n_y))
+
+    @cached_property
+    def compliance(self) -> PairCompliance:
+        """The compliance of the pair on this flank, also where the file says that nothing bends."""
+        return _compliance(self.pair, self.assembled.elasticity or Elasticity(), self.samples.flank)
+
+    def tooth_compliance(self, gear: int) -> FloatArray:
+        """Compliance (P, n) in mm/N of the teeth of one gear at their contacts."""
+        table = self.compliance.driving if gear == 0 else self.compliance.driven
+        r_b = self.pair.r_b1 if gear == 0 else self.pair.r_b2
+        tooth, radius = self.teeth(gear), np.hypot(self.roll(gear), r_b)
+        return table.at(tooth.ravel(), radius.ravel()).reshape(tooth.shape)
+
+    def under(self, elasticity: Elasticity | None) -> FloatArray:
+        """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""
+        return self.te + (self._loaded_te(elasticity) - self._own_te) * self.pair.r_b2
+
+    def with_load_of(self, assembled: Assembled) -> FloatArray:
+        """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
+        s = self.samples
+        te = self._loaded_te(assembled.elasticity)
+        further = further_te(assembled, s.theta_2, torque=s.torque, flank=s.flank, speed=s.speed)
+        return (te + further) * self.pair.r_b2
+
+    @cached_property
+    def cycle_te(self) -> FloatArray:
+        """Transmission error in rad of the mesh alone at even places of a hunting cycle."""
+        return cycle_te(self.assembled, torque=self.samples.torque, flank=self.samples.flank)
+
+    @cached_property
+    def _own_te(self) -> FloatArray:
+        return self._loaded_te(self.assembled.elasticity)
+
+    def _loaded_te(self, elasticity: Elasticity | None) -> FloatArray:
+        """Transmission error (n,) in rad of the mesh alone."""
+        if elasticity is None or self.samples.torque == 0.0:
+            return self.rows.te
+        rows, torque = self.rows, self.samples.torque
+        by = _compliance(self.pair, elasticity, self.samples.flank)
+        if NEAR + load_reach(by, torque) > rows.near:
+            rows = _rows(self.pair, self.samples, near=NEAR + load_reach(by, torque))
+        return loaded(rows, by, torque=torque, sharing=self.assembled.sharing).te
+
+
+@lru_cache(maxsize=64)
+def _compliance(pair: GearPair, elasticity: Elasticity, flank: Flank) -> PairCompliance:
+    """Recordings of a set share their gears, and so their compliance."""
+    return pair_compliance(pair, elasticity, flank=flank)
+
+
+def _mesh_te(rows: FlankContacts, load: LoadedContacts | None) -> FloatArray:
+    return rows.te if load is None else load.te
+
+
+def _rows(pair: GearPair, samples: Samples, *, near: float) -> FlankContacts:
+    # Within one hunting cycle: whole cycles change nothing, and small angles keep their digits.
+    return contacts(pair, np.mod(samples.theta_2, pair.cycle), flank=samples.flank, near=near, fast=True)
+
+
+def stage(assembled: Assembled, samples: Samples) -> Scene:
+    """Simulate a set-up at the samples of a recording.
+
+    Raises ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified kernel disagrees,
+    ``OutOfRangeError`` for a load beyond small deflections.
+    """
+    pair, torque = assembled.pair, samples.torque
+    bends = assembled.elasticity if torque > 0.0 else None
+    by = _compliance(pair, bends, samples.flank) if bends is not None else None
+    rows = _rows(pair, samples, near=NEAR if by is None else NEAR + load_reach(by, torque))
+    load = None if by is None else loaded(rows, by, torque=torque, sharing=assembled.sharing)
+    weight, force = _weights(rows, load, by)
+    held = weight > 0.0
+    position = rows.position[held]
+    start = np.searchsorted(position, np.arange(samples.size))
+    slot = np.arange(position.size) - start[position]
+    shape = (int(slot.max(initial=0)) + 1, samples.size)
+
+    def laid(values: FloatArray) -> FloatArray:
+        out = np.zeros(shape)
+        out[slot, position] = values[held]
+        return out
+
+    def numbered(values: IntArray) -> IntArray:
+        out = np.zeros(shape, dtype=np.int64)
+        out[slot, position] = values[held]
+        return out
+
+    r_1 = np.hypot(rows.point[:, 0], rows.point[:, 1])
+    r_2 = np.hypot(rows.point[:, 0] - pair.a, rows.point[:, 1])
+    further = further_te(assembled, samples.theta_2, torque=torque, flank=samples.flank, speed=samples.speed)
+    soft = np.zeros(samples.size)
+    if load is not None:
+        # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
+        soft = 1.0 / load.stiffness
+    return Scene(
+        samples=samples,
+        assembled=assembled,
+        rows=rows,
+        te=(_mesh_te(rows, load) + further) * pair.r_b2,
+        tooth_1=numbered(rows.driving),
+        tooth_2=numbered(rows.driven),
+        l_1=laid(np.sqrt(np.maximum(r_1**2 - pair.r_b1**2, 0.0))),
+        l_2=laid(np.sqrt(np.maximum(r_2**2 - pair.r_b2**2, 0.0))),
+        n_x=laid(rows.normal[:, 0]),
+        n_y=laid(rows.normal[:, 1]),
+        weight=laid(weight),
+        force=laid(force),
+        soft=soft,
+    )
+
+
+def _weights(
+    rows: FlankContacts, load: LoadedContacts | None, by: PairCompliance | None
+) -> tuple[FloatArray, FloatArray]:
+    """Weight (rows,) of each pair in the transmission error, and its force (rows,) in N."""
+    if load is None or by is None:
+        first = np.zeros(rows.position.size)
+        first[np.searchsorted(rows.position, np.arange(rows.theta_2.size))] = 1.0
+        return first, np.zeros(first.size)
+    least = np.maximum(load.force, LEAST_LOAD * float(np.max(load.force)))
+    teeth = by.teeth(rows.driving, rows.driven, rows.point)
+    stiffness = (load.force > 0.0) / by.tangent(least, teeth, rows.point)
+    return stiffness / np.bincount(rows.position, weights=stiffness)[rows.position], load.force

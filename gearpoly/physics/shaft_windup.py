@@ -1,0 +1,41 @@
+"""Shafts that twist between the encoders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.units import NM, URAD, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    # Only what changes from one recording to the next shows: a single one has no zero to compare with.
+    if scope.counted and (len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)):
+        yield Place()
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    twist = -scene.samples.sense * values[0] * URAD / NM * scene.samples.torque * scene.pair.r_b2
+    return np.full(scene.samples.size, twist)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    return on_pair(file, windup_urad_per_nm=file.pair.windup_urad_per_nm + values[0])
+
+
+PHYSICS = Physics(
+    name="shaft_windup",
+    coordinates=(Quantity(name="compliance_urad_per_nm", low=0.0, step=0.1),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("compliance_urad_per_nm"),
+    reloads=True,
+    says=lambda place, v: f"The shafts between the encoders twist by {v[0]:.2f} urad per N.m of driven torque.",
+    equation="x falls by r_b2 c T on the drive flank and rises on the coast flank",
+)

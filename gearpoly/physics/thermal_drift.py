@@ -1,0 +1,69 @@
+"""A rig that warms up: the transmission error wanders slowly over a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import Measurement, PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+TERMS = 3
+"""Legendre polynomials over a recording: a ramp, a bow, an S. What is faster is no warming."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for k in range(scope.conditions):
+        yield Place(order=k)
+
+
+def _curve(values: Values, along: FloatArray) -> FloatArray:
+    return np.asarray(np.polynomial.legendre.legval(along, (0.0, *values)) * UM)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if scene.samples.number != place.order:
+        return np.zeros(scene.samples.size)
+    return _curve(values, scene.samples.along)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    held = list(file.measurement.thermal_drift_um) if file.measurement is not None else []
+    while len(held) <= (place.order or 0):
+        held.append(())
+    held[place.order or 0] = tuple(float(round(v, 6)) for v in values)
+    measurement = Measurement.model_construct(thermal_drift_um=tuple(held))
+    copy: PairFile = changed(file, measurement=measurement)
+    return copy
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    along = np.linspace(-1.0, 1.0, 201)
+    columns = np.polynomial.legendre.legvander(along, TERMS)[:, 1:]
+    curve = columns @ values
+    # The change from the mildest to the strongest point; its error is that of the difference of both.
+    top, bottom = int(np.argmax(curve)), int(np.argmin(curve))
+    row = columns[top] - columns[bottom]
+    size = float(curve[top] - curve[bottom])
+    std = float(np.sqrt(max(float(row @ covariance @ row), 0.0)))
+    return {"amplitude_um": (size, std), "recording": (float(place.order or 0), 0.0)}
+
+
+PHYSICS = Physics(
+    name="thermal_drift",
+    coordinates=tuple(Quantity(name=f"legendre_{k}_um") for k in range(1, TERMS + 1)),
+    amplitudes=TERMS,
+    places=_places,
+    effect=_effect,
+    measures=True,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"The transmission error of recording {place.order} drifts slowly, by "
+        f"{float(np.ptp(_curve(v, np.linspace(-1, 1, 201)))) / UM:.1f} um."
+    ),
+    equation="x gains a slow curve over time (Legendre polynomials 1 to 3)",
+)

@@ -1,0 +1,59 @@
+"""Material taken off towards the tips that nobody declared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile, TipRelief
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
+"""Modules. Reliefs begin between the very tip and about the highest point of single contact."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        if scope.section(gear).tip_relief is not None:
+            # How much is off, not where it begins: the drawing's length stays.
+            yield Place(gear=gear, shape=(scope.section(gear).tip_relief.length_mm,))  # type: ignore[union-attr]
+            continue
+        m, room = scope.gears[gear].m, scope.gears[gear].r_a - scope.gears[gear].r_b
+        for length in LENGTHS:
+            if length * m < 0.95 * room:
+                yield Place(gear=gear, shape=(length * m,))
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    gear = place.gear or 0
+    ideal = scene.gear(gear)
+    start = ideal.roll_length(ideal.r_a - values[1])
+
+    def deviation(tooth: np.ndarray[tuple[int, ...], np.dtype[np.int64]], l: FloatArray) -> FloatArray:
+        return np.asarray(-values[0] * UM * np.maximum(0.0, (l - start) / (ideal.l_a - start)))
+
+    return scene.deviated(gear, deviation)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    declared = gear_section(file, place.gear).tip_relief
+    amount = values[0] + (declared.amount_um if declared is not None else 0.0)
+    shape = declared.shape if declared is not None else "linear"
+    table = TipRelief(amount_um=max(amount, 0.0), length_mm=values[1], shape=shape)
+    return on_gear(file, place.gear, tip_relief=table)
+
+
+PHYSICS = Physics(
+    name="tip_relief",
+    coordinates=(Quantity(name="amount_um", low=0.0), Quantity(name="length_mm", low=0.02, step=0.01)),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("amount_um", "length_mm"),
+    says=lambda place, v: f"The tips of the {own_of(place)} are relieved by {v[0]:.1f} um over {v[1]:.2f} mm.",
+    equation="d = -C t, t from 0 where the relief begins to 1 at the tip, in roll length",
+)

@@ -1,0 +1,54 @@
+"""A tooth that gives more than its neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import Crack, PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, gear_section, on_gear, own_of
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    if not scope.loaded or "drive" not in scope.flanks:
+        return
+    for gear in (0, 1):
+        for tooth in range(scope.gears[gear].z):
+            yield Place(gear=gear, tooth=tooth)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    """A pair whose compliance grows by dc gives F dc more, and the mesh the share of it that the pair carries."""
+    if scene.samples.coast or not scene.bends:
+        return np.zeros(scene.samples.size)
+    gear = place.gear or 0
+    mine = scene.teeth(gear) == place.tooth
+    return scene.moved_by(-values[0] * scene.force * np.where(mine, scene.tooth_compliance(gear), 0.0))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    crack = Crack.model_construct(tooth=place.tooth or 0, compliance_factor=max(0.1, 1.0 + values[0]))
+    return on_gear(file, place.gear, crack=(*gear_section(file, place.gear).crack, crack))
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    return {"compliance_factor": (1.0 + float(values[0]), float(np.sqrt(max(covariance[0, 0], 0.0))))}
+
+
+PHYSICS = Physics(
+    name="tooth_crack",
+    coordinates=(Quantity(name="more", low=0.0, step=0.1),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"Tooth {place.tooth} of the {own_of(place)} gives {1.0 + v[0]:.2f} times as much as it "
+        "should: a crack at its root."
+    ),
+    equation="the tooth's compliance times a factor, contact not counted",
+)

@@ -1,0 +1,45 @@
+"""Teeth that bend where the simulation holds them rigid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.mesh.compliance import law_names  # noqa: F401  (the laws that the file may name)
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.units import FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    widths = [scope.section(gear).face_width_mm for gear in (0, 1)]
+    if not scope.file.model.tooth_deflection and max(scope.torques) > 0.0 and None not in widths:
+        yield Place(probe=(1.0,))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    if values[0] <= 0.0:
+        return file
+    model = changed(file.model, tooth_deflection=True, compliance_scale=float(np.clip(values[0], 0.01, 100.0)))
+    copy: PairFile = changed(file, model=model)
+    return copy
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    """In parts of what the simulation's law gives; the diagnosis turns it into um/N at the pitch point."""
+    return {"compliance_scale": (float(values[0]), math.sqrt(max(float(covariance[0, 0]), 0.0)))}
+
+
+PHYSICS = Physics(
+    name="tooth_deflection",
+    coordinates=(Quantity(name="scale", low=0.0, step=0.02),),
+    amplitudes=1,
+    places=_places,
+    write=_write,
+    report=_report,
+    reloads=True,
+    says=lambda place, v: "The teeth bend under load.",
+    equation="x = (sum k_i e_i - F)/sum k_i over the touching pairs, k_i from the outline of each tooth",
+)

@@ -1,0 +1,49 @@
+"""One tooth that stands off its place, beyond what its inspection or its grade explains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import added
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        for tooth in range(scope.gears[gear].z):
+            for flank in sorted(set(scope.flanks), reverse=True):
+                yield Place(gear=gear, tooth=tooth, flank=flank)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if scene.samples.flank != place.flank:
+        return np.zeros(scene.samples.size)
+    return scene.deviated_tooth(place.gear or 0, place.tooth, lambda l: np.full(l.size, values[0] * UM))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    z = (file.driving if place.gear == 0 else file.driven).teeth
+    key = "pitch_um" if place.flank == "drive" else "pitch_coast_um"
+    more = values[0] * (np.arange(z) == place.tooth)
+    return on_gear(file, place.gear, inspection=added(file, place.gear, key, more))
+
+
+PHYSICS = Physics(
+    name="tooth_pitch",
+    coordinates=(Quantity(name="deviation_um"),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("deviation_um"),
+    says=lambda place, v: (
+        f"Tooth {place.tooth} of the {own_of(place)} stands {abs(v[0]):.1f} um "
+        f"{'ahead of' if v[0] > 0 else 'behind'} its declared place."
+    ),
+    equation="p_n = f on one tooth: x moves by f where its pair carries alone, by its share where two do",
+)

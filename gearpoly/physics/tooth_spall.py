@@ -1,0 +1,79 @@
+"""A place on one tooth where material has broken away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile, Spall
+from gearpoly.gear.deviations import Pit
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+PARTS = 8
+"""Parts of the active flank on which a spall is first looked for."""
+
+WINDOWS = tuple((i, i + wide) for wide, by in ((1, 1), (2, 1), (4, 2)) for i in range(0, PARTS - wide + 1, by))
+"""Where it is looked for: single parts, two neighbours, halves; its edges are found later."""
+
+WALL = 0.05
+"""Modules over which the walls of a spall rise at first."""
+
+LEAST = 0.01
+"""mm. Walls steeper than this show no more."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    if "drive" not in scope.flanks:
+        return
+    for gear in (0, 1):
+        ideal, (low, high) = scope.gears[gear], scope.reach[gear]
+        edges = np.hypot(np.linspace(low, high, PARTS + 1), ideal.r_b)
+        for tooth in range(ideal.z):
+            for i, j in WINDOWS:
+                yield Place(gear=gear, tooth=tooth, shape=(float(edges[i]), float(edges[j]), WALL * ideal.m))
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if scene.samples.coast:
+        return np.zeros(scene.samples.size)
+    gear = place.gear or 0
+    ideal = scene.gear(gear)
+    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, values[1], values[2], max(values[3], LEAST))
+
+    return scene.deviated_tooth(gear, place.tooth, pit.along)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    low, high = sorted(values[1:3])
+    spall = Spall.model_construct(
+        tooth=place.tooth or 0,
+        depth_um=max(values[0], 0.0),
+        from_mm=low,
+        to_mm=max(high, low + 1e-3),
+        wall_mm=max(values[3], LEAST),
+    )
+    return on_gear(file, place.gear, spall=(*gear_section(file, place.gear).spall, spall))
+
+
+PHYSICS = Physics(
+    name="tooth_spall",
+    coordinates=(
+        Quantity(name="depth_um", low=0.0),
+        Quantity(name="from_mm", step=0.02),
+        Quantity(name="to_mm", step=0.02),
+        Quantity(name="wall_mm", low=LEAST, high=1.0, step=0.01),
+    ),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("depth_um", "from_mm", "to_mm", "wall_mm"),
+    says=lambda place, v: (
+        f"Tooth {place.tooth} of the {own_of(place)} has lost {v[0]:.1f} um between the radii "
+        f"{v[1]:.2f} and {v[2]:.2f} mm."
+    ),
+    equation="d = -depth/2 [tanh((r - from)/wall) - tanh((r - to)/wall)] on one tooth",
+)

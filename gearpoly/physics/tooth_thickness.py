@@ -1,0 +1,50 @@
+"""Teeth that are thinner or thicker than declared: their coast flanks stand elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.physics.sheet import added
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    if "coast" in scope.flanks and "drive" in scope.flanks:
+        for gear in (0, 1):
+            if scope.inspected[gear]:
+                yield Place(gear=gear)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if not scene.samples.coast:
+        return np.zeros(scene.samples.size)
+    gear = place.gear or 0
+    more = values[0] * UM * math.cos(scene.gear(gear).alpha)
+    return scene.deviated(gear, lambda tooth, l: np.full(tooth.shape, more))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    section = gear_section(file, place.gear)
+    more = values[0] * math.cos(math.radians(section.pressure_angle_deg))
+    return on_gear(file, place.gear, inspection=added(file, place.gear, "pitch_coast_um", more))
+
+
+PHYSICS = Physics(
+    name="tooth_thickness",
+    coordinates=(Quantity(name="deviation_um"),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("deviation_um"),
+    says=lambda place, v: (
+        f"The teeth of the {own_of(place)} are {abs(v[0]):.1f} um {'thicker' if v[0] > 0 else 'thinner'} than declared."
+    ),
+    equation="the coast flank moves by E_s cos(alpha)",
+)

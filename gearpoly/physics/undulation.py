@@ -1,0 +1,79 @@
+"""A wave that goes on from flank to flank: a ghost order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile, Undulation
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Reported,
+    Scope,
+    Values,
+    gear_section,
+    on_gear,
+    own_of,
+    polar,
+    wave,
+)
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+LOWEST, HIGHEST = 1.2, 8.0
+"""Waves per pitch. Slower waves are pitch or eccentricity; a wave shorter than an eighth of the path is roughness."""
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    for gear in (0, 1):
+        z = scope.gears[gear].z
+        for order in range(math.ceil(LOWEST * z), math.floor(HIGHEST * z) + 1):
+            if order % z:
+                for flank in sorted(set(scope.flanks), reverse=True):
+                    yield Place(gear=gear, order=order, flank=flank)
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    if scene.samples.flank != place.flank:
+        return np.zeros(scene.samples.size)
+    gear, order = place.gear or 0, place.order or 1
+    ideal = scene.gear(gear)
+    # Contact runs up the driving flank and down the driven one; on the coast flank the other way.
+    sense = scene.samples.sense * (1.0 if gear == 0 else -1.0)
+    phi = scene.teeth(gear) * ideal.tau + sense * (scene.roll(gear) - ideal.l_pitch) / ideal.r_b
+    return scene.moved_by(UM * (values[0] * np.cos(order * phi) + values[1] * np.sin(order * phi)))
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    amplitude, angle = wave(values[0], values[1])
+    flank = place.flank or "drive"
+    one = Undulation.model_construct(
+        order=place.order or 1, amplitude_um=amplitude, angle_deg=angle % 360.0, flank=flank
+    )
+    return on_gear(file, place.gear, undulation=(*gear_section(file, place.gear).undulation, one))
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    amplitude, angle = polar(float(values[0]), -float(values[1]), covariance * np.array([[1, -1], [-1, 1]]))
+    return {"order": (float(place.order or 1), 0.0), "amplitude_um": amplitude, "angle_deg": angle}
+
+
+PHYSICS = Physics(
+    name="undulation",
+    coordinates=(Quantity(name="cos_um"), Quantity(name="sin_um")),
+    amplitudes=2,
+    places=_places,
+    effect=_effect,
+    wavelike=True,
+    write=_write,
+    report=_report,
+    says=lambda place, v: (
+        f"The flanks of the {own_of(place)} carry a wave of {math.hypot(v[0], v[1]):.2f} um, "
+        f"{place.order} times per turn (a ghost order)."
+    ),
+    equation="d = A cos(n phi + phase), phi the rotation at which a point of the flank is in contact",
+)

@@ -1,0 +1,40 @@
+"""Flanks worn where they slide: two dips about the pitch point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM, FloatArray
+
+
+def _places(scope: Scope) -> Iterable[Place]:
+    return [Place(gear=0), Place(gear=1)]
+
+
+def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+    gear = place.gear or 0
+    ideal = scene.gear(gear)
+    reach = ideal.l_a - ideal.l_pitch
+    return scene.deviated(gear, lambda tooth, l: -values[0] * UM * np.abs(l - ideal.l_pitch) / reach)
+
+
+def _write(file: PairFile, place: Place, values: Values) -> PairFile:
+    return on_gear(file, place.gear, wear_um=max(0.0, gear_section(file, place.gear).wear_um + values[0]))
+
+
+PHYSICS = Physics(
+    name="wear",
+    coordinates=(Quantity(name="depth_um", low=0.0),),
+    amplitudes=1,
+    places=_places,
+    effect=_effect,
+    write=_write,
+    report=plain("depth_um"),
+    says=lambda place, v: f"The flanks of the {own_of(place)} are worn by {v[0]:.1f} um at the tip.",
+    equation="d = -w |l - l_pitch|/(l_tip - l_pitch)",
+)
