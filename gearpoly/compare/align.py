@@ -35,8 +35,11 @@ PHASED = 0.1
 """Pitches. A zero known worse than this is not told from the data: evenly spread over a pitch would be 0.29."""
 
 PROBES = (-0.25, 0.25, 0.5)
-"""Pitches beside the place found at which the curves must fit worse beyond doubt; the standard error only knows how
-sharp the place itself is."""
+"""Pitches beside the place found at which the curves must fit worse; the standard error only knows how sharp the
+place itself is."""
+
+SURE = 2.5
+"""Standard errors by which those must fit worse: they are few, and not chosen by their fit."""
 
 QUIET = 0.02 * UM
 """mm. Misfit is never taken to be less than what the template itself misses; a perfect curve would have no scale."""
@@ -48,8 +51,8 @@ class Laid:
 
     ``std`` in rad of ``best.shift``, inf where the curves say nothing; ``offset_std`` in mm of ``best.offset``.
     ``rivals`` fit nearly as well, best first; ``contradicted`` is a place that fits much better but lies outside what
-    the stated zeros allow. ``phased``: the place within a pitch comes from the data; ``numbered``: so does the tooth,
-    given what is stated, and ``certain`` that it would without anything stated.
+    the stated zeros allow. ``phased``: the place within a pitch comes from the data, ``rough``: at least its place in
+    the turn does; ``numbered``: so does the tooth, given what is stated, and ``certain``: without anything stated.
     """
 
     best: Place
@@ -58,6 +61,7 @@ class Laid:
     rivals: tuple[Place, ...]
     contradicted: Place | None
     phased: bool
+    rough: bool
     numbered: bool
     certain: bool
 
@@ -103,17 +107,22 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
         contradicted = outside.place()
 
     fine = _fits(tuple(folded(curve, cycle) for curve in flat), cycle, sigma=[fit.sigma for fit in fits])
-    final = Attempt.make(fine, cycle, best.shift, best.turns)
+    final = Attempt.make(fine, cycle, best.shift, best.turns).polished()
     std, offset_std = final.errors()
-    probes = (final.moved(part * cycle.pitch) for part in PROBES)
-    phased = std < PHASED * cycle.pitch and all(is_worse(probe, final, cycle) for probe in probes)
+
+    def told(*parts: float) -> bool:
+        return all(is_worse(final.moved(part * cycle.pitch), final, cycle, sigmas=SURE) for part in parts)
+
+    phased = std < PHASED * cycle.pitch and told(*PROBES)
+    half_turns = (0.5 * cycle.z_1, -0.5 * cycle.z_1, 0.5 * cycle.z_2)
     return Laid(
         best=final.place(),
         std=std,
         offset_std=offset_std,
         rivals=tuple(one.place() for one in rivals),
-        contradicted=contradicted if phased else None,
+        contradicted=contradicted,
         phased=phased,
+        rough=phased or told(*half_turns),
         numbered=phased and not rivals,
         certain=phased and certain,
     )

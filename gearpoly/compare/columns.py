@@ -115,9 +115,11 @@ class Scattered:
 
 def tooth_numbers(carried: Carried, *, gear: int, coast: bool) -> IntArray:
     """Tooth (P, n) of ``gear`` (1 or 2) in each pair; on the coast flank driving n meets driven n + 1."""
-    if gear == 1:
-        return np.mod(carried.mesh, carried.z_1)
-    return np.mod(carried.mesh + (1 if coast else 0), carried.z_2)
+    key = f"tooth {gear} {coast}"
+    if key not in carried.known:
+        late = 1 if gear == 2 and coast else 0
+        carried.known[key] = np.mod(carried.mesh + late, carried.z_1 if gear == 1 else carried.z_2)
+    return carried.known[key]
 
 
 def rise(carried: Carried, *, gear: int) -> FloatArray:
@@ -125,9 +127,12 @@ def rise(carried: Carried, *, gear: int) -> FloatArray:
 
     The driving tooth meets its mate root first, the driven one tip first.
     """
-    low, high = carried.contact
-    along = np.clip((carried.phase - low) / (high - low), -0.2, 1.2) - 0.5
-    return along if gear == 1 else -along
+    key = f"rise {gear}"
+    if key not in carried.known:
+        low, high = carried.contact
+        along = np.clip((carried.phase - low) / (high - low), -0.2, 1.2) - 0.5
+        carried.known[key] = along if gear == 1 else -along
+    return carried.known[key]
 
 
 def as_built_part(carried: Carried, weight: FloatArray, *, coast: bool) -> Scattered:
@@ -137,12 +142,14 @@ def as_built_part(carried: Carried, weight: FloatArray, *, coast: bool) -> Scatt
     On the coast flank material lets the driven gear fall back, so the sign turns.
     """
     weight = weight * (-1.0 if coast else 1.0)
+    slots = [p for p in range(weight.shape[0]) if weight[p].any()]
+    weight = weight[slots]
     z_1, z_2 = carried.z_1, carried.z_2
     index, value = [], []
     for gear, first, z in ((1, 0, z_1), (2, 2 * z_1, z_2)):
-        tooth = tooth_numbers(carried, gear=gear, coast=coast)
+        tooth = tooth_numbers(carried, gear=gear, coast=coast)[slots]
         index += [tooth + first, tooth + (first + z)]
-        value += [weight, weight * rise(carried, gear=gear)]
+        value += [weight, weight * rise(carried, gear=gear)[slots]]
     return Scattered(columns=2 * (z_1 + z_2), index=np.concatenate(index), value=np.concatenate(value))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -12,13 +13,15 @@ from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.curve import Curve, Cycle
 from gearpoly.compare.locate import Located, locate
+from gearpoly.compare.noise import slow_curves
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.stand_in import known_pair
-from gearpoly.compare.template import Template, make_template
+from gearpoly.compare.template import Found, Template, make_template
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.mesh.pair import Flank, tight_centre_distance
+from gearpoly.mesh.pair import Flank, GearPair, tight_centre_distance
+from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import recorded_torque
@@ -116,7 +119,7 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
     step("weighing the difference against its noise")
     pair = beside.assembled.pair
     located = locate(
-        [_residual(one, pair.driven.gear.z, beside.alignment) for one in beside.aligned],
+        [_residual(one, pair, beside.alignment) for one in beside.aligned],
         gears=beside.gears,
         floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
         numbered=beside.alignment.numbered,
@@ -135,6 +138,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     pair = assembled.pair
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     step("cleaning the recordings")
+    recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
     for one in cleaned:
@@ -143,9 +147,12 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
-    templates = _templates(assembled, [one.recording.flank for one in cleaned], torques)
+    speeds = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
+    templates = _templates(assembled, [one.recording.flank for one in cleaned], torques, speeds)
     cycle = Cycle(z_1=z_1, z_2=z_2, per_mesh=templates[0].per_mesh, r_b2=pair.r_b2)
-    curves = tuple(_curve(one, template, base, cycle) for one, template in zip(cleaned, templates, strict=True))
+    drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
+    drifts = (*drifts, *((),) * len(cleaned))
+    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts))  # noqa: B905
     step("laying the recordings on the simulation")
     shafts = Shafts(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
@@ -175,20 +182,25 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     )
 
 
-def _templates(assembled: Assembled, flanks: list[Flank], torques: list[float]) -> list[Template]:
+def _templates(
+    assembled: Assembled, flanks: list[Flank], torques: list[float], speeds: list[float | None]
+) -> list[Template]:
     """One simulation per recording; those of one condition share theirs."""
-    made: dict[tuple[Flank, float], Template] = {}
-    out = []
-    for flank, torque in zip(flanks, torques, strict=True):
-        key = (flank, torque if assembled.elasticity is not None else 0.0)
-        if key not in made:
-            made[key] = make_template(assembled, flank=flank, torque=torque)
-        out.append(made[key])
-    return out
+    made: dict[tuple[Flank, float, float | None], Template] = {}
+    found: Found = {}
+    keys = []
+    for flank, torque, speed in zip(flanks, torques, speeds, strict=True):
+        loads = assembled.elasticity is not None or not assembled.shafts.rigid
+        turns = None if speed is None or assembled.shafts.frequency is None else speed * RPM
+        keys.append((flank, torque if loads else 0.0, turns))
+    # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
+    for flank, torque, turns in sorted(set(keys), key=lambda key: -key[1]):
+        made[flank, torque, turns] = make_template(assembled, flank=flank, torque=torque, speed=turns, found=found)
+    return [made[key] for key in keys]
 
 
-def _curve(one: Cleaned, template: Template, base: Base, cycle: Cycle) -> Curve:
-    """The recording by the set's base zeros instead of its own."""
+def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Base, cycle: Cycle) -> Curve:
+    """The recording by the set's base zeros instead of its own, a known ``drift`` (um, Legendre) taken off."""
     recording = one.recording
     further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
     further_2 = recording.driven_direction * ((recording.driven_zero_rad or 0.0) - (base.driven or 0.0))
@@ -196,6 +208,9 @@ def _curve(one: Cleaned, template: Template, base: Base, cycle: Cycle) -> Curve:
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
+    if drift:
+        x = one.theta_2 if one.time_s is None else one.time_s
+        te = te - slow_curves(x, len(drift) + 1)[:, 1:] @ np.array(drift) * (UM / cycle.r_b2)
     return Curve(
         theta_2=theta_2,
         te=te * cycle.r_b2,
@@ -243,19 +258,21 @@ def _aligned(
     )
 
 
-def _residual(one: Aligned, z_2: int, alignment: Alignment) -> AlignedResidual:
+def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResidual:
     """As ``locate`` wants it, with what is not known exactly: the zero, and the compliance."""
     columns = []
     if alignment.phased:
         columns.append(one.template.slope(one.theta_2) * alignment.std_driven)
     bend = one.template.deflection(one.theta_2)
     if bend is not None:
-        columns.append(bend * COMPLIANCE_DOUBT)
+        # Laws differ in how a pair's compliance runs along its path too, so the mean does not follow from the ripple.
+        mean = float(np.mean(bend))
+        columns += [(bend - mean) * COMPLIANCE_DOUBT, np.full(bend.size, mean * COMPLIANCE_DOUBT)]
     return AlignedResidual(
         theta_1=one.theta_1,
         theta_2=one.theta_2,
         residual=one.residual,
-        z_2=z_2,
+        z_2=pair.driven.gear.z,
         time_s=one.time_s,
         torque=one.torque,
         speed=one.speed,
@@ -264,6 +281,8 @@ def _residual(one: Aligned, z_2: int, alignment: Alignment) -> AlignedResidual:
         contact=one.template.sharing.contact,
         nuisance=np.column_stack(columns) if columns else None,
         nuisance_std=np.ones(len(columns)) if columns else None,
+        # The length of the path between the base circles is sqrt(a^2 - (r_b1 + r_b2)^2).
+        ends_per_mm=1.0 / (math.sin(pair.alpha_w) * pair.driving.gear.p_b),
     )
 
 
@@ -313,7 +332,12 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
             f"the curves fit much better ({wrong.rms / UM:.2f} um rms instead of {alignment.zeros.rms / UM:.2f}) with "
             f"{' and '.join(places)}, more than half a tooth from what is stated; check the stated zeros"
         )
-    if not alignment.phased:
+    if not alignment.phased and alignment.rough:
+        out.append(
+            f"the curves place the teeth to {alignment.std / DEG:.1f} deg only, since a coupling or encoder off its "
+            "axis would look alike"
+        )
+    elif not alignment.phased:
         kept = base.driving is not None or base.driven is not None
         out.append(
             "the simulated curve is too flat to place the teeth: "

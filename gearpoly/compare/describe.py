@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2 as chi2_law
 
-from gearpoly.compare.entries import Entry, Gear
+from gearpoly.compare.entries import Entry, Gear, named
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
@@ -55,6 +55,9 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     scale = peak.frequency if peak.domain == "order" else peak.frequency * s.search.dt / s.search.spacing
     rest = float(s.noise.rest_at(np.array([scale]))[0][0])
     covariance = solution.covariance[np.ix_(at, at)] * rest
+    # Means over a stretch make a wave smaller by sin(x)/x; what is reported is the wave itself.
+    damped = float(np.sinc(scale * s.data.averaged))
+    ab, covariance = ab / damped, covariance / damped**2
     amplitude = float(np.hypot(*ab))
     along = ab / max(amplitude, 1e-300)
     std = math.sqrt(float(along @ covariance @ along))
@@ -145,13 +148,13 @@ def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
         if e.kind == "tooth":
             out.append(_echo(e, entries))
             continue
-        largest = max(entries, key=lambda o: abs(o.amplitude_um or 0.0))
+        largest = max(_touching(entries) or [e], key=lambda o: abs(o.amplitude_um or 0.0))
         if (
             e.kind == "shaft_order"
             and e.order_std is None
             and (e.amplitude_um or 0.0) < ECHO_WAVE * abs(largest.amplitude_um or 0.0)
         ):
-            out.append(replace(e, companion_of=_name(largest)))
+            out.append(replace(e, companion_of=named(largest)))
             continue
         for one in ones:
             z = z_1 if one.gear == "driving" else z_2
@@ -165,34 +168,24 @@ def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
     return out
 
 
+def _touching(entries: list[Entry]) -> list[Entry]:
+    """Those that may move contacts: a wave of no whole order, or of time, belongs to nothing that touches."""
+    return [e for e in entries if e.kind != "time" and e.order_std is None]
+
+
 def _echo(entry: Entry, entries: list[Entry]) -> Entry:
     """A tooth that stands out a little beside something that stands out a lot may be its second order: contacts
     move."""
     size = abs(entry.amplitude_um or 0.0)
     teeth = [e for e in entries if e.kind == "tooth" and abs(e.amplitude_um or 0.0) * ECHO_TOOTH > size]
     waves = [e for e in entries if e.kind == "shaft_order" and (e.amplitude_um or 0.0) * ECHO_WAVE > size]
-    largest = max(entries, key=lambda e: e.gain)
+    largest = max(_touching(entries), key=lambda e: e.gain)
     if entry.gain < ECHO_GAIN * largest.gain and not teeth and not waves:
-        return replace(entry, companion_of=_name(largest))
+        return replace(entry, companion_of=named(largest))
     for larger in (teeth, waves):
         if larger:
-            return replace(entry, companion_of=_name(max(larger, key=lambda e: abs(e.amplitude_um or 0.0))))
+            return replace(entry, companion_of=named(max(larger, key=lambda e: abs(e.amplitude_um or 0.0))))
     return entry
-
-
-def _name(entry: Entry) -> str:
-    """A few words for an entry that another one comes along with."""
-    if entry.kind == "tooth":
-        return f"a tooth of the {entry.gear} gear" if entry.tooth is None else f"{entry.gear} tooth {entry.tooth}"
-    if entry.kind == "time":
-        return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
-    if entry.kind == "condition":
-        return f"the change of condition in recording {entry.recordings[0]}"
-    if entry.kind == "mesh_phase":
-        return "the mean tooth's shape"
-    if entry.kind == "mesh_order":
-        return f"mesh order {entry.order:.0f}"
-    return f"order {entry.order:.4g} of the {entry.gear} shaft"
 
 
 def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -> tuple[FloatArray, FloatArray]:

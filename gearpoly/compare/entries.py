@@ -84,6 +84,21 @@ def _side(phase: tuple[float, float]) -> str:
     return "whole contact" if high - low > 0.8 else "about the pitch point"
 
 
+def named(entry: Entry) -> str:
+    """A few words for an entry."""
+    if entry.kind == "tooth":
+        return f"a tooth of the {entry.gear} gear" if entry.tooth is None else f"{entry.gear} tooth {entry.tooth}"
+    if entry.kind == "time":
+        return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
+    if entry.kind == "condition":
+        return f"the change of condition in recording {entry.recordings[0]}"
+    if entry.kind == "mesh_phase":
+        return "the mean tooth's shape"
+    if entry.kind == "mesh_order":
+        return f"mesh order {entry.order:.0f}"
+    return f"order {entry.order:.4g} of the {entry.gear} shaft"
+
+
 def says(entry: Entry) -> str:
     """One sentence, as an engineer would say it."""
     size = _size(entry)

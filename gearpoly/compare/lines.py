@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise, spacing_of
-from gearpoly.compare.spectrum import ComplexArray, Grid
+from gearpoly.compare.regression import WaveSums
+from gearpoly.compare.spectrum import Grid
 from gearpoly.units import FloatArray, IntArray
 
 Domain = Literal["order", "time"]
@@ -76,19 +78,6 @@ class KnownOrders:
         """Frequencies (k,) in cycles per mesh."""
         return self.place / float(self.period)
 
-    def turning(self, u: FloatArray) -> ComplexArray:
-        """exp(2 pi i f u) (n, k), by powers of the first order: a tenth of the time of as many sines."""
-        out = np.empty((u.size, self.place.size), dtype=np.complex128)
-        one = np.exp((2j * np.pi / self.z_1) * u)
-        two = np.exp((2j * np.pi / self.z_2) * u)
-        out[:, : self.first] = np.multiply.accumulate(np.repeat(one[:, None], self.first, axis=1), axis=1)
-        top = int(self.second.max(initial=0))
-        powers = np.multiply.accumulate(np.repeat(two[:, None], top, axis=1), axis=1)
-        middle = self.first + self.second.size
-        out[:, self.first : middle] = powers[:, self.second - 1]
-        out[:, middle:] = np.exp(2j * np.pi * np.outer(u, self.frequency[middle:]))
-        return out
-
 
 def known_orders(z_1: int, z_2: int, *, nyquist: float, slowest: float) -> KnownOrders:
     """The orders between ``slowest`` and ``nyquist`` cycles per mesh (the slower ones stand in the list all the
@@ -147,6 +136,15 @@ class LineSearch:
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
         self.searched = self.orders.frequency > SLOWEST / self.span
+
+    @cached_property
+    def wave_sums(self) -> WaveSums:
+        """Sums over the waves of all known orders."""
+        return WaveSums(self.u, step=1.0 / self.period, place=self.orders.place)
+
+    def per_mesh(self, peak: Peak) -> float:
+        """Frequency of a wave in cycles per mesh, at the mean speed where it is fixed in time."""
+        return peak.frequency * (self.duration / self.span if peak.domain == "time" else 1.0)
 
     def _z(self, grid: Grid, white: FloatArray, noise: Noise, per_mesh: float) -> tuple[FloatArray, FloatArray]:
         frequency = np.asarray(np.arange(grid.count) * (grid.step * per_mesh), dtype=np.float64)

@@ -17,8 +17,10 @@ import numpy as np
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.fast import without_fast_waves
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
+from gearpoly.compare.reduce import reduced, spacing_after
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import FloatArray, read_only
@@ -57,11 +59,20 @@ def locate(
     result does not depend on any random number. Raises ``ValueError`` where a residual is too short for a noise
     estimate.
     """
-    search = Search(residuals, gears, floor)
+    z_1, z_2 = gears[0].z, gears[1].z
+    entries: list[Entry] = []
+    all_samples: dict[int, Noise] = {}
+    short = []
+    for k, r in enumerate(residuals):
+        spacing = spacing_after(r)
+        if spacing is not None:
+            fast = without_fast_waves(r, k=k, spacing=spacing, z_1=z_1, z_2=z_2, recordings=len(residuals), floor=floor)
+            entries += fast.entries
+            all_samples[k] = fast.noise
+        short.append(reduced(r if spacing is None else fast.data, z_1=z_1, z_2=z_2))
+    search = Search(short, gears, floor)
     solution = search.run()
     states = search.states
-    noises = tuple(s.noise for s in states)
-    entries: list[Entry] = []
     seen: set[int] = set()
     for k, s in enumerate(states):
         for peak in [*s.orders, *s.times]:
@@ -82,8 +93,18 @@ def locate(
     for s, places in zip(states, search.places, strict=True):
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
         maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
-    raw = [estimate_noise(s.data.u, s.data.residual, z_1=search.z_1, z_2=search.z_2) for s in states]
-    sizes = [s.data.u.size for s in states]
+    # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
+    whole = [r is s.data for r, s in zip(residuals, states, strict=True)]
+    raw = [
+        all_samples[k]
+        if k in all_samples
+        else s.estimator.estimate(r.residual)
+        if whole[k]
+        else estimate_noise(r.u, r.residual, z_1=z_1, z_2=z_2)
+        for k, (r, s) in enumerate(zip(residuals, states, strict=True))
+    ]
+    noises = tuple(s.noise if same else n for n, s, same in zip(raw, states, whole, strict=True))
+    sizes = [r.u.size for r in residuals]
     repeats = [n.repeatable for n in raw if n.repeatable is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
@@ -95,7 +116,7 @@ def locate(
         as_built_std=read_only(std[: search.tooth_parameters]),
         left=tuple(read_only(left) for left in solution.left),
         residual_rms=math.sqrt(
-            sum(float(np.sum((s.data.residual - np.mean(s.data.residual)) ** 2)) for s in states) / sum(sizes)
+            sum(float(np.sum((r.residual - np.mean(r.residual)) ** 2)) for r in residuals) / sum(sizes)
         ),
         repeatable_rms=math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(states) else None,
     )

@@ -83,6 +83,12 @@ def tooth_maps(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int, noise
             break
     held_1 = np.bincount(one, weights=number, minlength=z_1 * cells)
     held_2 = np.bincount(two, weights=number, minlength=z_2 * cells)
+    # All teeth count alike in the mean one, however often each was met.
+    for d, held, z in ((d_1, held_1, z_1), (d_2, held_2, z_2)):
+        seen = (held > 0).reshape(z, cells)
+        middle = np.sum(np.where(seen, d.reshape(z, cells), 0.0), axis=0) / np.maximum(np.sum(seen, axis=0), 1)
+        d -= np.tile(middle, z)
+        m = m + middle
     # Samples of one visit are neighbours in the noise; visits are too far apart to share it.
     visit = max(1, round(u.size / max(float(u[-1] - u[0]) * cells, 1.0)))
     cov = covariance(noise, lags=visit)

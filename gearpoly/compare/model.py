@@ -18,7 +18,7 @@ from gearpoly.compare.columns import (
     shape_part,
 )
 from gearpoly.compare.lines import LineSearch, Peak
-from gearpoly.compare.noise import SLOW, Noise, estimate_noise, slow_curves
+from gearpoly.compare.noise import SLOW, Noise, NoiseEstimator, slow_curves
 from gearpoly.compare.regression import Solution, Stack, solve
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried
@@ -58,6 +58,22 @@ class Tooth:
 
 
 @dataclass
+class Wander:
+    """How far the ends of contact wander with a wave of order 1 that was found on a shaft of ``z`` teeth: an axis that
+    runs out moves both gears' distance too, by as much as the wave. ``std`` in pitches, ``heights`` (4,) as fitted:
+    cosine and sine at the begin, then at the end."""
+
+    z: int
+    std: float = 0.0
+    heights: FloatArray = field(default_factory=lambda: np.zeros(4))
+
+    def shifts(self, s: State) -> list[FloatArray]:
+        """What a shift of 1 pitch at crest does to each pair (P, n), in mm."""
+        angle = (2.0 * np.pi / self.z) * s.data.u
+        return [end * wave for end in s.carried.ends() for wave in (np.cos(angle), np.sin(angle))]
+
+
+@dataclass
 class State:
     """One recording in the search."""
 
@@ -65,11 +81,13 @@ class State:
     carried: Carried
     search: LineSearch
     slow: FloatArray
+    estimator: NoiseEstimator
     noise: Noise
     flank_at: int
     orders: list[Peak] = field(default_factory=list)
     times: list[Peak] = field(default_factory=list)
     teeth: list[Tooth] = field(default_factory=list)
+    wander: dict[int, Wander] = field(default_factory=dict)
 
     @property
     def coast(self) -> bool:
@@ -98,7 +116,8 @@ class JointModel:
             carried=data.carried(self.z_1, self.z_2),
             search=LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2),
             slow=slow_curves(x),
-            noise=estimate_noise(data.u, data.residual, z_1=self.z_1, z_2=self.z_2),
+            estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
+            noise=estimator.estimate(data.residual),
             flank_at=self.flanks.index(data.flank) * self.tooth_parameters,
         )
 
@@ -118,8 +137,22 @@ class JointModel:
             for s, places in zip(self.states, self.places, strict=True):
                 for tooth in s.teeth:
                     tooth.heights = solution.beta[places[tooth.name]]
+                self._let_wander(s, places, solution.beta)
         self.stacks = stacks
         return solution
+
+    def _let_wander(self, s: State, places: dict[str, IntArray], beta: FloatArray) -> None:
+        """Keep what the fit says of the ends of contact, and let them move by as much as first orders allow."""
+        for z, wander in s.wander.items():
+            wander.heights = beta[places[f"ends {z}"]]
+        kept = {}
+        for j, peak in enumerate(s.orders):
+            for z in {self.z_1, self.z_2}:
+                if abs(peak.frequency * z - 1.0) < 1e-9 and s.data.ends_per_mm > 0.0:
+                    size = float(np.hypot(*beta[places["orders"][2 * j :][:2]]))
+                    kept[z] = s.wander.get(z, Wander(z=z))
+                    kept[z].std = max(size * s.data.ends_per_mm, 1e-9)
+        s.wander = kept
 
     def _stacks(self) -> tuple[list[Stack], FloatArray]:
         precision = [self.built_precision()]
@@ -140,6 +173,11 @@ class JointModel:
             values = s.data.residual - change + built.apply(np.clip(own, -within, within))
             for shape, tooth in zip(shapes, s.teeth, strict=True):
                 values = values + shape.apply(tooth.heights)
+            ends = {z: np.stack([np.einsum("pn,pn->n", weight, shift) for shift in wander.shifts(s)], axis=1)
+                    for z, wander in s.wander.items()}  # fmt: skip
+            for z, columns in ends.items():
+                ends[z] = columns * (-1.0 if s.coast else 1.0)
+                values = values + ends[z] @ s.wander[z].heights
             parts: list[tuple[Part, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
             places: dict[str, IntArray] = {}
 
@@ -147,6 +185,8 @@ class JointModel:
             own_parts: list[tuple[str, Part, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
             if s.data.nuisance is not None and s.data.nuisance_std is not None:
                 own_parts.append(("nuisance", Dense(columns=s.data.nuisance), s.data.nuisance_std**-2.0))
+            for z, columns in ends.items():
+                own_parts.append((f"ends {z}", Dense(columns=columns), np.full(4, s.wander[z].std ** -2.0)))
             for name, x, peaks in (("orders", u, s.orders), ("times", t, s.times)):
                 if peaks and x is not None:
                     waves = Waves(x=x, frequency=np.array([p.frequency for p in peaks]))
@@ -180,11 +220,14 @@ class JointModel:
         out = pair_deviation(s.carried, np.clip(own, -within, within), coast=s.coast)
         for tooth in s.teeth:
             out += shape_deviation(tooth.entries, tooth.heights)
+        for wander in s.wander.values():
+            for height, shift in zip(wander.heights, wander.shifts(s), strict=True):
+                out += height * shift
         return out
 
     def renew_noise(self, solution: Solution) -> None:
         for s, left in zip(self.states, solution.left, strict=True):
-            s.noise = estimate_noise(s.data.u, left, z_1=self.z_1, z_2=self.z_2)
+            s.noise = s.estimator.estimate(left)
 
     def new_tooth(self, s: State, find: ToothFind) -> Tooth:
         """A found tooth in recording ``s``, its shape still flat."""

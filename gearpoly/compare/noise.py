@@ -12,12 +12,13 @@ between the shaft orders of both gears, and ``basis`` says so.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.linalg import solve_toeplitz
 
-from gearpoly.compare.spectrum import ComplexArray, Grid, repeating_part
+from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
 from gearpoly.units import BoolArray, FloatArray, read_only
 
 WHOLE = 0.003
@@ -33,6 +34,15 @@ AR_ORDER = 24
 CUT = 7.0
 """A line this often above the middle of its neighbours (in power) is no noise: one in e^7 = 1100 of honest ones is
 cut, and the mean of the others is corrected for it."""
+
+FEWEST = 64
+"""Samples from which on a spectrum says anything."""
+
+HIGHEST = 24.0
+"""Cycles per mesh up to which what repeats is fitted; finer shapes no tooth makes in a recording."""
+
+SPARSE = 0.1
+"""Terms per sample below which the fit of what repeats takes nothing worth correcting from the lines between."""
 
 LOWEST = 24
 """Slowest lines whose power law is drawn on to zero frequency."""
@@ -142,7 +152,12 @@ def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
         np.minimum(m - 1, np.concatenate([np.arange(min(m, 40)), np.geomspace(40, max(m, 41), 160)]).astype(int))
     )
     at = np.unique(np.concatenate([at, np.arange(0, m, 100)]))
-    middle = np.array([np.median(power[int(low[k]) : int(high[k])]) for k in at]) / math.log(2.0)
+    middle = np.empty(at.size)
+    width = np.asarray(high[at] - low[at], dtype=np.int64)
+    for same in np.unique(width).tolist():
+        here = np.flatnonzero(width == same)
+        middle[here] = np.median(sliding_window_view(power, same)[low[at[here]].astype(int)], axis=1)
+    middle /= math.log(2.0)
     middle = np.maximum(middle, 1e-300)
     level = np.exp(np.interp(np.arange(m), at, np.log(middle)))
     for _ in range(2):
@@ -198,14 +213,14 @@ def _between_orders(frequency: FloatArray, *, z_1: int, z_2: int, spacing: float
     return away
 
 
-def _kept_part(u: FloatArray, *, period: float, harmonics: int, grid: Grid) -> FloatArray:
+def _kept_part(u: FloatArray, *, period: float, grid: Grid, repeating: Repeating) -> FloatArray:
     """Part (count,) of white noise's power that is left at each line once what repeats has been taken off.
 
     Sampled unevenly, lines run into one another, and a fit of all harmonics takes something from the lines between.
     Seen on one seeded white record, drawn smooth over the frequency as an even polynomial.
     """
     probe = np.random.default_rng(2020).normal(size=u.size)
-    left = probe - repeating_part(u, probe, period=period, count=harmonics)
+    left = probe - repeating.part(probe)
     before, after = np.abs(grid.transform(probe)) ** 2, np.abs(grid.transform(left)) ** 2
     x = np.linspace(0.0, 1.0, grid.count)
     whole = np.abs(np.arange(grid.count) * grid.step * period % 1.0 - 0.5) < 0.5 - 1e-6
@@ -218,99 +233,121 @@ def _kept_part(u: FloatArray, *, period: float, harmonics: int, grid: Grid) -> F
     return out
 
 
-def estimate_noise(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int) -> Noise:
-    """The noise in ``residual`` (n,) in mm, sampled at ``u`` (n,) meshes of driven rotation (increasing), of a pair of
-    ``z_1`` and ``z_2`` teeth.
+class NoiseEstimator:
+    """Estimates noise at samples ``u`` (n,), meshes of driven rotation (increasing), of a pair of ``z_1`` and ``z_2``
+    teeth, as often as the residual there changes.
 
     Raises ``ValueError`` for fewer than 64 samples, too few for any spectrum.
     """
-    if u.size < 64:
-        raise ValueError(f"{u.size} samples are too few to estimate noise from; 64 would do")
-    period = float(math.lcm(z_1, z_2))
-    spacing = spacing_of(u)
-    cycles = whole_cycles(u, period)
-    if cycles >= 2:
-        kept = u - u[0] < cycles * period
-        u, residual = u[kept], residual[kept]
-    else:
-        cycles = 0
-    n = u.size
-    nyquist = 0.5 / spacing
-    curves = slow_curves(u)
-    values = residual - curves @ np.linalg.lstsq(curves, residual, rcond=None)[0]
 
-    if cycles:
-        span = cycles * period
-        count = int(nyquist * span)
-        rest = values
-        repeating = repeating_part(u, values, period=period, count=max(2, int(nyquist * period)))
-        rest = values - repeating
-        free = np.arange(count) % cycles != 0
-        basis = f"what does not repeat over {cycles} whole hunting cycles"
-        repeats = max(2, int(nyquist * period))
-        kept_part = _kept_part(u, period=period, harmonics=repeats, grid=Grid(u, step=1.0 / span, count=count))[free]
-    else:
-        span = float(u[-1] - u[0]) + spacing
-        count = int(nyquist * span)
-        rest = values
-        free = _between_orders(np.arange(count) / span, z_1=z_1, z_2=z_2, spacing=1.0 / span)
-        free[:2] = False
-        held = span / period
-        basis = (
-            f"a smooth spectrum through what lies between the shaft orders, since the recording holds only {held:.2g} "
-            "hunting cycles and nothing repeats"
-        )
-        repeats = 0
-        kept_part = np.ones(np.count_nonzero(free))
-    grid = Grid(u, step=1.0 / span, count=count)
-    frequency = np.flatnonzero(free) / span
+    def __init__(self, u: FloatArray, *, z_1: int, z_2: int) -> None:
+        if u.size < FEWEST:
+            raise ValueError(f"{u.size} samples are too few to estimate noise from; {FEWEST} would do")
+        period = float(math.lcm(z_1, z_2))
+        self._spacing = spacing_of(u)
+        cycles = whole_cycles(u, period)
+        self._cycles = cycles if cycles >= 2 else 0
+        self.kept = u - u[0] < (self._cycles * period if self._cycles else math.inf)
+        u = u[self.kept]
+        self._u = u
+        self._nyquist = 0.5 / self._spacing
+        self._curves = self._alone = slow_curves(u)
+        self._repeating: Repeating | None = None
+        if self._cycles:
+            span = self._cycles * period
+            count = int(self._nyquist * span)
+            self._grid = Grid(u, step=1.0 / span, count=count)
+            free = np.arange(count) % self._cycles != 0
+            free[0] = False
+            self._harmonics = max(2, int(min(self._nyquist, HIGHEST) * period))
+            self._repeating = Repeating(u, period=period, count=self._harmonics)
+            # Slow curves are fitted beside what repeats, not before it: of a strong order 1 they would take a part, and
+            # leave it as what does not repeat. What is level repeats.
+            self._curves = self._curves[:, 1:]
+            self._alone = np.column_stack([curve - self._repeating.part(curve) for curve in self._curves.T])
+            self.basis = f"what does not repeat over {self._cycles} whole hunting cycles"
+            kept_part = np.ones(count)
+            if 2 * self._harmonics > SPARSE * u.size:
+                kept_part = _kept_part(u, period=period, grid=self._grid, repeating=self._repeating)
+        else:
+            span = float(u[-1] - u[0]) + self._spacing
+            count = int(self._nyquist * span)
+            self._grid = Grid(u, step=1.0 / span, count=count)
+            free = _between_orders(np.arange(count) / span, z_1=z_1, z_2=z_2, spacing=1.0 / span)
+            free[:2] = False
+            self._harmonics = 0
+            self.basis = (
+                "a smooth spectrum through what lies between the shaft orders, since the recording holds only "
+                f"{span / period:.2g} hunting cycles and nothing repeats"
+            )
+            kept_part = np.ones(count)
+        self._free = free
+        self._kept_part = kept_part[free]
+        self._frequency = np.flatnonzero(free) / span
 
-    power = np.abs(grid.transform(rest)[free]) ** 2 / n / kept_part
-    density, number = smooth_spectrum(power)
-    for _ in range(2):
-        ar, innovation = _model(frequency, density, nyquist=nyquist, samples=n)
-        draft = Noise(
+    def _lines(self, values: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(self._grid.transform(values)[self._free]) ** 2 / values.size / self._kept_part)
+
+    def parted(self, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What of ``residual`` (n,) in mm does not repeat and is not slow, over the whole cycles (m,), and what
+        repeats."""
+        residual = residual[self.kept]
+        rest = residual - self._curves @ np.linalg.lstsq(self._alone, residual, rcond=None)[0]
+        if self._repeating is None:
+            return rest, np.zeros(1)
+        repeating = self._repeating.part(rest)
+        return rest - repeating, repeating
+
+    def estimate(self, residual: FloatArray) -> Noise:
+        """The noise in ``residual`` (n,) in mm."""
+        rest, repeating = self.parted(residual)
+        frequency, nyquist, n = self._frequency, self._nyquist, rest.size
+        density, number = smooth_spectrum(self._lines(rest))
+        noise = Noise(
             level=1.0,
             level_std=0.0,
-            ar=ar,
-            innovation=innovation,
-            frequency=frequency,
+            ar=np.empty(0),
+            innovation=1.0,
+            frequency=read_only(frequency),
             density=density,
-            rest=np.ones_like(density),
+            rest=density,
             count=number,
-            cycles=cycles,
-            basis=basis,
+            cycles=self._cycles,
+            basis=self.basis,
             repeatable=None,
         )
-        # Steep spectra spill over the whole record; whitened ones do not, so the second look is the true one.
-        white = np.abs(grid.transform(draft.whitened(rest))[free]) ** 2 / n / kept_part
-        left, number = smooth_spectrum(white)
-        density = left / np.abs(draft.gain(frequency, spacing=spacing)) ** 2
-    even = np.interp(np.linspace(0.0, nyquist, 8193), frequency, density)
-    level = math.sqrt(float(np.mean(even)))
-    # Var of the mean square = 2 int S^2 / n for a stationary Gaussian; only the free lines were seen.
-    share = max(frequency.size / count, 1e-3)
-    level_std = 0.5 * level * math.sqrt(2.0 * float(np.mean(even**2)) / level**4 / (n * share))
-    if not cycles:
-        level_std = math.hypot(level_std, SHORT_BIAS * level)
-    repeatable = None
-    if cycles:
-        # A fit of 2 K terms takes along 2 K / n of white noise.
-        taken = float(np.mean(np.interp(np.linspace(0.0, nyquist, 513), frequency, density))) * 2.0 * repeats / n
-        repeatable = math.sqrt(max(0.0, float(np.mean(repeating**2)) - taken))
-    return Noise(
-        level=level,
-        level_std=level_std,
-        ar=read_only(ar),
-        innovation=innovation,
-        frequency=read_only(frequency),
-        density=read_only(density),
-        rest=read_only(left),
-        count=read_only(number),
-        cycles=cycles,
-        basis=basis,
-        repeatable=repeatable,
-    )
+        for _ in range(2):
+            ar, innovation = _model(frequency, density, nyquist=nyquist, samples=n)
+            noise = replace(noise, ar=read_only(ar), innovation=innovation)
+            # Steep spectra spill over the whole record; whitened ones do not, so the second look is the true one.
+            left, number = smooth_spectrum(self._lines(noise.whitened(rest)))
+            density = left / np.abs(noise.gain(frequency, spacing=self._spacing)) ** 2
+        even = np.interp(np.linspace(0.0, nyquist, 8193), frequency, density)
+        level = math.sqrt(float(np.mean(even)))
+        # Var of the mean square = 2 int S^2 / n for a stationary Gaussian; only the free lines were seen.
+        share = max(frequency.size / self._grid.count, 1e-3)
+        level_std = 0.5 * level * math.sqrt(2.0 * float(np.mean(even**2)) / level**4 / (n * share))
+        repeatable = None
+        if self._cycles:
+            # A fit of 2 K terms takes along 2 K / n of white noise.
+            taken = level**2 * 2.0 * self._harmonics / n
+            repeatable = math.sqrt(max(0.0, float(np.var(repeating)) - taken))
+        else:
+            level_std = math.hypot(level_std, SHORT_BIAS * level)
+        return replace(
+            noise,
+            level=level,
+            level_std=level_std,
+            density=read_only(density),
+            rest=read_only(left),
+            count=read_only(number),
+            repeatable=repeatable,
+        )
+
+
+def estimate_noise(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int) -> Noise:
+    """The noise in ``residual`` (n,) in mm, as ``NoiseEstimator`` gives it."""
+    return NoiseEstimator(u, z_1=z_1, z_2=z_2).estimate(residual)
 
 
 def pooled_level(noises: list[Noise], sizes: list[int]) -> float:

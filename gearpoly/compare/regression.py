@@ -7,7 +7,6 @@ spread over the record, while the gradient always comes from every sample.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +14,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.compare.columns import Part
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.spectrum import ComplexArray
+from gearpoly.compare.spectrum import ComplexArray, Grid
 from gearpoly.units import FloatArray, IntArray
 
 BLOCK = 8192
@@ -25,8 +24,8 @@ DENSE_SAMPLES = 65536
 """Samples from which the normal matrix is taken. More would change it by less than 1/2 % (their sampling is random);
 the steps below make up for it."""
 
-WAVE_SAMPLES = 32768
-"""The same for products with waves, of which there are hundreds."""
+MOST_MEMORY = 64
+"""Samples at the beginning of a recording that a noise model may ask for before it whitens."""
 
 STEPS = 4
 """Newton steps at most where the matrix is approximate; each removes 99 % of what is left."""
@@ -35,11 +34,12 @@ STEPS = 4
 @dataclass
 class Stack:
     """One recording in the fit: ``values`` (n,) in mm, its ``noise``, and ``parts`` with the places (m,) of their
-    columns among all parameters."""
+    columns among all parameters. ``white`` (rows, m), the whitened columns, is left by ``normal``."""
 
     values: FloatArray
     noise: Noise
     parts: list[tuple[Part, IntArray]] = field(default_factory=list)
+    white: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
 
     def apply(self, beta: FloatArray) -> FloatArray:
         """Modelled values (n,)."""
@@ -59,61 +59,75 @@ class Stack:
 
     def normal(self, parameters: int) -> FloatArray:
         """Normal matrix of the whitened columns."""
-        n = self.values.size
-        memory = self.noise.ar.size
-        starts = np.arange(0, n, BLOCK)
-        if n > DENSE_SAMPLES:
-            starts = starts[np.linspace(0, starts.size - 2, DENSE_SAMPLES // BLOCK).astype(int)]
+        n, memory = self.values.size, self.noise.ar.size
         places = np.concatenate([where for _, where in self.parts])
-        out = np.zeros((places.size, places.size))
-        rows = 0
-        for start in starts:
-            low, high = max(0, int(start) - memory), min(n, int(start) + BLOCK)
+        blocks = []
+        for start, high in stretches(n):
+            low = max(0, start - memory)
             block = np.concatenate([part.block(low, high) for part, _ in self.parts], axis=1)
-            white = self.noise.whitened(block)[memory:]
-            out += white.T @ white
-            rows += white.shape[0]
-        out *= (n - memory) / max(rows, 1)
+            # Rows without a past come out as 0: at the very beginning they stay, elsewhere they are the block before.
+            blocks.append(self.noise.whitened(block)[start - low :])
+        self.white = np.concatenate(blocks)
+        out = self.white.T @ self.white * (n / self.white.shape[0])
         full = np.zeros((parameters, parameters))
         np.add.at(full, (places[:, None], places[None, :]), out)
         return full
 
-    def against(
-        self, waves: Callable[[int, int], ComplexArray], gain: ComplexArray, parameters: int
-    ) -> tuple[FloatArray, FloatArray]:
-        """Products of the whitened columns with whitened ``waves``, and the waves' own.
+    def against(self, waves: WaveSums, gain: ComplexArray, parameters: int) -> tuple[FloatArray, FloatArray]:
+        """Products of the whitened columns, as ``normal`` left them, with whitened ``waves``, and the waves' own.
 
-        ``waves`` gives rows low ... high - 1 of exp(2 pi i f x), (rows, k); a wave comes through the whitening as
-        itself times ``gain`` (k,). Returns (parameters, k, 2), cosine and sine, and (k, 2, 2).
+        A wave comes through the whitening as itself times ``gain`` (k,). Both products come from the samples of the
+        normal matrix: teeth imitate the first orders of their shaft to a thousandth, and what is left has to be right.
+        Returns (parameters, k, 2), cosine and sine, and (k, 2, 2).
         """
-        n, memory = self.values.size, self.noise.ar.size
-        starts = np.arange(0, n, BLOCK)
-        if n > WAVE_SAMPLES:
-            starts = starts[np.linspace(0, starts.size - 2, WAVE_SAMPLES // BLOCK).astype(int)]
         places = np.concatenate([where for _, where in self.parts])
-        cross = np.zeros((places.size, gain.size), dtype=np.complex128)
-        square = np.zeros(gain.size, dtype=np.complex128)
-        rows = 0
-        for start in starts:
-            low, high = max(0, int(start) - memory), min(n, int(start) + BLOCK)
-            white = self.noise.whitened(np.concatenate([p.block(low, high) for p, _ in self.parts], axis=1))[memory:]
-            wave = waves(low + memory, high)
-            cross.real += white.T @ wave.real
-            cross.imag += white.T @ wave.imag
-            square += np.einsum("ij,ij->j", wave, wave)
-            rows += wave.shape[0]
-        scale = (n - memory) / max(rows, 1)
-        cross *= gain * scale
-        square *= gain**2
+        cross = waves.of(self.white).T * (gain * waves.scale)
+        rows, square = waves.own(self.noise.ar.size)
         # cos^2 = (1 + cos 2x)/2 and so on: the squared wave holds all three products.
-        size = np.abs(gain) ** 2 * rows
+        size, square = np.abs(gain) ** 2 * rows, square * gain**2
         own = np.empty((gain.size, 2, 2))
-        own[:, 0, 0] = 0.5 * (size + square.real) * scale
-        own[:, 1, 1] = 0.5 * (size - square.real) * scale
-        own[:, 0, 1] = own[:, 1, 0] = 0.5 * square.imag * scale
+        own[:, 0, 0] = 0.5 * (size + square.real) * waves.scale
+        own[:, 1, 1] = 0.5 * (size - square.real) * waves.scale
+        own[:, 0, 1] = own[:, 1, 0] = 0.5 * square.imag * waves.scale
         full = np.zeros((parameters, gain.size, 2))
         np.add.at(full, places, np.stack([cross.real, cross.imag], axis=2))
         return full, own
+
+
+def stretches(n: int) -> list[tuple[int, int]]:
+    """Blocks [start, end) of ``n`` samples from which normal matrices are taken: all, or some spread over them."""
+    starts = np.arange(0, n, BLOCK)
+    if n > DENSE_SAMPLES:
+        starts = starts[np.linspace(0, starts.size - 2, DENSE_SAMPLES // BLOCK).astype(int)]
+    return [(start, min(n, start + BLOCK)) for start in starts.tolist()]
+
+
+class WaveSums:
+    """Sums of columns times exp(2 pi i f x) for waves of known frequency over the stretches of a recording; the waves'
+    products with one another are the same for every fit.
+
+    ``x`` (n,); frequencies ``place`` (k,) times ``step``; ``scale`` of the whole recording over the stretches.
+    """
+
+    def __init__(self, x: FloatArray, *, step: float, place: IntArray) -> None:
+        seen = np.concatenate([x[low:high] for low, high in stretches(x.size)])
+        self._rows = seen.size
+        self.scale = x.size / seen.size
+        self._place, self._step = place, step
+        self._first = seen[:MOST_MEMORY]
+        top = int(place.max(initial=0)) + 1
+        self._grid = Grid(seen, step=step, count=top)
+        # Twice the frequency: exp(-2 pi i 2 f x) is the conjugate of the wave's square.
+        self._square = np.conj(Grid(seen, step=2.0 * step, count=top).transform(np.ones(seen.size))[place])
+
+    def of(self, columns: FloatArray) -> ComplexArray:
+        """Sums (k, m) of ``columns`` (rows, m) times exp(2 pi i f x)."""
+        return np.conj(self._grid.transforms(columns)[self._place])
+
+    def own(self, memory: int) -> tuple[int, ComplexArray]:
+        """Rows, and sums (k,) of exp(2 pi i 2 f x) over them, without the first ``memory`` of the recording."""
+        first = np.exp((4j * np.pi * self._step) * np.outer(self._place, self._first[:memory]))
+        return self._rows - memory, self._square - np.sum(first, axis=1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

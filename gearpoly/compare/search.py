@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.families import SHARES, log_tail_line
-from gearpoly.compare.lines import Peak
+from gearpoly.compare.lines import APART, TIE, Peak
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
@@ -19,12 +19,20 @@ ROUNDS = 14
 ONE_BY_ONE = 5
 """Rounds in which one tooth at a time is taken, since its neighbours may be its echo; later ones are taken together."""
 
+FAINT = 0.005
+"""Part of the largest find's gain below which later rounds are not worth their time: what so large a find leaves,
+once it is in the pair file, is looked at anew."""
+
 MOST = 40
 """Finds after which the search stops: so many mean that the pair file or the alignment is wrong as a whole."""
 
 TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
+
+WHOLE_TURN, REPEATS = 1.5, 0.4
+"""Hunting cycles from which on frequencies that repeat with the pair stand apart from others, and the independent lines
+within which a wave of any frequency may be one of them."""
 
 RIVALRY = 30.0
 """Ratio of gains within which a tooth and a wave are both tried before one is taken."""
@@ -46,7 +54,7 @@ class Search(JointModel):
         if not np.any(s.search.searched):
             return []
         gain = s.noise.gain(frequency, spacing=s.search.spacing)
-        cross, own = stack.against(lambda low, high: orders.turning(s.data.u[low:high]), gain, solution.beta.size)
+        cross, own = stack.against(s.search.wave_sums, gain, solution.beta.size)
         white = s.noise.whitened(solution.left[k])
         total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known]
         score = np.stack([total.real, -total.imag], axis=1)
@@ -77,16 +85,23 @@ class Search(JointModel):
         taken = [p.frequency for p in s.orders]
         fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
         for p in other:
-            # Between the same whole orders only what no integer order explains as well.
-            near = [q for q in fresh if p.domain == "order" and abs(q.frequency - p.frequency) * s.search.span < 1.5]
-            if not near and self._above_floor(s, p):
-                fresh.append(p)
+            # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
+            near = [q for q in fresh if q.known and abs(q.frequency - s.search.per_mesh(p)) * s.search.span < APART]
+            if self._above_floor(s, p) and all(p.gain > q.gain + TIE for q in near):
+                fresh = [q for q in fresh if q not in near] + [p]
         return sorted(fresh, key=lambda p: -p.gain)
 
     def _above_floor(self, s: State, peak: Peak) -> bool:
-        frequency = peak.frequency if peak.domain == "order" else peak.frequency * s.search.dt / s.search.spacing
-        gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=s.search.spacing))[0])
-        return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > self.floor
+        """Whether a wave of any frequency is more than what the simulation does not follow, which repeats with the
+        pair."""
+        search = s.search
+        frequency = search.per_mesh(peak)
+        cycles = search.span / search.period
+        places = frequency * search.period
+        repeats = cycles > WHOLE_TURN and abs(places - round(places)) * cycles < REPEATS
+        least = max(self.floor, FOLLOWED_WAVE * self.built_rms if repeats else 0.0)
+        gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=search.spacing))[0])
+        return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > least
 
     def tooth_candidates(self, solution: Solution) -> list[ToothFind]:
         out: list[ToothFind] = []
@@ -122,6 +137,7 @@ class Search(JointModel):
         for _ in range(2):
             self.renew_noise(solution)
             solution = self.fit(passes=1)
+        largest = 0.0
         for turn in range(ROUNDS):
             if len(self.finds) + max(len(s.orders) + len(s.times) for s in self.states) > MOST:
                 break
@@ -129,7 +145,9 @@ class Search(JointModel):
             teeth = self.tooth_candidates(solution)
             best_wave = max((w[0].gain for w in waves if w), default=0.0)
             best_tooth = teeth[0].gain if teeth else 0.0
-            if max(best_wave, best_tooth) == 0.0:
+            best = max(best_wave, best_tooth)
+            largest = max(largest, best)
+            if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
                 break
             if self._tooth_first(waves, best_wave, teeth):
                 for _ in range(1 if turn < ONE_BY_ONE else 4):
@@ -154,16 +172,17 @@ class Search(JointModel):
             return best_tooth > best_wave
         misfit = []
         for tooth in (True, False):
-            kept = [(list(s.orders), list(s.times), list(s.teeth)) for s in self.states], list(self.finds)
+            kept = [(list(s.orders), list(s.times), list(s.teeth), dict(s.wander)) for s in self.states]
+            finds = list(self.finds)
             built = self.beta_built.copy()
             if tooth:
                 self._take_tooth(teeth)
             else:
                 self._take_waves(waves, best_wave)
             misfit.append(self.fit(passes=1).misfit)
-            for s, (orders, times, shapes) in zip(self.states, kept[0], strict=True):
-                s.orders, s.times, s.teeth = orders, times, shapes
-            self.finds, self.beta_built = kept[1], built
+            for s, (orders, times, shapes, wander) in zip(self.states, kept, strict=True):
+                s.orders, s.times, s.teeth, s.wander = orders, times, shapes, wander
+            self.finds, self.beta_built = finds, built
         return misfit[0] < misfit[1]
 
     def _take_tooth(self, teeth: list[ToothFind]) -> None:

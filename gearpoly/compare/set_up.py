@@ -60,6 +60,8 @@ class AlignedResidual:
     ``speed`` in rad/s, ``flank`` the condition. ``sharing`` from the simulation; without it each pair counts alike over
     ``contact`` (begin, end in pitches about the pitch point). ``nuisance`` (n, m) in mm: how the simulation changes
     with what is not known exactly (zeros, compliance), per standard deviation times ``nuisance_std`` (m,).
+    ``averaged`` meshes over which each sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the
+    ends of contact move when an axis moves by 1 mm.
     """
 
     theta_1: FloatArray
@@ -74,6 +76,8 @@ class AlignedResidual:
     contact: tuple[float, float] = (-0.8, 0.8)
     nuisance: FloatArray | None = None
     nuisance_std: FloatArray | None = None
+    averaged: float = 0.0
+    ends_per_mm: float = 0.0
 
     def __post_init__(self) -> None:
         sizes = {self.theta_1.size, self.theta_2.size, self.residual.size}

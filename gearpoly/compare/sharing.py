@@ -8,9 +8,9 @@ contact).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,9 @@ Flank = Literal["drive", "coast"]
 ABSENT = 1e3
 """Gap in mm of a pair that is not there: larger than any tooth, so that it never touches."""
 
+LEAST_APPROACH = 1e-6
+"""mm. Least deflection that a stiffness is made of: a nanometre, less than any tooth under any load that is felt."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sharing:
@@ -29,7 +32,8 @@ class Sharing:
     ``mesh`` (P, G) numbers of the pairs: mesh n is driving tooth n mod z_1. ``gap`` (P, G) in mm beyond the first
     touch.
     ``share`` (P, G), the part of each pair's deviation that reaches the transmission error under load; ``None``:
-    unloaded. ``contact`` where in u - n a pair's contact begins and ends on the true path.
+    unloaded. ``approach`` (G,) in mm by which the load takes the transmission error back. ``contact`` where in u - n a
+    pair's contact begins and ends on the true path.
     """
 
     z_1: int
@@ -43,42 +47,66 @@ class Sharing:
     @cached_property
     def stiffness(self) -> FloatArray | None:
         """Stiffness (P, G) of each pair over the force, in 1/mm; a pair that does not touch is taken to be as stiff as
-        those that do."""
+        those that do.
+
+        With x the place and w the shares, sum k_i (-gap_i - x) = 1 and k_i = w_i sum k give sum k = 1 / (approach -
+        sum w_i gap_i) (derived here).
+        """
         if self.share is None or self.approach is None:
             return None
-        pressed = self.approach - self.gap
-        touching = (self.share > 1e-6) & (pressed > 1e-9)
-        k = np.where(touching, self.share / np.where(touching, pressed, 1.0), 0.0)
-        mean = np.sum(k, axis=0) / np.maximum(np.sum(touching, axis=0), 1)
-        k = np.where(touching, k, mean)
-        return np.asarray(np.where(mean > 0.0, k, 1.0 / np.maximum(self.approach, 1e-9)))
+        pressed = self.approach - np.sum(np.where(self.share > 0.0, self.share * self.gap, 0.0), axis=0)
+        k = self.share / np.maximum(pressed, LEAST_APPROACH)
+        mean = np.sum(k, axis=0) / np.maximum(np.count_nonzero(k, axis=0), 1)
+        return np.asarray(np.where(k > 0.0, k, mean))
+
+    @cached_property
+    def opening(self) -> FloatArray:
+        """Slope (P, G) of each gap in mm per pitch, 0 where the slot's pair comes or goes."""
+        lasting = self.mesh == np.roll(self.mesh, 1, axis=1)
+        step = np.lcm(self.z_1, self.z_2) / self.mesh.shape[1]
+        rise = (self.gap - np.roll(self.gap, 1, axis=1)) / step
+        near = (self.gap < ABSENT) & (np.roll(self.gap, 1, axis=1) < ABSENT)
+        return np.where(lasting & near, rise, 0.0)
 
     def at(self, u: FloatArray) -> Carried:
-        """The pairs at positions ``u`` (n,) in meshes, from the nearest place of the grid."""
+        """The pairs at positions ``u`` (n,) in meshes, by straight lines between the places of the grid: gaps open by
+        microns from one to the next."""
         size = self.mesh.shape[1]
         period = float(np.lcm(self.z_1, self.z_2))
         turn = np.floor(u / period)
-        place = np.rint((u - turn * period) * (size / period)).astype(np.int64)
-        over = place == size
-        turn = turn + over
-        place = np.where(over, 0, place)
-        mesh = self.mesh[:, place] + (turn * period).astype(np.int64)
+        place = (u - turn * period) * (size / period)
+        low = np.minimum(place.astype(np.int64), size - 1)
+        part = place - low
+        high = low + 1
+        over = high == size
+        high = np.where(over, 0, high)
+        near = np.where(part < 0.5, low, high)
+        mesh = self.mesh[:, near] + ((turn + (over & (part >= 0.5))) * period).astype(np.int64)
+        # A slot that changes hands between two places holds a pair too far from touching to matter.
+        same = self.mesh[:, low] == self.mesh[:, high] + np.where(over, int(period), 0)
+        part = np.where(same, part, part >= 0.5)
+
+        def between(values: FloatArray) -> FloatArray:
+            first = values[:, low]
+            return np.asarray(first + part * (values[:, high] - first))
+
         return Carried(
             z_1=self.z_1,
             z_2=self.z_2,
             mesh=mesh,
             phase=u - mesh,
-            gap=self.gap[:, place],
-            share=None if self.share is None else self.share[:, place],
-            stiffness=None if self.stiffness is None else self.stiffness[:, place],
+            gap=between(self.gap),
+            share=None if self.share is None else between(self.share),
+            stiffness=None if self.stiffness is None else between(self.stiffness),
             contact=self.contact,
+            opening=between(self.opening),
         )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Carried:
-    """The pairs at each sample: ``mesh``, ``phase`` (u - n), ``gap``, ``share``, ``stiffness`` (P, n) as in
-    ``Sharing``."""
+    """The pairs at each sample: ``mesh``, ``phase`` (u - n), ``gap``, ``share``, ``stiffness``, ``opening`` (P, n) as
+    in ``Sharing``."""
 
     z_1: int
     z_2: int
@@ -88,6 +116,8 @@ class Carried:
     share: FloatArray | None
     contact: tuple[float, float]
     stiffness: FloatArray | None = None
+    opening: FloatArray | None = None
+    known: dict[str, np.ndarray[tuple[int, ...], np.dtype[Any]]] = field(default_factory=dict, repr=False)
 
     def weights(self, deviation: FloatArray) -> FloatArray:
         """Share (P, n) of each pair in the transmission error, where the pairs deviate by ``deviation`` (P, n) in
@@ -100,6 +130,13 @@ class Carried:
             return self.share
         first = np.argmax(height, axis=0)
         return np.asarray(np.arange(self.mesh.shape[0])[:, None] == first, dtype=np.float64)
+
+    def ends(self) -> tuple[FloatArray, FloatArray]:
+        """What a shift of the path's begin and of its end by one pitch does to each pair's height (P, n), in mm: beyond
+        the path a tip's corner touches, whose gap opens steeply."""
+        opening = np.zeros_like(self.phase) if self.opening is None else self.opening
+        low, high = self.contact
+        return np.where(self.phase < low, opening, 0.0), np.where(self.phase > high, opening, 0.0)
 
     def change(self, deviation: FloatArray) -> FloatArray:
         """Change (n,) in mm of the transmission error by deviations (P, n) of the pairs."""
@@ -160,12 +197,15 @@ def sharing_from_rows(
     late = 0.0 if flank == "drive" else 0.5
     # The tooth's number recurs every z_1 meshes; the contact is the one next to its pitch point.
     mesh_of_row = driving + z_1 * np.rint((u[position] - late - driving) / z_1).astype(np.int64)
-    start = np.searchsorted(position, np.arange(theta_2.size))
-    slot = np.arange(position.size) - start[position]
-    width = int(slot.max()) + 1
-    mesh = np.zeros((width, theta_2.size), dtype=np.int64)
-    gaps = np.full((width, theta_2.size), ABSENT)
+    first = np.full(theta_2.size, np.iinfo(np.int64).max)
+    np.minimum.at(first, position, mesh_of_row)
+    width = int(np.max(mesh_of_row - first[position])) + 1
+    # A pair keeps its slot for as long as it is near; an empty one belongs to the pair that is next to come or go.
+    slot = np.mod(mesh_of_row, width)
+    slots = np.arange(width)[:, None]
+    mesh = slots + width * np.rint((u - late - slots) / width).astype(np.int64)
     mesh[slot, position] = mesh_of_row
+    gaps = np.full((width, theta_2.size), ABSENT)
     gaps[slot, position] = gap
     shares = None
     if share is not None:

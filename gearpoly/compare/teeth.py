@@ -162,6 +162,10 @@ def scan_teeth(
         )
         sets.append(every)
     low, high = np.triu_indices(bins + 1, k=1)
+    # Beyond the path only corners of tips touch: what stands out there alone is how contacts move, no flank's shape.
+    edges, width = first.edges, first.edges[1] - first.edges[0]
+    on_path = np.minimum(edges[high], edges[-1] - BEYOND) - np.maximum(edges[low], edges[0] + BEYOND)
+    low, high = low[on_path >= width], high[on_path >= width]
     tests = len(sets) * (z + tests_beside) * low.size
     out: list[ToothFind] = []
     for which, s, raw, own in sets:

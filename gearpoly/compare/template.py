@@ -33,6 +33,9 @@ ERROR = 0.02 * UM
 """mm. Halving stops where straight lines follow the curve to this, a fifth of the least order line that is looked
 for, and of either sign."""
 
+ASIDE = 0.3
+"""Where in an interval the curve is looked at once more before it is taken for straight."""
+
 HALVINGS = 12
 """Times that an interval is halved at most: 1/32 of a pitch becomes 1e-5 of a pitch, less than encoders resolve."""
 
@@ -88,13 +91,26 @@ class Template:
         return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te - self.rigid)
 
 
+Found = dict[tuple[Flank, str, int], FlankContacts]
+"""Contacts of a pair at the places that all its templates begin with: flank, which places, and how many."""
+
+
 def make_template(
-    assembled: Assembled, *, flank: Flank, torque: float, error: float = ERROR, per_mesh: int | None = None
+    assembled: Assembled,
+    *,
+    flank: Flank,
+    torque: float,
+    error: float = ERROR,
+    per_mesh: int | None = None,
+    speed: float | None = None,
+    found: Found | None = None,
 ) -> Template:
     """Simulate ``assembled`` over one hunting cycle on ``flank`` under ``torque`` (N.mm), lines true to ``error`` (mm).
 
-    Teeth bend where the pair's file says so and the torque is above 0. Raises ``GeometryError`` where no teeth touch,
-    ``NotConvergedError`` where the certified kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
+    Teeth bend where the pair's file says so and the torque is above 0. ``speed`` of the driving shaft in rad/s makes a
+    mesh resonance swing. ``found`` keeps contacts that templates of several torques, the largest first, share. Raises
+    ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified kernel disagrees,
+    ``OutOfRangeError`` for a load beyond small deflections.
     """
     pair = assembled.pair
     meshes = pair.meshes_per_cycle
@@ -103,24 +119,39 @@ def make_template(
     compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
     near = 0.0 if compliance is None else NEAR + load_reach(compliance, torque)
 
-    def curve(theta_2: FloatArray) -> FloatArray:
-        found = contacts(pair, theta_2, flank=flank, near=near, fast=True)
+    found = {} if found is None else found
+
+    def searched(theta_2: FloatArray, places: str) -> FlankContacts:
+        """Contacts that any torque may ask for, found once."""
+        key = (flank, places, theta_2.size)
+        if key not in found or found[key].near < near:
+            found[key] = contacts(pair, theta_2, flank=flank, near=max(near, SHARERS), fast=True)
+        return found[key]
+
+    def curves(theta_2: FloatArray, *, places: str = "") -> tuple[FloatArray, FloatArray]:
+        """Transmission error (n,) in mm with and without load."""
+        rows = searched(theta_2, places) if places else contacts(pair, theta_2, flank=flank, near=near, fast=True)
+        free = rows.te * pair.r_b2
         if compliance is None:
-            return found.te * pair.r_b2
-        return loaded(found, compliance, torque=torque, sharing=assembled.sharing).te * pair.r_b2
+            return free, free
+        return loaded(rows, compliance, torque=torque, sharing=assembled.sharing).te * pair.r_b2, free
 
     size = meshes * per_mesh
     theta_2 = np.linspace(0.0, pair.cycle, size + 1)
-    rows = contacts(pair, theta_2[:-1], flank=flank, near=max(near, SHARERS), fast=True)
+    rows = searched(theta_2[:-1], "even")
     load = None if compliance is None else loaded(rows, compliance, torque=torque, sharing=assembled.sharing)
     even = (rows.te if load is None else load.te) * pair.r_b2
-    te = np.append(even, even[0])
+    te, free = np.append(even, even[0]), np.append(rows.te, rows.te[0]) * pair.r_b2
     low = np.arange(size)
     missed = 0.0
-    for _ in range(HALVINGS):
+    for level in range(HALVINGS):
         middle = 0.5 * (theta_2[low] + theta_2[low + 1])
-        found = curve(middle)
-        off = np.abs(found - 0.5 * (te[low] + te[low + 1]))
+        here, freely = curves(middle, places="middle" if level == 0 else "")
+        off = np.abs(here - 0.5 * (te[low] + te[low + 1]))
+        if level == 0:
+            # A corner that passes between two places bends the curve to both sides, and by chance not in the middle.
+            aside, _ = curves(theta_2[low] + ASIDE * (theta_2[low + 1] - theta_2[low]), places="aside")
+            off = np.maximum(off, np.abs(aside - (1.0 - ASIDE) * te[low] - ASIDE * te[low + 1]))
         # A bend that hides from the middle (two that cancel, one at an end) lies beside one that does not.
         bad = off > 0.5 * error
         beside = np.diff(low) == 1
@@ -128,18 +159,23 @@ def make_template(
         bad[:-1] |= beside & (off[1:] > error)
         # A line misses a bend by at most twice what shows at its middle, a smooth curve by just that.
         missed = max(missed, 2.0 * float(np.max(off, initial=0.0, where=~bad)))
-        low, middle, found = low[bad], middle[bad], found[bad]
+        low, middle, here, freely = low[bad], middle[bad], here[bad], freely[bad]
         if not low.size:
             break
-        theta_2, te = np.insert(theta_2, low + 1, middle), np.insert(te, low + 1, found)
+        theta_2, te = np.insert(theta_2, low + 1, middle), np.insert(te, low + 1, here)
+        free = np.insert(free, low + 1, freely)
         first = low + np.arange(low.size)
         low = np.sort(np.concatenate((first, first + 1)))
     else:
         missed = max(missed, 2.0 * float(np.max(off)))
-    rigid = None
-    if compliance is not None:
-        unloaded = contacts(pair, theta_2[:-1], flank=flank, near=0.0, fast=True).te * pair.r_b2
-        rigid = read_only(np.append(unloaded, unloaded[0]))
+    shafts = assembled.shafts
+    if not shafts.rigid:
+        twist = shafts.twist(torque=torque, coast=flank == "coast") * pair.r_b2
+        period = pair.cycle / (speed * pair.ratio) if speed else math.inf
+        swings = shafts.swings(even, period=period) if speed else np.zeros(even.size)
+        places = np.arange(even.size) * (pair.cycle / even.size)
+        te = te + twist + np.interp(theta_2, places, swings, period=pair.cycle)
+        even = even + twist + swings
     return Template(
         flank=flank,
         torque=torque,
@@ -149,7 +185,7 @@ def make_template(
         per_mesh=per_mesh,
         error=missed,
         sharing=_sharing(pair, rows, load, compliance),
-        rigid=rigid,
+        rigid=None if compliance is None else read_only(free),
     )
 
 
@@ -175,4 +211,5 @@ def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, b
         # On the coast flank the path is run through backwards, half a pitch late.
         contact=(begin, end) if rows.flank == "drive" else (0.5 - end, 0.5 - begin),
         flank=rows.flank,
+        approach=None if load is None else np.abs(rows.te - load.te) * pair.r_b2,
     )

@@ -55,8 +55,8 @@ class Alignment:
 
     ``zeros`` with standard errors ``std_driving`` and ``std_driven`` in rad; ``rivals`` fit nearly as well, best first
     (and more than a handful stand for all); ``contradicted`` fits much better than what the stated zeros allow.
-    ``phased``: the place within a pitch comes from the curves, else from what was stated, if anything. ``numbering``
-    says what fixes the tooth numbers, if anything.
+    ``phased``: the place within a pitch comes from the curves; else they tell at least the place in the turn
+    (``rough``), or what was stated stands. ``numbering`` says what fixes the tooth numbers, if anything.
 
     Per recording: ``shift`` in rad by which its driven rotation (by the base zero) is too large, ``offset`` in mm by
     which its transmission error is.
@@ -68,6 +68,7 @@ class Alignment:
     rivals: tuple[Zeros, ...]
     contradicted: Zeros | None
     phased: bool
+    rough: bool
     numbering: Numbering
     shift: FloatArray
     offset: FloatArray
@@ -136,7 +137,8 @@ class Shafts:
 def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment:
     """Make zeros of a place on the cycle, or keep what is stated where the curves have nothing to say."""
     anchor = _anchor(shafts)
-    best = laid.best if laid.phased else _kept(laid.best, cycle, base, shafts, anchor)
+    stands = laid.phased or (laid.rough and base.driving is None and base.driven is None)
+    best = laid.best if stands else _kept(laid.best, cycle, base, shafts, anchor)
     rate = cycle.pitch * cycle.r_b2
     offset = np.empty(best.offset.size)
     for k, counted in enumerate(shafts.counted):
@@ -148,6 +150,9 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment
     if laid.phased:
         std_2 = laid.std
         std_1 = math.hypot(laid.std, laid.offset_std / cycle.r_b2 if both else 0.0) / cycle.ratio
+    elif stands:
+        std_2 = max(laid.std, EVEN * driven_pitch)
+        std_1 = std_2 / cycle.ratio
     else:
         std_2 = EVEN * (driven_pitch if base.driven is not None else TURN)
         std_1 = EVEN * (driving_pitch if base.driving is not None else TURN)
@@ -166,6 +171,7 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment
         rivals=tuple(_zeros(one, cycle, base, shafts, anchor) for one in laid.rivals) if laid.phased else (),
         contradicted=None if laid.contradicted is None else _zeros(laid.contradicted, cycle, base, shafts, anchor),
         phased=laid.phased,
+        rough=stands,
         numbering=numbering,
         shift=best.shifts,
         offset=offset,

@@ -34,6 +34,14 @@ class Layout:
         """Parameters of claim ``k``."""
         return list(range(self.claims[k].start, self.claims[k].stop))
 
+    def form_places(self, model: Model, k: int) -> list[int]:
+        """Parameters of the freedom of form of claim ``k``, if it has a tooth."""
+        if model.claims[k].place.tooth is None:
+            return []
+        before = sum(claim.place.tooth is not None for claim in model.claims[:k])
+        start = self.forms.start + before * KNOTS
+        return list(range(start, start + KNOTS))
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Linear:

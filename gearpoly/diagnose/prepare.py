@@ -112,6 +112,7 @@ def _observed(one: Aligned, number: int, beside: Beside) -> Observed:
     cycles = whole_cycles(u, period)
     along = u - u[0]
     fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else along < HELD_OUT * along[-1]
+    slope = one.template.slope(one.theta_2)
     return Observed(
-        samples=samples, recorded=one.recorded, slope=one.template.slope(one.theta_2), fit=fit, estimator=estimator
+        samples=samples, recorded=one.recorded, slope=slope, fit=fit, whole=cycles >= 2, estimator=estimator
     )

@@ -29,6 +29,9 @@ FAINT_WAVE = 10.0
 """Gain of a wave below which its order is not looked at more closely: chance makes one in 150 as large, and none of
 thousands is significant below twice as much."""
 
+LIKELY = 40
+"""Orders per shaft that are looked at closely: the strongest lines, of which one is taken at a time."""
+
 KNOWN = 1e-4
 """Part of a column's information that must be left beside everything else, or it is told from nothing."""
 
@@ -91,10 +94,10 @@ def scan(
     out: list[Candidate] = []
     held: list[tuple[Claim, list[FloatArray]]] = []
     looked = 0
-    rough = _rough_gains(scenes, linear)
+    rough = _likely_orders(scenes, linear)
     for physics, place in all_places(model) if only is None else only:
         looked += 1
-        if physics.wavelike and rough[place.gear or 0][place.order or 0] < FAINT_WAVE:
+        if physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         values = (*(0.0,) * physics.amplitudes, *place.shape)
         claim = Claim(physics=physics, place=place, values=values)
@@ -110,8 +113,8 @@ def scan(
     return sorted(out, key=lambda one: -one.gain), looked
 
 
-def _rough_gains(scenes: list[Scene], linear: Linear) -> tuple[FloatArray, FloatArray]:
-    """Gain in misfit by a wave of every order of the driving and of the driven shaft, all else staying as fitted."""
+def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:
+    """Orders of the driving and of the driven shaft at which a wave would gain most, all else staying as fitted."""
     out = []
     for gear in (0, 1):
         gains = np.zeros(HIGHEST_ORDER + 1)
@@ -124,7 +127,8 @@ def _rough_gains(scenes: list[Scene], linear: Linear) -> tuple[FloatArray, Float
             spacing = float(np.median(np.abs(np.diff(turns)))) * z
             enlarged = np.abs(noise.gain(np.arange(HIGHEST_ORDER + 1) / z, spacing=spacing)) ** 2
             gains += 2.0 * np.abs(sums) ** 2 / (s.size * enlarged)
-        out.append(gains)
+        order = np.argsort(-gains)[:LIKELY]
+        out.append({int(k) for k in order if gains[k] > FAINT_WAVE})
     return out[0], out[1]
 
 

@@ -27,6 +27,10 @@ FAINT = 0.012 * UM
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
 
+LAW = 0.004
+"""Part of the mean deflection below which a mean tooth's effect may be what compliance laws and corner contact differ
+by, beyond the modes that are fitted."""
+
 SETTLED = 0.004 * UM
 """mm rms. Changes below this need no further simulation."""
 
@@ -120,7 +124,7 @@ class Search:
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
-        return honest.log_chance(tests=max(self.tests, 1)) < math.log(FAMILY) and self.size(one) > self.least()
+        return honest.log_chance(tests=max(self.tests, 1)) < math.log(FAMILY) and self.size(one) > self.least(one)
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
@@ -128,14 +132,23 @@ class Search:
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
         return level * math.sqrt(max(one.gain, 0.0) / samples)
 
-    def least(self) -> float:
+    def least(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what the simulation leaves of others."""
         largest = 0.0
         for claim in self.model.claims:
             if not claim.physics.measures:
                 change = self.model.change(self.scenes, claim, claim.values, but=claim)
                 largest = max(largest, *(float(np.std(c)) for c in change))
-        return max(FAINT, ECHO * largest)
+        law = LAW * self.deflection if one.claim.physics.mean_tooth else 0.0
+        return max(FAINT, ECHO * largest, law)
+
+    @property
+    def deflection(self) -> float:
+        """The largest mean deflection in mm of any recording."""
+        place = self.nuisance.scale
+        if place is None:
+            return 0.0
+        return max(abs(float(np.mean(columns[:, place]))) for columns in self.nuisance.columns)
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""

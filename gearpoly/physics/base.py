@@ -118,6 +118,12 @@ class Physics:
     wavelike: bool = False
     """Its effect is mostly a wave of the place's order per turn of its gear."""
 
+    mean_tooth: bool = False
+    """It is the same at every mesh, where a wrong compliance law shows too."""
+
+    law_doubt: float = 0.0
+    """Relative standard error of its size, one sigma, for what compliance laws differ by."""
+
     fixed_amplitudes: bool = field(default=False)
     """The amplitudes only say whether it is there (1) or not (0)."""
 

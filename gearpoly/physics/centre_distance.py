@@ -35,6 +35,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="offset_um", step=5.0),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("offset_um"),

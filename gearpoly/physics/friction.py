@@ -22,6 +22,8 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="coefficient", low=0.0, high=1.0, step=0.02),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
+    law_doubt=0.05,
     write=_write,
     report=plain("coefficient"),
     reloads=True,

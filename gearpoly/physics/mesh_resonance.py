@@ -60,6 +60,7 @@ PHYSICS = Physics(
     amplitudes=1,
     fixed_amplitudes=True,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=_report,

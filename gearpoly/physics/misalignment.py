@@ -26,6 +26,8 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="lead_um", low=0.0, step=0.5),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
+    law_doubt=0.05,
     write=_write,
     report=plain("lead_um"),
     reloads=True,

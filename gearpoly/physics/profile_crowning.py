@@ -29,6 +29,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="crowning_um"),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("crowning_um"),

@@ -30,6 +30,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="slope_um"),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("slope_um"),

@@ -51,6 +51,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="amount_um", low=0.0), Quantity(name="length_mm", low=0.02, step=0.01)),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("amount_um", "length_mm"),

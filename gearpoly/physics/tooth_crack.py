@@ -43,6 +43,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="more", low=0.0, step=0.1),),
     amplitudes=1,
     places=_places,
+    law_doubt=0.1,
     effect=_effect,
     write=_write,
     report=_report,

@@ -37,6 +37,8 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="scale", low=0.0, step=0.02),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
+    law_doubt=0.05,
     write=_write,
     report=_report,
     reloads=True,

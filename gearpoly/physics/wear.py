@@ -32,6 +32,7 @@ PHYSICS = Physics(
     coordinates=(Quantity(name="depth_um", low=0.0),),
     amplitudes=1,
     places=_places,
+    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("depth_um"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from gearpoly.compare.compare import Aligned, Comparison
 from gearpoly.compare.families import SHARES, line_threshold
-from gearpoly.compare.noise import Noise
+from gearpoly.compare.noise import SLOW, Noise, slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
 from gearpoly.units import NM, UM, FloatArray
@@ -86,13 +87,15 @@ def _colours(count: int) -> list[str]:
 def _orders(axis: Any, comparison: Comparison) -> None:
     pair = comparison.assembled.pair
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
-    tops = []
+    tops: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    lines: list[tuple[float, float]] = []
     for k, (one, colour) in enumerate(zip(comparison.aligned, _colours(len(comparison.aligned)), strict=True)):
         noise = comparison.located.noises[k]
         u = one.theta_2 * (z_2 / (2.0 * np.pi))
         span, spacing = float(np.ptp(u)), float(np.median(np.diff(u)))
         top = min(MESHES + 0.5, 0.5 / spacing)
-        frequency, amplitude = _spectrum(u, one, span, top)
+        rest, waves = _parted(one)
+        frequency, amplitude = _spectrum(u, rest, span, top)
         # The orders of both shafts are the places that were searched.
         places = top * (z_1 + z_2)
         limit = _threshold(noise, frequency, one.residual.size, places, SHARES.orders)
@@ -100,10 +103,13 @@ def _orders(axis: Any, comparison: Comparison) -> None:
         axis.semilogy(frequency * z_1, amplitude / UM, color=colour, linewidth=0.6, alpha=0.8, label=label)
         axis.semilogy(frequency * z_1, limit / UM, color=colour, linewidth=1.0, linestyle="--")
         tops.append((frequency * z_1, amplitude / UM, limit / UM))
-    for mesh in range(1, int(MESHES) + 1):
+        for order, size in waves:
+            axis.semilogy([order, order], [1e-9, size / UM], color=colour, linewidth=1.4)
+            lines.append((order, size / UM))
+    for mesh in range(1, int(max(x[-1] for x, _, _ in tops) / z_1) + 1):
         axis.axvline(mesh * z_1, color=GREY, linewidth=0.5, alpha=0.5, zorder=0)
-    _name_peaks(axis, tops, lambda order: _order_words(order, z_1, z_2))
-    _bottom(axis, tops)
+    _name_peaks(axis, tops, lines, lambda order: _order_words(order, z_1, z_2))
+    _bottom(axis, tops, lines)
     axis.set_xlabel(f"order of the driving shaft (grey: mesh orders, {z_1} each)")
     axis.set_ylabel("amplitude / um")
     axis.set_title("order spectrum; dashed: what noise exceeds in one of a hundred recordings", fontsize=9)
@@ -122,31 +128,45 @@ def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
         span, dt = float(np.ptp(time)), float(np.median(np.diff(time)))
         per_second = float(np.ptp(u)) / span
         top = min((MESHES + 0.5) * per_second, 0.5 / dt)
-        frequency, amplitude = _spectrum(time, one, span, top)
+        frequency, amplitude = _spectrum(time, _parted(one)[0], span, top)
         limit = _threshold(noise, frequency / per_second, one.residual.size, top * span, SHARES.time)
         label = f"recording {k}: {one.flank}, {one.torque / NM:g} N.m"
         axis.semilogy(frequency, amplitude / UM, color=colour, linewidth=0.6, alpha=0.8, label=label)
         axis.semilogy(frequency, limit / UM, color=colour, linewidth=1.0, linestyle="--")
         tops.append((frequency, amplitude / UM, limit / UM))
-    _name_peaks(axis, tops, lambda hertz: f"{hertz:.4g} Hz")
-    _bottom(axis, tops)
+    _name_peaks(axis, tops, [], lambda hertz: f"{hertz:.4g} Hz")
+    _bottom(axis, tops, [])
     axis.set_xlabel("frequency / Hz")
     axis.set_ylabel("amplitude / um")
-    axis.set_title("time-locked spectrum: a wave fixed in time is sharp here, one of a shaft is blurred", fontsize=9)
+    axis.set_title("time spectrum, first orders of the shafts taken off: what is fixed in time is sharp", fontsize=9)
     axis.legend(fontsize=8, loc="upper right")
     axis.margins(x=0.0)
     axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
 
 
-def _spectrum(x: FloatArray, one: Aligned, span: float, top: float) -> tuple[FloatArray, FloatArray]:
-    """Frequencies (k,) in cycles per unit of ``x`` (n,) and amplitudes (k,) in mm of waves in the residual."""
+def _spectrum(x: FloatArray, rest: FloatArray, span: float, top: float) -> tuple[FloatArray, FloatArray]:
+    """Frequencies (k,) in cycles per unit of ``x`` (n,) and amplitudes (k,) in mm of waves in ``rest`` (n,) in mm."""
     step = 1.0 / (FINE * span)
     grid = Grid(x, step=step, count=max(2, int(top / step)))
     # Each sample counts by the stretch it stands for: a strong line then does not spill over the others.
     weight = np.gradient(x)
-    values = weight * (one.residual - np.average(one.residual, weights=weight))
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
-    return frequency, 2.0 * np.abs(grid.transform(values)) / float(np.sum(weight))
+    return frequency, 2.0 * np.abs(grid.transform(weight * rest)) / float(np.sum(weight))
+
+
+def _parted(one: Aligned) -> tuple[FloatArray, list[tuple[float, float]]]:
+    """The residual (n,) in mm without its slow curve and the first two orders of both shafts, and those waves as
+    (order of the driving shaft, amplitude in mm): far stronger than the rest, they would spill over it."""
+    ratio = one.cleaned.ratio
+    orders = [1.0, 2.0, ratio, 2.0 * ratio] if ratio != 1.0 else [1.0, 2.0]
+    # Waves slower than half a turn of the recording are no lines yet.
+    turns = float(np.ptp(one.theta_1)) / (2.0 * np.pi)
+    orders = [order for order in orders if order * turns > 1.5]
+    waves = [wave(order * one.theta_1) for order in orders for wave in (np.cos, np.sin)]
+    columns = np.column_stack([slow_curves(one.theta_2), *waves])
+    beta = np.linalg.lstsq(columns, one.residual, rcond=None)[0]
+    sizes = np.hypot(beta[SLOW::2], beta[SLOW + 1 :: 2])
+    return one.residual - columns @ beta, list(zip(orders, sizes.tolist(), strict=True))
 
 
 def _threshold(noise: Noise, per_mesh: FloatArray, samples: int, places: float, share: float) -> FloatArray:
@@ -163,25 +183,29 @@ def _order_words(order: float, z_1: int, z_2: int) -> str:
     return f"{order:.3f}"
 
 
-def _name_peaks(axis: Any, curves: list[tuple[FloatArray, FloatArray, FloatArray]], words: Any) -> None:
+Curves = list[tuple[FloatArray, FloatArray, FloatArray]]
+"""Frequency, amplitude and threshold of each recording."""
+
+
+def _name_peaks(axis: Any, curves: Curves, lines: list[tuple[float, float]], words: Callable[[float], str]) -> None:
     """Name the largest lines above their threshold, each place once."""
-    found: list[tuple[float, float, float]] = []
+    last = max(float(x[-1]) for x, _, _ in curves)
+    found = [(size, at) for at, size in lines if any(size > float(np.interp(at, x, limit)) for x, _, limit in curves)]
     for x, amplitude, limit in curves:
         inner = np.flatnonzero(
             (amplitude[1:-1] >= amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]) & (amplitude[1:-1] > limit[1:-1])
         )
-        found += [(float(amplitude[k + 1]), float(x[k + 1]), float(x[-1])) for k in inner[x[inner + 1] > 3.0 * x[1]]]
+        found += [(float(amplitude[k + 1]), float(x[k + 1])) for k in inner[x[inner + 1] > 3.0 * x[1]]]
     named: list[float] = []
-    for height, at, last in sorted(found, reverse=True):
+    for height, at in sorted(found, reverse=True):
         if len(named) < LABELLED and all(abs(at - other) > 0.06 * last for other in named):
             named.append(at)
-            axis.annotate(
-                words(at), (at, height), textcoords="offset points", xytext=(3, 4), fontsize=7, annotation_clip=True
-            )
+            axis.annotate(words(at), (at, height), textcoords="offset points", xytext=(3, 4), fontsize=7)
 
 
-def _bottom(axis: Any, curves: list[tuple[FloatArray, FloatArray, FloatArray]]) -> None:
+def _bottom(axis: Any, curves: Curves, lines: list[tuple[float, float]]) -> None:
     """Cut the floor off: a tenth of the threshold is far inside the noise."""
     low = min(float(np.min(limit)) for _, _, limit in curves) / 10.0
-    high = max(float(np.max(amplitude[1:])) for _, amplitude, _ in curves) * 2.0
+    high = max([float(np.max(amplitude[1:])) for _, amplitude, _ in curves] + [size for _, size in lines]) * 2.0
     axis.set_ylim(low, max(high, 20.0 * low))
+    axis.set_xlim(0.0, max(float(x[-1]) for x, _, _ in curves))

@@ -11,9 +11,12 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.compare.compare import Aligned, Comparison
-from gearpoly.compare.entries import says
+from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.units import DEG, NM, RPM, UM
+
+SINGLY = 3
+"""Entries that come along with another one and still get a line each; more are summed up."""
 
 
 def _deg(angle: float | None, digits: int = 4) -> float | None:
@@ -114,8 +117,8 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     console.print(table)
     if located.entries:
         console.print("where they differ, strongest first:", style="bold", highlight=False)
-        for entry in located.entries:
-            console.print(f"  {_capital(says(entry))}", highlight=False, soft_wrap=True)
+        for line in _entry_lines(located.entries):
+            console.print(f"  {line}", highlight=False, soft_wrap=True)
     else:
         console.print(
             "nothing beyond noise, and beyond what inspection or grade leave open of each tooth",
@@ -131,6 +134,19 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
 
 
+def _entry_lines(entries: tuple[Entry, ...]) -> list[str]:
+    """One line per entry; of many that come along with another one, only what they are, on one line."""
+    along: dict[str, list[Entry]] = {}
+    for entry in entries:
+        if entry.companion_of is not None:
+            along.setdefault(entry.companion_of, []).append(entry)
+    out = [_capital(says(e)) for e in entries if e.companion_of is None or len(along[e.companion_of]) <= SINGLY]
+    for parent, several in along.items():
+        if len(several) > SINGLY:
+            out.append(f"With {parent} come {len(several)} weaker ones: {', '.join(named(e) for e in several)}")
+    return out
+
+
 def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
     speed = "" if one.speed is None else f", {one.speed / RPM:.4g} rpm"
     load = f"{one.torque / NM:g} N.m"
@@ -144,7 +160,7 @@ def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
 
 def _readings(zeros: Zeros) -> str:
     parts = [
-        f"{name} {angle / DEG % 360.0:.3f} deg"
+        f"{name} {round(angle / DEG, 3) % 360.0:.3f} deg"
         for name, angle in (("driving", zeros.driving), ("driven", zeros.driven))
         if angle is not None
     ]
@@ -153,7 +169,7 @@ def _readings(zeros: Zeros) -> str:
 
 def _zero_words(comparison: Comparison) -> str:
     found = comparison.alignment
-    if not found.phased:
+    if not found.phased and not found.rough:
         return f"{_readings(found.zeros)}, not told by the curves, which are too flat to place the teeth"
     digits = max(1, min(4, 2 - math.floor(math.log10(max(found.std / DEG, 1e-6)))))
     how = {

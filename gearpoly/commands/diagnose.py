@@ -1,0 +1,49 @@
+"""``gearpoly diagnose``: which physics the simulation left out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 30
+
+
+def diagnose(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    recordings: Annotated[
+        list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
+    ],
+    json: Annotated[Path | None, typer.Option(help="Write the verdict (JSON; - for standard output).")] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network.")
+    ] = None,
+    fitted: Annotated[Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it.")] = None,
+) -> None:
+    """Name the physics that the simulation left out, model it, and show the fit improve."""
+    from rich.console import Console
+
+    from gearpoly.diagnose.diagnose import diagnose as run
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.pairfile import dump_pair, moved, read_pair
+    from gearpoly.recording.read import read_recording
+    from gearpoly.report.diagnosis_page import page
+    from gearpoly.report.diagnosis_report import json_text, print_diagnosis
+    from gearpoly.report.progress import steps
+
+    for target in (json, html, fitted):
+        if target is not None:
+            check_target(target)
+    file = read_pair(pair)
+    with steps() as step:
+        step("reading")
+        diagnosis = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+    if fitted is not None:
+        write_text(fitted, dump_pair(moved(diagnosis.fitted, source=pair, target=fitted)))
+    if json is not None:
+        write_text(json, json_text(diagnosis))
+    if html is not None:
+        write_text(html, page(diagnosis))
+    if str(json) != "-":
+        print_diagnosis(Console(), diagnosis)

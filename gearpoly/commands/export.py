@@ -1,0 +1,82 @@
+"""``gearpoly export``: error gears as drawings, solids, points and inspection files."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 50
+
+
+class GearChoice(StrEnum):
+    """Which gears to write."""
+
+    both = "both"
+    driving = "driving"
+    driven = "driven"
+
+
+class TouchingFlank(StrEnum):
+    """Which flanks touch in mesh."""
+
+    drive = "drive"
+    coast = "coast"
+
+
+class CurveChoice(StrEnum):
+    """How curves are written."""
+
+    lines = "lines"
+    arcs = "arcs"
+    splines = "splines"
+
+
+def export(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    to: Annotated[
+        Path,
+        typer.Option(help="File to write; its ending says what: svg, dxf, stl, 3mf, step, csv, geojson, wkb, gde."),
+    ],
+    gear: Annotated[GearChoice, typer.Option(help="Which gears.")] = GearChoice.both,
+    at: Annotated[float, typer.Option(help="Driven angle in deg at which the gears stand in mesh.")] = 0.0,
+    flank: Annotated[TouchingFlank, typer.Option(help="Which flanks touch in mesh.")] = TouchingFlank.drive,
+    apart: Annotated[bool, typer.Option("--apart", help="Gears side by side, clear of each other.")] = False,
+    magnify: Annotated[
+        float, typer.Option(help="Exaggerate deviations from the ideal gear K times along the normal.", metavar="K")
+    ] = 1.0,
+    points: Annotated[int | None, typer.Option(help="Points per involute flank, 8 to 20000.")] = None,
+    chord_um: Annotated[
+        float | None,
+        typer.Option(help="Most that a chord stands off its flank, um; default 0.05 per mm of module."),
+    ] = None,
+    curves: Annotated[
+        CurveChoice | None, typer.Option(help="dxf: lines, arcs or splines; step: splines or lines; else lines.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+) -> None:
+    """Write error gears in the format of the file's ending: drawings, solids, points, inspection files."""
+    from gearpoly.assemble import assemble
+    from gearpoly.export.drawing import Request
+    from gearpoly.export.outline import Detail
+    from gearpoly.export.write import check
+    from gearpoly.export.write import export as run
+    from gearpoly.files.pairfile import read_pair
+    from gearpoly.units import DEG, UM
+
+    chosen = None if curves is None else curves.value
+    check(to, chosen)
+    request = Request(
+        which=gear.value,
+        at=at * DEG,
+        flank=flank.value,
+        apart=apart,
+        magnify=magnify,
+        detail=Detail(points=points, chord=None if chord_um is None else chord_um * UM),
+    )
+    file = read_pair(pair)
+    assembled = assemble(file, path=pair, seed=seed)
+    written = run(assembled, to, request, title=file.name, source=str(pair), seed=seed, curves=chosen)
+    typer.echo(written.says)

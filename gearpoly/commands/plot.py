@@ -1,0 +1,65 @@
+"""``gearpoly plot``: still pictures of a pair."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+ORDER = 45
+
+
+class What(StrEnum):
+    """What to draw."""
+
+    mesh = "mesh"
+    deviations = "deviations"
+    gaps = "gaps"
+
+
+class FlankToDraw(StrEnum):
+    """Which flanks touch."""
+
+    drive = "drive"
+    coast = "coast"
+
+
+def plot(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    to: Annotated[Path, typer.Option(help="Picture to write: png, svg or pdf.")],
+    what: Annotated[
+        What, typer.Option(help="mesh: close-up at a contact; deviations: maps of all teeth; gaps: of near pairs.")
+    ] = What.mesh,
+    at: Annotated[float, typer.Option(help="Driven angle in deg.")] = 0.0,
+    flank: Annotated[FlankToDraw, typer.Option(help="Which flanks touch.")] = FlankToDraw.drive,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+) -> None:
+    """Draw still pictures of a pair: the mesh at a contact, tooth deviations, gaps of near pairs."""
+    import math
+
+    from gearpoly.assemble import assemble
+    from gearpoly.errors import OutOfRangeError, blamed
+    from gearpoly.files.output import check_target
+    from gearpoly.files.pairfile import read_pair
+    from gearpoly.report import gear_plots
+    from gearpoly.report.plots import check_format, save
+    from gearpoly.units import DEG
+
+    check_format(to)
+    check_target(to)
+    if not math.isfinite(at):
+        raise OutOfRangeError(f"--at {at:g}: want an angle in deg")
+    file = read_pair(pair)
+    assembled = assemble(file, path=pair, seed=seed)
+    side: Literal["drive", "coast"] = "coast" if flank is FlankToDraw.coast else "drive"
+    with blamed(pair, "driving, driven, pair"):
+        if what is What.deviations:
+            figure = gear_plots.deviation_figure(assembled, name=file.name)
+        elif what is What.gaps:
+            figure = gear_plots.gap_figure(assembled, at * DEG, flank=side, name=file.name)
+        else:
+            figure = gear_plots.mesh_figure(assembled, at * DEG, flank=side, name=file.name)
+    save(figure, to)
+    typer.echo(f"{to}: {what.value}")

@@ -1,0 +1,85 @@
+"""``gearpoly view``: the contact debugger as one page."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearpoly.commands.simulate import FlankChoice
+
+ORDER = 40
+
+
+def view(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    html: Annotated[
+        Path | None,
+        typer.Option(help="The page to write (- for standard output); default: the pair file's name, ending in .html."),
+    ] = None,
+    at: Annotated[float, typer.Option(help="Driven angle in deg at which the page opens.")] = 0.0,
+    recording: Annotated[
+        Path | None, typer.Option(help="Show this recording's mismatch beside the geometry, under its condition.")
+    ] = None,
+    flank: Annotated[
+        FlankChoice | None, typer.Option(help="Which flank carries; default drive, or the recording's.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Decides what a grade leaves to chance; default 0.", min=0)] = None,
+) -> None:
+    """Write the contact debugger: gears, contacts, gaps and TE in one page that any browser opens from disk."""
+    from rich.console import Console
+
+    from gearpoly.assemble import assemble
+    from gearpoly.errors import OutOfRangeError
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.pairfile import read_pair
+    from gearpoly.report.progress import steps, watched
+    from gearpoly.units import NM
+    from gearpoly.view.document import document
+    from gearpoly.view.html import page_text
+    from gearpoly.view.scene import positions, scene_beside, scene_of
+
+    if not math.isfinite(at):
+        raise OutOfRangeError(f"--at {at}: want a driven angle in deg, such as 12.5")
+    target = Path(f"{pair.stem}.html") if html is None else html
+    if str(target) != "-" and target.suffix.lower() not in {".html", ".htm"}:
+        raise OutOfRangeError(f"--html {target}: the contact debugger is a page; want a name ending in .html")
+    check_target(target)
+    file = read_pair(pair)
+    if recording is not None:
+        if flank is not None or seed is not None:
+            raise OutOfRangeError(
+                "--recording brings its flank, and nothing is drawn by chance beside it; leave out --flank and --seed"
+            )
+        from gearpoly.compare.compare import compare
+        from gearpoly.recording.read import read_recording
+
+        with steps() as step:
+            step("reading")
+            comparison = compare(file, [read_recording(recording)], path=pair, step=step)
+        with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
+            scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
+    else:
+        assembled = assemble(file, path=pair, seed=seed or 0)
+        with watched(2 * positions(assembled.pair), "turning the gears") as progress:
+            scene = scene_of(
+                assembled,
+                name=file.name,
+                path=pair,
+                torque=file.pair.torque_nm * NM,
+                at_deg=at,
+                flank="coast" if flank == FlankChoice.coast else "drive",
+                seed=seed or 0,
+                progress=progress,
+            )
+    text = page_text(document(scene))
+    write_text(target, text)
+    if str(target) != "-":
+        console = Console()
+        console.print(
+            f"{target}: {len(text.encode()) / 1e6:.2f} MB, open it in a browser", highlight=False, soft_wrap=True
+        )
+        for remark in scene.remarks:
+            console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)

@@ -1,0 +1,60 @@
+"""What the model is worth on data that its fit never saw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.system import Mask, System
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rms:
+    """Root mean squares in mm over all samples: on the samples that the fit saw, and on those that it did not."""
+
+    seen: float
+    unseen: float
+
+
+def cross_validated(linear: Linear, masks: list[Mask], *, leave: list[int] | None = None) -> Rms:
+    """Fit on one part and look at the other, then the other way round; ``leave`` parameters out.
+
+    Where a part is empty (nothing was held out), both figures are those of the whole.
+    """
+    system, columns = linear.system, linear.columns
+    if leave:
+        system = system.without(leave)
+        keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
+        columns = [c[:, keep] for c in columns]
+    others = [~mask for mask in masks]
+    if not all(np.any(mask) for mask in others):
+        whole = _rms(system, columns, linear.target, masks)
+        return Rms(seen=whole, unseen=whole)
+    seen, unseen = [], []
+    for fit, rest in ((masks, others), (others, masks)):
+        x = system.at(fit).solution
+        seen.append(_square(x, columns, linear.target, fit))
+        unseen.append(_square(x, columns, linear.target, rest))
+    return Rms(seen=_root(seen), unseen=_root(unseen))
+
+
+def _rms(system: System, columns: list[FloatArray], target: list[FloatArray], masks: list[Mask]) -> float:
+    return _root([_square(system.solution, columns, target, masks)])
+
+
+def _square(x: FloatArray, columns: list[FloatArray], target: list[FloatArray], masks: list[Mask]) -> tuple[float, int]:
+    left = [(y - a @ x)[mask] for a, y, mask in zip(columns, target, masks, strict=True)]
+    return sum(float(r @ r) for r in left), sum(r.size for r in left)
+
+
+def _root(parts: list[tuple[float, int]]) -> float:
+    return math.sqrt(sum(square for square, _ in parts) / max(1, sum(number for _, number in parts)))
+
+
+def repeatable(rms: float, noise: float) -> float:
+    """What of an rms is no noise, mm."""
+    return math.sqrt(max(rms**2 - noise**2, 0.0))

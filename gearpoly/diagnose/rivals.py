@@ -1,0 +1,83 @@
+"""What else a claim could be: everything that the recordings cannot tell from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.physics.scene import Scene
+
+CLOSE = 9.0
+"""Difference in misfit within which two explanations are not told apart: three standard deviations."""
+
+POSSIBLE = 0.5
+"""Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
+
+LOOKED_AT = 12
+"""Rivals that are looked at closely."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """A claim with its ``gain`` in misfit, and the rivals within the evidence, best first."""
+
+    gain: float
+    rivals: tuple[Candidate, ...]
+
+
+def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
+    """Weigh claim ``k`` against everything that could stand in its place, all else fitted again.
+
+    Rivals are drawn to first order about the set-up with the claim in it; the freedom of form that a claimed tooth has
+    is left out on both sides.
+    """
+    claim = model.claims[k]
+    leave = linear.layout.places(k) + linear.layout.form_places(model, k)
+    bare = linear.system.without(leave)
+    keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
+    plain = Linear(
+        system=bare,
+        layout=linear.layout,
+        columns=[c[:, keep] for c in linear.columns],
+        target=linear.target,
+        noises=linear.noises,
+    )
+    mine = bare.with_columns([a[:, linear.layout.claims[k]] for a in linear.system.white])
+    gain = bare.misfit - mine.misfit
+    others = Model(**{**model.__dict__, "claims": [c for j, c in enumerate(model.claims) if j != k]})
+    found, _ = scan(others, scenes, plain, only=_possible(model, claim))
+    rivals: list[Candidate] = []
+    seen = {claim.key}
+    for one in [c for c in found if c.gain > POSSIBLE * gain][: 4 * LOOKED_AT]:
+        if one.claim.key in seen or len(seen) > LOOKED_AT:
+            continue
+        seen.add(one.claim.key)
+        better = polished(others, scenes, plain, one)
+        columns = columns_of(others, scenes, plain, better)
+        reached = bare.misfit - bare.with_columns(columns).misfit
+        if reached - 2.0 * better.freedoms > gain - 2.0 * len(claim.values) - CLOSE:
+            rivals.append(better)
+    return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
+
+
+def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]
+    """Places at which something like the claim could be: another tooth is never mistaken for a wave, nor order 61 for
+    order 12."""
+    taken = {one.key for one in model.claims}
+    for physics in catalogue().values():
+        for place in physics.places(model.scope):
+            key = Claim(physics=physics, place=place, values=()).key
+            if key in taken:
+                continue
+            if physics.wavelike and place.order != claim.place.order:
+                continue
+            tooth, mine = place.tooth is not None, claim.place.tooth is not None
+            if tooth and not mine:
+                continue
+            yield physics, place

@@ -1,0 +1,231 @@
+"""Which recording would decide: look-alikes simulated under conditions that were not recorded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.diagnose.as_built import make_as_built
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.physics.base import Claim
+from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.units import NM, RPM, FloatArray
+
+PER_MESH = 12
+"""Samples per mesh of a recording that is only thought of: six mesh orders."""
+
+CYCLES = 2
+"""Hunting cycles of it."""
+
+LIGHT = 1.0 * NM
+"""Torque that only keeps the flanks together."""
+
+REFITTED = 0.5 * math.pi
+"""Rotation in rad by which an encoder is refitted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NextRecording:
+    """A recording that could be made: ``flank``, ``torque`` in N.mm, ``speed`` in rad/s if it matters, ``refitted`` 0
+    or 1: the encoder of that shaft turned on its shaft by a quarter turn, ``reversed``: run backwards."""
+
+    flank: str
+    torque: float
+    speed: float | None = None
+    refitted: int | None = None
+    reversed: bool = False
+
+    @property
+    def says(self) -> str:
+        """What to do, as a sentence."""
+        if self.refitted is not None:
+            name = ("driving", "driven")[self.refitted]
+            return f"Turn the encoder on the {name} shaft by 90 deg on its shaft and record again."
+        torque = f"{self.torque / NM:g} N.m"
+        if self.reversed:
+            return f"Run the pair backwards and record the {self.flank} flank at {torque}."
+        speed = "" if self.speed is None else f" and {self.speed / RPM:.0f} rpm"
+        return f"Record the {self.flank} flank at {torque}{speed}."
+
+    def to_json(self) -> dict[str, object]:
+        """The condition under the keys of a recording."""
+        out: dict[str, object] = {"flank": self.flank, "torque_nm": self.torque / NM}
+        if self.speed is not None:
+            out["speed_rpm"] = self.speed / RPM
+        if self.refitted is not None:
+            out["refitted_encoder"] = ("driving", "driven")[self.refitted]
+        if self.reversed:
+            out["reversed"] = True
+        return out
+
+
+@dataclass(frozen=True, kw_only=True)
+class Separation:
+    """The recording that tells best, the sine ``separability`` of the angle that is then left, and that ``now``."""
+
+    recording: NextRecording
+    separability: float
+    now: float
+
+
+def options(model: Model) -> Iterator[NextRecording]:
+    """Recordings worth thinking of: nearly no torque and full torque on both flanks, another speed, a refitted encoder,
+    reversed rotation."""
+    scope = model.scope
+    full = max(*scope.torques, scope.file.pair.torque_nm * NM)
+    flank = scope.flanks[0]
+    other = "coast" if flank == "drive" else "drive"
+    made = {(f, round(t, 3)) for f, t in zip(scope.flanks, scope.torques, strict=True)}
+    for side in (flank, other):
+        for torque in dict.fromkeys((LIGHT, full if full > LIGHT else 10.0 * LIGHT)):
+            if (side, round(torque, 3)) not in made:
+                yield NextRecording(flank=side, torque=torque)
+    speeds = [speed for speed in scope.speeds if speed is not None]
+    if speeds:
+        yield NextRecording(flank=flank, torque=scope.torques[0], speed=2.0 * max(speeds))
+    for shaft in (0, 1):
+        if scope.encoders[shaft]:
+            yield NextRecording(flank=flank, torque=scope.torques[0], refitted=shaft)
+    if full > LIGHT:
+        yield NextRecording(flank=flank, torque=full, reversed=True)
+
+
+def imagined(model: Model, made: NextRecording, *, number: int) -> Scene:
+    """A whole recording of the present set-up under other conditions, evenly sampled."""
+    first = model.observed[0].samples if model.observed else None
+    assembled = model.assembled()
+    pair = assembled.pair
+    size = CYCLES * pair.meshes_per_cycle * PER_MESH
+    theta_2 = np.linspace(0.0, CYCLES * pair.cycle, size, endpoint=False)
+    theta_1 = theta_2 / pair.ratio
+    speed = made.speed or (first.speed if first is not None else None)
+    zero = [0.0, 0.0]
+    if first is not None:
+        zero = [float(first.reading_1[0] - first.direction_1 * first.theta_1[0])]
+        zero.append(float(first.reading_2[0] - first.direction_2 * first.theta_2[0]))
+    if made.refitted is not None:
+        zero[made.refitted] += REFITTED
+    sense = (first.direction_1, first.direction_2) if first is not None else (1, 1)
+    samples = Samples(
+        number=number,
+        flank="coast" if made.flank == "coast" else "drive",
+        torque=made.torque,
+        speed=speed,
+        theta_1=theta_1,
+        theta_2=theta_2,
+        time=None if speed is None else theta_1 / speed,
+        reading_1=zero[0] + sense[0] * theta_1,
+        reading_2=zero[1] + sense[1] * theta_2,
+        direction_1=sense[0],
+        direction_2=sense[1],
+        counted=True,
+    )
+    return stage(assembled, samples)
+
+
+def effects(
+    model: Model, scenes: Sequence[Scene], claim: Claim, *, reverse: Sequence[bool], but: Claim | None = None
+) -> list[FloatArray]:
+    """What a claim does (n_k,) in mm in every scene; what friction does turns with the rotation."""
+    found = model.change(list(scenes), claim, claim.values, but=but)
+    if claim.physics.name != "friction":
+        return found
+    return [-change if back else change for change, back in zip(found, reverse, strict=True)]
+
+
+def would_separate(
+    model: Model, scenes: list[Scene], linear: Linear, k: int, rivals: Sequence[Claim]
+) -> Separation | None:
+    """The recording that would best tell claim ``k`` from all its ``rivals``, beside everything else that is open.
+
+    Separability is the sine of the angle between the claim's signal and what its rivals span, over the present
+    recordings and the new one together, as-built teeth and nuisance fitted beside. None where none would help.
+    """
+    leave = linear.layout.places(k) + linear.layout.form_places(model, k)
+    keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
+    whites = [a[:, keep] for a in linear.system.white]
+    precision = linear.system.precision[np.ix_(keep, keep)]
+    claim = model.claims[k]
+    others = Model(**{**model.__dict__, "claims": [c for j, c in enumerate(model.claims) if j != k]})
+    forward = [False] * len(scenes)
+
+    def white(columns: list[FloatArray]) -> list[FloatArray]:
+        return [noise.whitened(c) for noise, c in zip(linear.noises, columns, strict=True)]
+
+    def signal(one: Claim) -> list[FloatArray]:
+        return white(effects(others, scenes, one, reverse=forward))
+
+    mine, theirs = signal(claim), [signal(one) for one in rivals]
+    normal = precision + sum((a.T @ a for a in whites), np.zeros_like(precision))
+    now = _least_sine(normal, [(whites, mine, theirs)])
+    best: Separation | None = None
+    for made in options(model):
+        scene = imagined(model, made, number=len(scenes))
+        level = float(np.mean([noise.level for noise in linear.noises]))
+        back = [made.reversed]
+        c = [effects(others, [scene], claim, reverse=back)[0] / level]
+        r = [[effects(others, [scene], one, reverse=back)[0] / level] for one in rivals]
+        new, wider = _open_columns(model, scene, linear, keep, level)
+        grown = np.zeros((wider.shape[0], wider.shape[0]))
+        grown[: keep.size, : keep.size] = precision
+        grown += wider
+        padded = [np.pad(a, ((0, 0), (0, grown.shape[0] - keep.size))) for a in whites]
+        total = grown + sum((a.T @ a for a in padded), np.zeros_like(grown)) + new.T @ new
+        sine = _least_sine(total, [(padded, mine, theirs), ([new], c, r)])
+        if best is None or sine > best.separability + 0.01:
+            best = Separation(recording=made, separability=sine, now=now)
+    if best is None or best.separability < now + 0.02:
+        return None
+    return best
+
+
+def _open_columns(
+    model: Model, scene: Scene, linear: Linear, keep: np.ndarray, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """Columns (n, m') of what is open in a new scene, in sigmas, and the precision (m', m') of what it adds: the teeth
+    of a flank that was not recorded yet."""
+    n, layout = scene.samples.size, linear.layout
+    whole = np.zeros((n, linear.system.size))
+    whole[:, layout.built] = model.as_built.columns(scene)
+    # The mean over both encoders' common zero, which is the first of the nuisance.
+    whole[:, layout.nuisance.start] = 1.0
+    out = whole[:, keep]
+    if scene.samples.flank in model.as_built.flanks:
+        return out / level, np.zeros((keep.size, keep.size))
+    more = make_as_built(model.as_built.gears, [scene.samples.flank])
+    precision = np.zeros((keep.size + more.size, keep.size + more.size))
+    precision[keep.size :, keep.size :] = more.precision
+    return np.concatenate((out, more.columns(scene)), axis=1) / level, precision
+
+
+def _least_sine(
+    normal: FloatArray, parts: list[tuple[list[FloatArray], list[FloatArray], list[list[FloatArray]]]]
+) -> float:
+    """The smallest sine over all rivals of the angle between a signal and a rival's, everything open taken off."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    inverse = np.linalg.inv(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)) / np.outer(scale, scale)
+
+    def product(a: int | None, b: int | None) -> float:
+        """Information of two signals beside everything open; None is the claim's own."""
+        own, cross_a, cross_b = 0.0, np.zeros(scale.size), np.zeros(scale.size)
+        for whites, mine, theirs in parts:
+            for k, white in enumerate(whites):
+                x = mine[k] if a is None else theirs[a][k]
+                y = mine[k] if b is None else theirs[b][k]
+                own += float(x @ y)
+                cross_a += white.T @ x
+                cross_b += white.T @ y
+        return own - float(cross_a @ inverse @ cross_b)
+
+    out = 1.0
+    self_ = product(None, None)
+    for j in range(len(parts[0][2])):
+        rival, shared = product(j, j), product(None, j)
+        if self_ <= 0.0 or rival <= 1e-12 * self_:
+            continue
+        out = min(out, math.sqrt(max(0.0, 1.0 - shared**2 / (self_ * rival))))
+    return out

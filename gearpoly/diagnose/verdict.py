@@ -1,0 +1,83 @@
+"""The verdict: plain frozen data, ready for terminal, JSON and page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from gearpoly.compare.compare import Comparison
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.heldout import Rms
+from gearpoly.diagnose.separate import Separation
+from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Claim, Reported
+from gearpoly.units import FloatArray
+
+Status = Literal["nothing_missing", "explained", "partly_explained", "unexplained"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rival:
+    """What else a claim could be, with the parameters that it would have."""
+
+    claim: Claim
+    parameters: Reported
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One missing physics: the ``claim``, its ``parameters`` (value, standard error), where its ``tooth`` passes on the
+    encoder, ``gain`` in misfit, ``p_value`` over the whole search, rms in mm on unseen samples ``without`` and
+    ``with_`` it, its ``rivals`` and the recording that would decide."""
+
+    claim: Claim
+    parameters: Reported
+    tooth: int | None
+    encoder_deg: float | None
+    gain: float
+    p_value: float
+    without: Rms
+    with_: Rms
+    rivals: tuple[Rival, ...]
+    separation: Separation | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BuiltGear:
+    """One gear as the recordings show it, in um: pitch and slope of every drive flank (or of the coast flank where only
+    that was recorded) with their standard errors, and the ISO 1328-1 ``grade_needed`` (None: worse than all)."""
+
+    pitch: FloatArray
+    pitch_std: FloatArray
+    slope: FloatArray
+    slope_std: FloatArray
+    thickness: float | None
+    grade_needed: int | None
+    grade_edition: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Diagnosis:
+    """All that a diagnosis found.
+
+    ``before`` the declared simulation, ``as_built_only`` with as-built teeth, ``after`` with everything; rms in mm.
+    ``left`` (n_k,) in mm what is left of every recording. ``fitted`` the pair file with it all.
+    """
+
+    comparison: Comparison
+    status: Status
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Entry, ...]
+    built: tuple[BuiltGear, BuiltGear]
+    compliance_scale: tuple[float, float] | None
+    noise: float
+    noise_by_recording: tuple[float, ...]
+    before: Rms
+    as_built_only: Rms
+    after: Rms
+    held_out_by: str
+    left: tuple[FloatArray, ...]
+    fitted: PairFile
+    not_excluded: tuple[str, ...]
+    remarks: tuple[str, ...]
+    seconds: tuple[tuple[str, float], ...] = field(default=())

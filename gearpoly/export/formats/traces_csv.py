@@ -1,0 +1,36 @@
+"""Measured traces of one drawn gear as CSV, as ``inspection.profile_csv`` of a pair file reads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gearpoly.export.drawing import Drawing
+from gearpoly.export.measured import POINTS, measure, only_gear
+from gearpoly.files.traces import TRACE_COLUMNS
+from gearpoly.units import UM
+
+ENDINGS = (".traces.csv",)
+SAYS = "profile traces of one gear"
+CURVES = ("lines",)
+
+
+def write(drawing: Drawing, target: Path, curves: str) -> float:
+    """Profile traces of the one gear of ``drawing``: both flanks of all teeth, roll length in mm, deviation in um.
+
+    Pitch and thickness are not in it; a comment says so, and a .gde file holds them too.
+    """
+    gear = only_gear(drawing, target)
+    found = measure(gear, points=drawing.request.detail.points or POINTS)
+    lines = [
+        f"# {drawing.words()}",
+        f"# {gear.name} gear: profiles from the design profile; pitch and tooth thickness are not in them",
+        ",".join(TRACE_COLUMNS),
+    ]
+    for tooth in range(gear.mounted.gear.z):
+        for flank, rows in (("drive", found.drive), ("coast", found.coast)):
+            lines += [
+                f"{tooth},{flank},{l!r},{d!r}"
+                for l, d in zip(found.roll_length.tolist(), (rows[tooth] / UM).tolist(), strict=True)
+            ]
+    target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return drawing.chord_error

@@ -1,0 +1,225 @@
+"""What the plots of a diagnosis' page draw: curves, spectra, maps and teeth, packed, in um and deg.
+
+Curves go in whole as long as all recordings together are short enough; of longer ones each stretch is given by the
+least and the greatest value in it, so that no peak is lost.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gearpoly.compare.compare import Aligned
+from gearpoly.compare.families import SHARES, line_threshold
+from gearpoly.compare.maps import Maps, tooth_maps
+from gearpoly.compare.noise import Noise, slow_curves
+from gearpoly.compare.spectrum import Grid
+from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
+from gearpoly.report.diagnosis_words import number
+from gearpoly.units import DEG, NM, RPM, UM, FloatArray
+from gearpoly.view.pack import packed
+
+POINTS = 60_000
+"""Values per curve over all recordings: five curves and their angles are then 1.9 MB of text. Three recordings of
+18 000 samples are shown sample by sample."""
+
+LINES = 36_000
+"""Places per spectrum over all recordings: 0.6 MB with both spectra and the limit."""
+
+MESHES = 6.5
+"""Mesh orders that a spectrum shows; what lies beyond is mostly the rest of steps."""
+
+FINE = 2
+"""Places per independent line of a spectrum: peaks are then at most 4 % low under a Hann window."""
+
+GAP = 10.0
+"""Middle spacings between samples from which a line would bridge what was not recorded."""
+
+
+def document(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Everything that the page's scripts draw."""
+    comparison = diagnosis.comparison
+    aligned = comparison.aligned
+    pair = comparison.assembled.pair
+    z = (pair.driving.gear.z, pair.driven.gear.z)
+    points = shares([one.theta_2.size for one in aligned], POINTS)
+    return {
+        "z": z,
+        "numbered": comparison.alignment.numbered,
+        "noise_um": diagnosis.noise / UM,
+        "recordings": [
+            {
+                "label": recording_label(k, one),
+                "noise_um": diagnosis.noise_by_recording[k] / UM,
+                "curves": curves(one, left, points=points[k]),
+                "spectrum": spectra(one, left, comparison.located.noises[k], z=z, points=LINES // len(aligned)),
+                "maps": maps(one, left, comparison.located.noises[k], z=z),
+            }
+            for k, (one, left) in enumerate(zip(aligned, diagnosis.left, strict=True))
+        ],
+        "built": [built(gear, marked(diagnosis, k)) for k, gear in enumerate(diagnosis.built)],
+    }
+
+
+def recording_label(k: int, one: Aligned) -> str:
+    """A recording's number, file and condition."""
+    speed = "" if one.speed is None else f", {one.speed / RPM:.4g} rpm"
+    return f"{k}: {one.cleaned.recording.source.name} ({one.flank} flank, {one.torque / NM:g} N·m{speed})"
+
+
+def shares(sizes: list[int], budget: int) -> list[int]:
+    """How many of its values each curve may keep when all together may keep ``budget``: short ones stay whole, the
+    others share alike what is left."""
+    out = [0] * len(sizes)
+    left = budget
+    for done, k in enumerate(sorted(range(len(sizes)), key=lambda k: sizes[k])):
+        out[k] = min(sizes[k], left // (len(sizes) - done))
+        left -= out[k]
+    return out
+
+
+def envelope(values: FloatArray, points: int) -> dict[str, Any]:
+    """``values`` (n,) whole as ``low`` if they are at most ``points``, else the least and greatest of stretches."""
+    starts = stretches(values.size, points)
+    if starts is None:
+        return {"low": packed(values, "f4"), "high": None}
+    return {
+        "low": packed(np.minimum.reduceat(values, starts), "f4"),
+        "high": packed(np.maximum.reduceat(values, starts), "f4"),
+    }
+
+
+def stretches(size: int, points: int) -> np.ndarray[Any, np.dtype[np.int64]] | None:
+    """Where each stretch of a curve of ``size`` values begins that keeps ``points`` of them, two per stretch; None
+    where it is kept whole."""
+    if size <= points:
+        return None
+    count = max(1, points // 2)
+    return np.asarray(np.arange(count, dtype=np.int64) * size // count, dtype=np.int64)
+
+
+def places(x: FloatArray, points: int) -> dict[str, Any]:
+    """Places (n,), nearly even, as a straight line and what is left of it, so that float32 loses nothing; of stretches
+    their middles."""
+    starts = stretches(x.size, points)
+    if starts is not None:
+        ends = np.append(starts[1:], x.size) - 1
+        x = 0.5 * (x[starts] + x[ends])
+    line = np.linspace(x[0], x[-1], x.size)
+    return {"first": float(x[0]), "last": float(x[-1]), "rest": packed(x - line, "f4")}
+
+
+def curves(one: Aligned, left: FloatArray, *, points: int) -> dict[str, Any]:
+    """One recording over the driven angle: recorded, simulated before and after, and both residuals about their means.
+
+    ``left`` (n,) in mm is what nothing explains of it.
+    """
+    order = np.argsort(one.theta_2, kind="stable")
+    x = one.theta_2[order] / DEG
+    starts = stretches(x.size, points)
+    means = float(np.mean(one.residual)) / UM, float(np.mean(left)) / UM
+    shown = {
+        "recorded": one.recorded / UM,
+        "simulated_before": one.simulated / UM,
+        "simulated_after": (one.recorded - left) / UM,
+        "residual_before": one.residual / UM - means[0],
+        "residual_after": left / UM - means[1],
+    }
+    spacing = float(np.median(np.diff(x)))
+    return {
+        "samples": int(x.size),
+        "per_stretch": 1 if starts is None else round(x.size / starts.size, 1),
+        "gap": GAP * spacing * (1.0 if starts is None else x.size / starts.size),
+        "x": places(x, points),
+        "mean_before_um": means[0],
+        "mean_after_um": means[1],
+        **{name: envelope(values[order], points) for name, values in shown.items()},
+    }
+
+
+def spectrum(u: FloatArray, values: FloatArray, *, top: float) -> tuple[FloatArray, FloatArray]:
+    """Frequencies (k,) in cycles per mesh up to ``top`` and amplitudes (k,) of the waves in ``values`` (n,) at ``u``
+    (n,) meshes, through a Hann window: a strong line then does not spill over the others."""
+    weight = window(u)
+    step = 1.0 / (FINE * float(np.ptp(u)))
+    grid = Grid(u, step=step, count=max(2, int(top / step)))
+    mean = float(np.sum(weight * values) / np.sum(weight))
+    frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
+    return frequency, 2.0 * np.abs(grid.transform(weight * (values - mean))) / float(np.sum(weight))
+
+
+def window(u: FloatArray) -> FloatArray:
+    """Weights (n,) of a Hann window over ``u`` (n,), each sample counted by the stretch that it stands for."""
+    return np.asarray(np.gradient(u) * np.sin(np.pi * (u - u[0]) / (u[-1] - u[0])) ** 2)
+
+
+def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int], points: int) -> dict[str, Any]:
+    """Order spectra of both residuals over the orders of the driving shaft, and what noise alone exceeds in one of a
+    hundred recordings or so."""
+    order = np.argsort(one.theta_2, kind="stable")
+    u = np.maximum.accumulate(one.theta_2[order] * (z[1] / (2.0 * np.pi)))
+    top = min(MESHES, 0.5 / float(np.median(np.diff(u))))
+    frequency, before = spectrum(u, one.residual[order], top=top)
+    _, after = spectrum(u, left[order], top=top)
+    weight = window(u)
+    samples = float(np.sum(weight)) ** 2 / float(np.sum(weight**2))
+    density = np.interp(frequency, noise.frequency, noise.density)
+    count = max(8.0, float(np.median(noise.count)))
+    # The orders of both shafts are the places that were searched.
+    z_limit = line_threshold(count, places=max(top * sum(z), 1.0), share=SHARES.orders)
+    limit = 2.0 * np.sqrt(z_limit * density / samples)
+    return {
+        "x": places(frequency * z[0], points),
+        "before": envelope(before / UM, points),
+        "after": envelope(after / UM, points),
+        "limit": envelope(limit / UM, points),
+    }
+
+
+def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) -> dict[str, Any]:
+    """Both residuals by tooth and mesh phase for both gears, slow curves taken off."""
+    u = one.theta_2 * (z[1] / (2.0 * np.pi))
+    slow = slow_curves(one.theta_2)
+
+    def parted(values: FloatArray) -> Maps:
+        plain = values - slow @ np.linalg.lstsq(slow, values, rcond=None)[0]
+        return tooth_maps(u, plain, z_1=z[0], z_2=z[1], noise=noise)
+
+    before, after = parted(one.residual), parted(left)
+    return {
+        "note": before.note,
+        "before": _map(before),
+        "after": _map(after),
+    }
+
+
+def _map(found: Maps) -> dict[str, Any]:
+    return {
+        "driving": packed(found.driving / UM, "f4"),
+        "driven": packed(found.driven / UM, "f4"),
+        "mean": packed(found.mean / UM, "f4"),
+        "std": [found.std_driving / UM, found.std_driven / UM],
+    }
+
+
+def built(gear: BuiltGear, teeth: list[int]) -> dict[str, Any]:
+    """One gear's teeth as they run, in um."""
+    return {
+        "pitch": gear.pitch.tolist(),
+        "pitch_std": gear.pitch_std.tolist(),
+        "slope": gear.slope.tolist(),
+        "slope_std": gear.slope_std.tolist(),
+        "marked": teeth,
+    }
+
+
+def marked(diagnosis: Diagnosis, gear: int) -> list[int]:
+    """Teeth of ``gear`` at which something was found, as the plots count them."""
+    places_ = [one.claim.place for one in diagnosis.findings]
+    return sorted({place.tooth for place in places_ if place.gear == gear and place.tooth is not None})
+
+
+def mean_words(one: Aligned) -> str:
+    """The mean of a recording's misfit in um."""
+    return number(one.mean / UM, 3)

@@ -1,0 +1,211 @@
+"""A diagnosis in words and as the contract's JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from gearpoly import __version__
+from gearpoly.compare.entries import says
+from gearpoly.diagnose.heldout import Rms, repeatable
+from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival
+from gearpoly.physics.base import Reported
+from gearpoly.report.compare_report import alignment_json
+from gearpoly.units import UM
+
+STATUS = {
+    "nothing_missing": "Nothing is missing: recordings and simulation agree to the noise.",
+    "explained": "The mismatch is explained.",
+    "partly_explained": "The mismatch is explained in part; something is left that no physics of the catalogue makes.",
+    "unexplained": "There is a mismatch that no physics of the catalogue makes. It is located below, and not named.",
+}
+
+WHOLE = ("order", "recording")
+"""Parameters that are whole numbers."""
+
+
+def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The contract's verdict, sizes in um and angles in deg."""
+    located = diagnosis.comparison.located
+    built = {name: _built_json(gear) for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True)} | (
+        {}
+        if diagnosis.compliance_scale is None
+        else {"compliance_scale": {"value": diagnosis.compliance_scale[0], "std": diagnosis.compliance_scale[1]}}
+    )
+    return {
+        "gearpoly": __version__,
+        "pair": diagnosis.comparison.name,
+        "status": diagnosis.status,
+        "noise_um": diagnosis.noise / UM,
+        "noise_um_by_recording": [level / UM for level in diagnosis.noise_by_recording],
+        "alignment": alignment_json(diagnosis.comparison),
+        "where": [entry.to_json() for entry in located.entries],
+        "missing": [_finding_json(one) for one in diagnosis.findings],
+        "as_built": built,
+        "unexplained": [entry.to_json() for entry in diagnosis.unexplained],
+        "fit": {
+            "heldout_rms_um": {"before": diagnosis.before.unseen / UM, "after": diagnosis.after.unseen / UM},
+            "train_rms_um": {"before": diagnosis.before.seen / UM, "after": diagnosis.after.seen / UM},
+            "as_built_only_heldout_rms_um": diagnosis.as_built_only.unseen / UM,
+            "repeatable_mismatch_um": {
+                "before": repeatable(diagnosis.before.unseen, diagnosis.noise) / UM,
+                "after": repeatable(diagnosis.after.unseen, diagnosis.noise) / UM,
+            },
+            "held_out": diagnosis.held_out_by,
+        },
+        "not_excluded": list(diagnosis.not_excluded),
+        "remarks": list(diagnosis.remarks),
+    }
+
+
+def json_text(diagnosis: Diagnosis) -> str:
+    """``verdict_json`` as text; nothing in it is infinite or no number."""
+    return json.dumps(verdict_json(diagnosis), allow_nan=False, indent=1)
+
+
+def _finding_json(one: Finding) -> dict[str, Any]:
+    out: dict[str, Any] = {"physics": one.claim.physics.name}
+    out |= _place_json(one)
+    out["parameters"] = _parameters_json(one.parameters)
+    out["says"] = one.claim.says
+    out["heldout_rms_um"] = {"without": one.without.unseen / UM, "with": one.with_.unseen / UM}
+    out["p_value"] = one.p_value
+    out["gain"] = one.gain
+    out["model"] = one.claim.physics.equation
+    out["indistinguishable_from"] = [_rival_json(rival) for rival in one.rivals]
+    if one.separation is not None:
+        out["would_separate"] = {
+            "recording": one.separation.recording.to_json(),
+            "separability": one.separation.separability,
+            "separability_now": one.separation.now,
+            "says": one.separation.recording.says,
+        }
+    return out
+
+
+def _place_json(one: Finding) -> dict[str, Any]:
+    place = one.claim.place
+    out: dict[str, Any] = {}
+    if place.gear_name is not None:
+        out["gear"] = place.gear_name
+    if place.tooth is not None:
+        out |= {"tooth": one.tooth, "encoder_deg": one.encoder_deg}
+    if place.flank is not None and place.flank != "drive":
+        out["flank"] = place.flank
+    return out
+
+
+def _rival_json(rival: Rival) -> dict[str, Any]:
+    out: dict[str, Any] = {"physics": rival.claim.physics.name}
+    place = rival.claim.place
+    if place.gear_name is not None:
+        out["gear"] = place.gear_name
+    if place.tooth is not None:
+        out["tooth"] = place.tooth
+    out["parameters"] = {name: {"value": value} for name, (value, _) in rival.parameters.items()}
+    return out
+
+
+def _parameters_json(found: Reported) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for name, (value, std) in found.items():
+        out[name] = {"value": round(value) if name in WHOLE else value, "std": std}
+    return out
+
+
+def _built_json(gear: BuiltGear) -> dict[str, Any]:
+    def listed(values: Any) -> list[float]:
+        return [round(float(v), 4) for v in values]
+
+    out: dict[str, Any] = {
+        "pitch_um": listed(gear.pitch),
+        "pitch_std_um": listed(gear.pitch_std),
+        "profile_slope_um": listed(gear.slope),
+        "profile_slope_std_um": listed(gear.slope_std),
+        "grade_needed": gear.grade_needed,
+        "grade_edition": gear.grade_edition,
+    }
+    if gear.thickness is not None:
+        out["tooth_thickness_um"] = gear.thickness
+    return out
+
+
+def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
+    """Print where, what, how sure, what else, before and after, what next, and what could not be excluded."""
+    comparison = diagnosis.comparison
+    console.print(comparison.name, style="bold", highlight=False)
+    console.print(STATUS[diagnosis.status], style="bold", highlight=False, soft_wrap=True)
+    for number, one in enumerate(diagnosis.findings, 1):
+        _print_finding(console, number, one, diagnosis)
+    if diagnosis.unexplained:
+        console.print("\nlocated, and not explained:", style="bold", highlight=False)
+        for entry in diagnosis.unexplained:
+            console.print(f"  {says(entry)}", highlight=False, soft_wrap=True)
+    table = Table(title="\nfit", title_justify="left", box=None, pad_edge=False, title_style="bold")
+    table.add_column("")
+    for name in ("unseen, um rms", "repeatable part", "over the noise"):
+        table.add_column(name, justify="right")
+    for name, rms in (
+        ("declared simulation", diagnosis.before),
+        ("with as-built teeth", diagnosis.as_built_only),
+        ("with what was missing", diagnosis.after),
+    ):
+        table.add_row(name, *_rms_words(rms, diagnosis.noise))
+    console.print(table)
+    console.print(
+        f"noise {diagnosis.noise / UM:.3f} um; unseen by the fit: {diagnosis.held_out_by}", style="dim", highlight=False
+    )
+    for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
+        grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
+        console.print(f"the {name} gear as it runs fits {grade} ({gear.grade_edition})", highlight=False)
+    if diagnosis.compliance_scale is not None:
+        value, std = diagnosis.compliance_scale
+        console.print(f"compliance over the declared: {value:.3f} +- {std:.3f}", highlight=False)
+    for words in diagnosis.not_excluded:
+        console.print(f"not excluded: {words}", style="dim", highlight=False, soft_wrap=True)
+    for remark in diagnosis.remarks:
+        console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
+
+
+def _rms_words(rms: Rms, noise: float) -> tuple[str, str, str]:
+    return f"{rms.unseen / UM:.4f}", f"{repeatable(rms.unseen, noise) / UM:.4f}", f"{rms.unseen / noise:.3f}"
+
+
+def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagnosis) -> None:
+    console.print(f"\n{number}. {one.claim.says}", style="bold", highlight=False, soft_wrap=True)
+    if one.claim.place.tooth is not None:
+        tooth = "its number is open" if one.tooth is None else f"tooth {one.tooth}"
+        reading = "" if one.encoder_deg is None else f", at {one.encoder_deg:.1f} deg of its encoder"
+        console.print(f"   where: {one.claim.place.gear_name} gear, {tooth}{reading}", highlight=False, soft_wrap=True)
+    values = ", ".join(_value_words(name, *pair) for name, pair in one.parameters.items())
+    console.print(f"   model: {one.claim.physics.equation}", highlight=False, soft_wrap=True)
+    console.print(f"   values: {values}", highlight=False, soft_wrap=True)
+    chance = "below 1e-300" if one.p_value < 1e-300 else f"{one.p_value:.1g}"
+    console.print(f"   how sure: noise alone would do this with a chance of {chance}", highlight=False)
+    before, after = repeatable(one.without.unseen, diagnosis.noise), repeatable(one.with_.unseen, diagnosis.noise)
+    console.print(
+        f"   unseen data: {one.without.unseen / UM:.4f} um rms without, {one.with_.unseen / UM:.4f} with (repeatable "
+        f"mismatch {before / UM:.4f} to {after / UM:.4f})",
+        highlight=False,
+        soft_wrap=True,
+    )
+    for rival in one.rivals:
+        console.print(f"   or else: {rival.claim.says}", highlight=False, soft_wrap=True)
+    if one.separation is not None:
+        console.print(
+            f"   to decide: {one.separation.recording.says} (separability {one.separation.separability:.2f}, now "
+            f"{one.separation.now:.2f})",
+            highlight=False,
+            soft_wrap=True,
+        )
+
+
+def _value_words(name: str, value: float, std: float) -> str:
+    if name in WHOLE:
+        return f"{name} {value:.0f}"
+    digits = 3 if std <= 0.0 else max(0, min(9, 1 - math.floor(math.log10(std))))
+    return f"{name} {value:.{digits}f} +- {std:.{digits}f}"

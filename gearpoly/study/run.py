@@ -1,0 +1,153 @@
+"""All rows of a study: what is missing is handed out, what comes back is kept, until the end or until it is enough."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from gearpoly.errors import GearpolyError, InputFileError, OutOfRangeError
+from gearpoly.study.cluster import on_cluster
+from gearpoly.study.keys import with_values
+from gearpoly.study.local import Chunk, in_processes, in_this_process
+from gearpoly.study.pipeline import Made
+from gearpoly.study.plan import Plan, plan_of
+from gearpoly.study.progress import Progress
+from gearpoly.study.read import Study, check_pair
+from gearpoly.study.stop import enough, looks
+from gearpoly.study.store import Store, opened, write_manifest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """A finished study: its ``store``, ``rows`` in all, how many were ``made`` now, in how many ``seconds``, and why it
+    ended ("all rows", or what was known)."""
+
+    store: Store
+    rows: int
+    made: int
+    seconds: float
+    why: str
+
+
+def plan_study(study: Study) -> Plan:
+    """The plan of ``study``, every end of every sweep tried. Raises ``InputFileError`` for a pair that is none."""
+    plan = plan_of(study)
+    try:
+        plan.design.combinations  # noqa: B018 - too many are refused here
+        corners = plan.design.corners()
+    except OutOfRangeError as error:
+        raise InputFileError(study.path, where="sweep", wish=str(error)) from None
+    for values in corners:
+        where = ", ".join(f"{key} = {value}" for key, value in values.items())
+        file = check_pair(
+            with_values(study.raw, values), blame=study.path, where=f"pair with {where}" if where else "pair"
+        )
+        for gear in ("driving", "driven"):
+            inspection = getattr(file, gear).inspection
+            if values and inspection is not None and any(key == f"{gear}.grade" for key in values):
+                raise InputFileError(
+                    study.path, where=f"sweep {gear}.grade", found=f"{gear}.inspection in the pair file",
+                    wish="want no grade swept for an inspected gear, of which nothing is drawn",
+                )  # fmt: skip
+    return plan
+
+
+def run_study(
+    study: Study,
+    *,
+    out: Path,
+    workers: int = 1,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Make the rows of ``study`` that ``out`` lacks, by ``workers`` processes or on the cluster at ``scheduler``.
+
+    Raises ``InputFileError`` where ``out`` holds rows of another study, ``GearpolyError`` where workers or disk fail;
+    finished chunks are on disk by then.
+    """
+    plan = plan_study(study)
+    begun = time.monotonic()
+    with opened(out, plan) as store:
+        target, cuts = plan.design.rows, looks(plan.file, plan.design.combinations)
+        if plan.file.until is None and _front(store.done()) > target:
+            kept = _front(store.done())
+            raise InputFileError(
+                study.path, where="pairs", found=f"{plan.file.pairs}, fewer rows than the {kept} in {out}",
+                wish="want as many pairs or more, or another --out",
+            )  # fmt: skip
+        write_manifest(store, rows=target, finished=False, why="")
+        done = store.done()
+        there = _rows_of(done, target)
+        watch = progress or Progress(total=target, done=there)
+        watch.begin(total=target, done=there)
+        made = 0
+        chunks = plan.chunks(rows=target, done=done, cuts=cuts)
+        why = "all rows"
+        last_look = 0
+        stop = _enough_at(store, plan, cuts, last_look)
+        if stop is None:
+            with watch:
+                for rows in _computed(plan, chunks, workers=workers, scheduler=scheduler):
+                    store.write(rows)
+                    made += len(rows)
+                    watch.advance(len(rows))
+                    front = _front(store.done()) if cuts else 0
+                    reached = [cut for cut in cuts if last_look < cut <= front]
+                    if reached:
+                        stop = _enough_at(store, plan, reached, last_look)
+                        last_look = reached[-1]
+                        if stop is not None:
+                            break
+        if stop is not None and plan.file.until is not None:
+            until = plan.file.until
+            why = f"percentile {until.percentile:g} of {until.output} is known to {until.width:g} after {stop} rows"
+            target = stop
+        store.trim(target)
+        _check_complete(store, target)
+        write_manifest(store, rows=target, finished=True, why=why)
+    return Outcome(store=store, rows=target, made=made, seconds=time.monotonic() - begun, why=why)
+
+
+def _computed(plan: Plan, chunks: Iterator[Chunk], *, workers: int, scheduler: str | None) -> Iterator[list[Made]]:
+    if scheduler is not None:
+        return on_cluster(plan, chunks, address=scheduler)
+    if workers == 1:
+        return in_this_process(plan, chunks)
+    return in_processes(plan, chunks, workers=workers)
+
+
+def _rows_of(done: list[tuple[int, int]], target: int) -> int:
+    return sum(max(0, min(stop, target) - start) for start, stop in done)
+
+
+def _front(done: list[tuple[int, int]]) -> int:
+    """Rows that are there without a gap, from the first on."""
+    front = 0
+    for start, stop in done:
+        if start > front:
+            break
+        front = max(front, stop)
+    return front
+
+
+def _enough_at(store: Store, plan: Plan, cuts: list[int], looked: int) -> int | None:
+    """The first of ``cuts`` at which it is enough, of those that the rows on disk have reached."""
+    if plan.file.until is None:
+        return None
+    front = _front(store.done())
+    return next((cut for cut in cuts if looked < cut <= front and enough(store, plan.file.until, cut)), None)
+
+
+def _check_complete(store: Store, target: int) -> None:
+    """Every row once: what a reader of the table relies on."""
+    at = 0
+    for start, stop in store.done():
+        if start != at:
+            raise GearpolyError(
+                f"{store.folder}: rows {min(at, start)} to {max(at, start)} are missing or doubled; run again"
+            )
+        at = stop
+    if at != target:
+        raise GearpolyError(f"{store.folder}: {at} rows of {target} are there; run again to go on")

@@ -1,0 +1,77 @@
+// What all curves are drawn with.
+
+class Chart {
+  constructor(canvas) {
+    this.canvas = canvas;
+    // Opaque canvases are put on the page without blending.
+    this.context = canvas.getContext("2d", { alpha: false });
+  }
+
+  clear(colour) {
+    this.context.fillStyle = colour;
+    this.context.fillRect(0, 0, this.width, this.height);
+  }
+
+  // Canvas in step with its box on the page; true where it changed.
+  fit() {
+    const ratio = window.devicePixelRatio || 1;
+    const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    const changed = width !== this.width || height !== this.height || ratio !== this.ratio;
+    if (changed) {
+      this.width = width;
+      this.height = height;
+      this.ratio = ratio;
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    return changed;
+  }
+
+  label(text, x, y, colour, align = "left", size = 11) {
+    const { context } = this;
+    context.font = `${size}px system-ui, sans-serif`;
+    context.textAlign = align;
+    context.textBaseline = "middle";
+    context.fillStyle = colour;
+    context.fillText(text, x, y);
+  }
+}
+
+// Round values that divide a range into a few steps.
+function ticks(low, high, count) {
+  const raw = (high - low) / Math.max(1, count);
+  if (!(raw > 0)) return [low];
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * (raw / power > 5 ? 10 : raw / power > 2 ? 5 : raw / power > 1 ? 2 : 1);
+  const out = [];
+  for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) out.push(Math.abs(v) < 1e-9 * step ? 0 : v);
+  return out;
+}
+
+const tickText = (v) => (v < 0 ? "\u2212" : "") + String(Number(Math.abs(v).toPrecision(6)));
+
+function extent(values) {
+  let low = Infinity, high = -Infinity;
+  for (let k = 0; k < values.length; k++) {
+    if (values[k] < low) low = values[k];
+    if (values[k] > high) high = values[k];
+  }
+  return [low, high];
+}
+
+// A range with room around it, never empty.
+function roomy([low, high]) {
+  const room = Math.max(0.08 * (high - low), 0.02);
+  return [low - room, high + room];
+}
+
+function lowerBound(values, wish) {
+  let low = 0, high = values.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] < wish) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

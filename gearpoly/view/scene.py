@@ -1,0 +1,119 @@
+"""What the contact debugger shows: a simulated hunting cycle, and a recording beside it where there is one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.assemble import Assembled
+from gearpoly.compare.compare import Comparison
+from gearpoly.errors import OutOfRangeError, blamed
+from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.transmission import Progress
+from gearpoly.simulate import POINTS_PER_MESH, Simulation, cycle_positions, simulate, strength_remarks
+from gearpoly.units import DEG
+
+POSITIONS = 80_000
+"""Positions over a cycle from which fewer are taken per pitch: they cost time and bytes, and the page finds the
+contacts between them itself."""
+
+LEAST_PER_MESH = 4
+"""Positions per pitch of the longest cycles; below, the curve of the whole cycle would miss whole hand-overs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """One run of one pair, ready to be shown.
+
+    ``simulation`` holds evenly spaced positions of a whole hunting cycle, ``per_mesh`` a pitch. ``theta_2`` is the
+    driven rotation in rad at which the page opens. ``comparison`` lays a recording beside it, where there is one;
+    ``remarks`` say what had to be assumed.
+    """
+
+    name: str
+    simulation: Simulation
+    per_mesh: int
+    theta_2: float
+    comparison: Comparison | None
+    remarks: tuple[str, ...]
+
+
+def positions(pair: GearPair) -> int:
+    """How many positions a page's simulation has over the hunting cycle, for those who show its progress."""
+    return pair.meshes_per_cycle * points_per_mesh(pair)
+
+
+def points_per_mesh(pair: GearPair) -> int:
+    """Positions per pitch at which the page's curves are simulated: ``simulate``'s own, fewer for very long cycles."""
+    return max(LEAST_PER_MESH, min(POINTS_PER_MESH, POSITIONS // pair.meshes_per_cycle))
+
+
+def opening_angle(pair: GearPair, at_deg: float) -> float:
+    """Driven rotation in rad within the hunting cycle for an angle in deg that a user asked for.
+
+    Raises ``OutOfRangeError`` for an angle that is none.
+    """
+    if not np.isfinite(at_deg):
+        raise OutOfRangeError(f"--at {at_deg}: want a driven angle in deg, such as 12.5")
+    return float(np.mod(at_deg * DEG, pair.cycle))
+
+
+def scene_of(
+    assembled: Assembled,
+    *,
+    name: str,
+    path: Path | str,
+    torque: float,
+    at_deg: float = 0.0,
+    flank: Flank = "drive",
+    seed: int = 0,
+    progress: Progress,
+) -> Scene:
+    """``assembled`` (of the file at ``path``, with ``seed``) over its hunting cycle under ``torque`` in N.mm.
+
+    Raises what ``simulate`` does, and ``OutOfRangeError`` for an angle ``at_deg`` that is none.
+    """
+    theta_2 = opening_angle(assembled.pair, at_deg)
+    simulation = _simulated(assembled, path=path, torque=torque, flank=flank, seed=seed, progress=progress)
+    return Scene(
+        name=name,
+        simulation=simulation,
+        per_mesh=points_per_mesh(assembled.pair),
+        theta_2=theta_2,
+        comparison=None,
+        remarks=tuple(strength_remarks(simulation)),
+    )
+
+
+def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.0, progress: Progress) -> Scene:
+    """The pair of ``comparison`` (its file read from ``path``) under its first recording's condition, with that
+    recording's mismatch.
+
+    Raises what ``simulate`` does.
+    """
+    one = comparison.aligned[0]
+    pair = comparison.assembled.pair
+    theta_2 = opening_angle(pair, at_deg)
+    simulation = _simulated(
+        comparison.assembled, path=path, torque=one.torque, flank=one.flank, seed=0, progress=progress
+    )
+    return Scene(
+        name=comparison.name,
+        simulation=simulation,
+        per_mesh=points_per_mesh(pair),
+        theta_2=theta_2,
+        comparison=comparison,
+        remarks=(*comparison.remarks, *strength_remarks(simulation)),
+    )
+
+
+def _simulated(
+    assembled: Assembled, *, path: Path | str, torque: float, flank: Flank, seed: int, progress: Progress
+) -> Simulation:
+    theta_2 = cycle_positions(assembled.pair, points_per_mesh=points_per_mesh(assembled.pair))
+    with blamed(path, "driving, driven, pair"):
+        return simulate(
+            assembled, theta_2, torque=torque, flank=flank, seed=seed, evenly=False, fast=True, progress=progress
+        )

@@ -1,0 +1,239 @@
+"""What goes into a case of each class: the pair, what is declared, the campaign, the chain and what is hidden."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from proving.chain import Chain, Condition
+from proving.compliance import LAWS, compliance
+from proving.drawn import make_pair
+from proving.effects import Effect
+from proving.gears import UM, Pair
+from proving.ground import Entry
+from proving.scenes import (
+    BOTH_FLANKS,
+    COMMON,
+    COPRIME,
+    LOADED,
+    SHAFT,
+    TIMED,
+    campaign,
+    chain,
+    design_torque,
+    instance,
+    stranger,
+)
+
+Declared = tuple[float, float, float] | None
+Vector = tuple[float, float] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """Everything about a case but the drawn gears and the final sizes.
+
+    relief, eccentric: declared ones, driving then driven; fixed: the effects' sizes stand as they are; over: the size
+    over the limit that they shall have; scale_torque: the torque makes the size."""
+
+    pair: str
+    grade: int
+    inspected: bool
+    uncertainty: float
+    deflect: bool
+    conditions: tuple[Condition, ...]
+    chain: Chain
+    effects: tuple[Effect, ...]
+    over: float
+    fixed: bool
+    scale_torque: bool
+    concealed_by: str
+    relief: tuple[Declared, Declared] = (None, None)
+    eccentric: tuple[Vector, Vector] = (None, None)
+
+
+def _kind(physics: tuple[str, ...], klass: str, rng: np.random.Generator) -> str:
+    """The campaign in which the hidden physics can show."""
+    if "mesh_resonance" in physics:
+        return "speeds"
+    if any(name in LOADED for name in physics):
+        return "load"
+    if klass == "look_alike":
+        # Only what leaves the look-alikes alike: one flank, one torque; lost motion needs both flanks to show at all.
+        return "coast" if set(physics) & set(BOTH_FLANKS) else "one" if physics[0] == "profile_crowning" else "free"
+    if klass == "one_flank" or any(name in BOTH_FLANKS for name in physics):
+        return "coast"
+    if physics and physics[0] in ("eccentricity", "encoder_eccentricity"):
+        return "coast"
+    return str(rng.choice(["free", "free", "free", "two"]))
+
+
+def _declared_eccentricity(pair: Pair, rng: np.random.Generator) -> tuple[Vector, Vector]:
+    """60 um on one gear, up to 40 on the other; less on the smallest module, where 60 um would be an eighth of a
+    tooth."""
+    large = 60.0 if pair.driving.m >= 1 else 25.0
+    two = [(large, round(float(rng.uniform(0, 360)), 2)), (round(float(rng.uniform(0, 0.66)) * large, 2), 0.0)]
+    two[1] = (two[1][0], round(float(rng.uniform(0, 360)), 2))
+    return (two[0], two[1]) if rng.random() < 0.5 else (two[1], two[0])
+
+
+def _relief(pair: Pair, torque: float, index: int, part: float) -> tuple[float, float, float]:
+    """A relief that takes up a part of the deflection of one pair of teeth at a torque: um, mm, power."""
+    law = compliance(pair, law=LAWS[0])
+    force = torque * 1000 / pair.driven.r_b
+    sag = law.single(pair.l_work(1), pair.l_work(2), force) * force / UM
+    # From the end of single contact to the tip: half of what double contact leaves.
+    g = pair.gear(index)
+    single = g.l_tip - (pair.eps - 1) * pair.p_b
+    length = g.r_a - float(np.hypot(g.r_b, 0.5 * (single + g.l_tip)))
+    return round(part * sag, 2), round(max(length, 0.15 * g.m), 3), 1.0
+
+
+def recipe(entry: Entry, rng: np.random.Generator) -> Recipe:
+    """Draw what one line of the plan asks for."""
+    if entry.klass == "masked":
+        return _masked(entry, rng)
+    physics = entry.physics
+    coprime = rng.random() < 0.65
+    name = str(rng.choice(COPRIME if coprime else COMMON))
+    pair = make_pair(name)
+    inspected = bool(rng.random() < 0.7)
+    colour, noise = float(rng.choice([0.0, 0.0, 0.4, 0.6])), float(rng.choice([0.3, 0.3, 1.0, 1.0, 2.0]))
+    cycles = float(rng.choice([2.0, 2.0, 3.0, 4.0]))
+    eccentric: tuple[Vector, Vector] = (None, None)
+    relief: tuple[Declared, Declared] = (None, None)
+    kind = _kind(physics, entry.klass, rng)
+    text = "nothing is hidden"
+    if entry.klass in ("healthy", "false_alarm"):
+        kind = str(rng.choice(["free", "coast", "load", "two", "all"]))
+        if entry.klass == "false_alarm" or entry.variant % 3 == 0:
+            eccentric, colour = _declared_eccentricity(pair, rng), 0.6
+            text = "nothing is hidden; 60 um of declared eccentricity and coloured noise tempt to find something"
+        if entry.variant % 10 == 7:
+            cycles = float(rng.choice([0.4, 0.8, 1.5]))
+        if entry.variant % 10 == 4:
+            kind, cycles, noise = "free", 10.0, 1.0
+    elif entry.klass == "short":
+        cycles = float(rng.choice([0.5, 0.8, 1.2, 1.7]))
+        text = "a recording shorter than two hunting cycles: tooth and tooth are not told apart by repetition"
+    elif entry.klass == "single":
+        if entry.variant % 11 == 3:
+            cycles, noise = (10.0, 1.0) if kind == "free" else (2.0, 1.0)
+        text = "noise per sample, and the deviations of teeth that it has to be told from"
+        if rng.random() < 0.2 and not set(physics) & {"eccentricity", "encoder_eccentricity"}:
+            eccentric = _declared_eccentricity(pair, rng)
+            text = "60 um of declared eccentricity, and noise"
+    texts = {
+        "two": "each other",
+        "one_flank": "it shows on one flank only, or differs between the flanks by a phase",
+        "look_alike": "its likeness: no recording made tells it from its rivals",
+        "stranger": "noise; and no mechanism of the catalogue makes it",
+    }
+    text = texts.get(entry.klass, text)
+    if entry.quick:
+        cycles = min(cycles, 2.0)
+    if kind in ("load", "all", "speeds"):
+        cycles = min(cycles, 2.0)
+    conditions = campaign(kind, pair, rng, cycles=cycles)
+    if entry.klass == "stranger" and entry.variant % 5 == 1:  # hum needs a speed at which 50 Hz is no mesh harmonic
+        conditions = tuple(replace(c, speed=26.0) for c in conditions)
+    gear = int(rng.integers(1, 3))
+    effects: tuple[Effect, ...]
+    if entry.klass == "stranger":
+        effects = (stranger(entry.variant, pair, conditions, rng),)
+    else:
+        effects = tuple(
+            instance(p, pair, conditions, rng, gear=gear if k == 0 else 3 - gear) for k, p in enumerate(physics)
+        )
+    if entry.klass == "look_alike":
+        effects = (_alike(effects[0]),)
+    deflect = kind in ("load", "all", "two", "speeds", "one") and physics != ("tooth_deflection",)
+    if deflect and kind in ("two", "all") and rng.random() < 0.3:
+        relief = (_relief(pair, 0.5 * design_torque(pair), 1, 0.5), _relief(pair, 0.5 * design_torque(pair), 2, 0.5))
+        relief = (None, None) if "tip_relief" in physics else relief
+    plain = bool(set(physics) & {*TIMED, *SHAFT})
+    return Recipe(
+        pair=name,
+        grade=int(rng.choice([4, 5, 5, 6] if not inspected else [4, 5, 6, 7])),
+        inspected=inspected,
+        uncertainty=float(rng.choice([0.2, 0.2, 0.5])),
+        deflect=deflect,
+        conditions=conditions,
+        chain=chain(rng, noise_um=noise, colour=colour, inspected=inspected, plain=plain),
+        effects=effects,
+        over=entry.over * float(rng.uniform(0.88, 1.12)),
+        fixed=False,
+        scale_torque=physics == ("tooth_deflection",),
+        concealed_by=text,
+        relief=relief,
+        eccentric=eccentric,
+    )
+
+
+def _alike(effect: Effect) -> Effect:
+    """The form of an effect that has a true look-alike: an order-1 pitch wave is one to an eccentricity."""
+    if effect.physics == "cumulative_pitch":
+        return replace(effect, more={**effect.more, "order": 1})
+    return effect
+
+
+def _masked(entry: Entry, rng: np.random.Generator) -> Recipe:
+    """Something small beneath something large that is known, or two that cancel each other at the design torque."""
+    what = entry.physics[0]
+    name = str(rng.choice(COPRIME + COMMON[:2]))
+    pair = make_pair(name)
+    full = design_torque(pair)
+    cycles = 2.0
+    eccentric: tuple[Vector, Vector] = (None, None)
+    grade, inspected, deflect, scale_torque = 5, True, True, False
+    effects: tuple[Effect, ...]
+    if what == "relief_under_eccentricity":
+        conditions = campaign("two", pair, rng, cycles=cycles)
+        eccentric = _declared_eccentricity(pair, rng)
+        relief = instance("tip_relief", pair, conditions, rng)
+        effects = (replace(relief, size=2.0),)
+        text = "60 um of declared eccentricity, thirty times larger; two torques"
+    elif what == "relief_cancels_deflection":
+        conditions = campaign("load", pair, rng, cycles=cycles)
+        pieces = []
+        for index in (1, 2):
+            amount, length, power = _relief(pair, full, index, float(rng.uniform(0.6, 1.0)))
+            pieces.append(
+                Effect(physics="tip_relief", gear=index, size=amount, more={"length_mm": length, "power": power})
+            )
+        both = bool(rng.random() < 0.5)
+        deflect = not both
+        effects = (Effect(physics="tooth_deflection"), *pieces) if both else tuple(pieces)
+        text = "each other: at the design torque the mesh ripple nearly vanishes"
+    elif what == "crack_under_pitch":
+        conditions = campaign("load", pair, rng, cycles=cycles)
+        grade, inspected = int(rng.choice([6, 7])), bool(rng.random() < 0.5)
+        crack = instance("tooth_crack", pair, conditions, rng)
+        effects = (replace(crack, size=float(rng.uniform(0.15, 0.6))),)
+        text = "invisible unloaded; under load no larger than the pitch errors"
+    else:
+        conditions = campaign(str(rng.choice(["free", "two"])), pair, rng, cycles=cycles)
+        deflect = len(conditions) > 1
+        grade = 8
+        spall = instance("tooth_spall", pair, conditions, rng)
+        effects = (replace(spall, size=float(rng.uniform(4.0, 9.0)) * min(1.0, pair.driving.m / 2 + 0.25)),)
+        text = "grade 8 pitch errors several times larger"
+    return Recipe(
+        pair=name,
+        grade=grade,
+        inspected=inspected,
+        uncertainty=0.2,
+        deflect=deflect,
+        conditions=conditions,
+        chain=chain(rng, noise_um=float(rng.choice([0.3, 1.0])), colour=0.0, inspected=True, plain=False),
+        effects=effects,
+        over=0.0,
+        fixed=True,
+        scale_torque=scale_torque,
+        concealed_by=text,
+        eccentric=eccentric,
+    )
+
+
+__all__ = ["Recipe", "recipe"]

@@ -1,0 +1,181 @@
+"""The virtual bench: a pair with everything that can be wrong with it, and its transmission error at given
+positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+
+from proving.compliance import Compliance, compliance
+from proving.contact import SLOTS, solve
+from proving.flanks import Teeth, table
+from proving.gears import DEG, UM, FloatArray, IntArray, Pair
+
+
+class BenchError(RuntimeError):
+    """The bench found no contact where there must be one: its own fault, not that of a file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encoder:
+    """What one encoder adds to the angle of its shaft.
+
+    eccentricity_urad and its angle_deg; interp_urad at interp_order per turn (a multiple of the line count) with its
+    phase; ratio: counts per turn set wrongly, or a slipping coupling; step_deg: one count."""
+
+    eccentricity_urad: float = 0.0
+    angle_deg: float = 0.0
+    interp_order: int = 0
+    interp_urad: float = 0.0
+    interp_phase: float = 0.0
+    ratio: float = 1.0
+    step_deg: float = 0.0
+
+    def error(self, theta: FloatArray) -> FloatArray:
+        """Reading less truth in rad, without the counts, at shaft angles in rad."""
+        out = self.eccentricity_urad * 1e-6 * np.sin(theta - self.angle_deg * DEG)
+        out += self.interp_urad * 1e-6 * np.cos(self.interp_order * theta + self.interp_phase)
+        return np.asarray(out + (self.ratio - 1.0) * theta, dtype=np.float64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disturbance:
+    """Something that no gear does: a line at an order that is none of the gears', a jump, hum, a pulse, a modulated
+    wave.
+
+    kind: line, jump, hum, pulse or asymmetric; gear: whose shaft counts the order; amplitude in um along the line of
+    action."""
+
+    kind: str
+    amplitude: float
+    gear: int = 1
+    order: float = 0.0
+    phase: float = 0.0
+    hz: float = 0.0
+    at: float = 0.5
+
+    def x(self, time: FloatArray, theta_1: FloatArray, theta_2: FloatArray, span: tuple[float, float]) -> FloatArray:
+        """Its share of the transmission error in mm; span: start and end of the recording in s."""
+        angle = self.order * (theta_1 if self.gear == 1 else theta_2) + self.phase
+        if self.kind == "line":
+            wave = np.cos(angle)
+        elif self.kind == "hum":
+            wave = np.cos(2 * pi * self.hz * time + self.phase)
+        elif self.kind == "jump":
+            wave = np.where(time > span[0] + self.at * (span[1] - span[0]), 1.0, 0.0)
+        elif self.kind == "pulse":  # a short bump once in a time that no shaft keeps
+            wave = np.exp(-0.5 * ((np.mod(angle, 2 * pi) - pi) / 0.25) ** 2)
+        elif self.kind == "asymmetric":  # steep on one side, swelling and fading
+            wave = (1 + 0.6 * np.cos(0.137 * angle)) * (np.cos(angle) + 0.45 * np.cos(2 * angle + 0.9)) / 1.3
+        else:
+            raise ValueError(f"no disturbance {self.kind!r}")
+        return np.asarray(UM * self.amplitude * wave, dtype=np.float64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """Everything that is true of one set-up. Lengths of errors in um, angles in deg, torques in N.m, frequencies in Hz.
+
+    eccentric_1, eccentric_2: amplitude and angle of the gear's own centre off its axis, as the contract counts it.
+    lead: gap across the face width. drift: rise from start to end of each recording.
+    """
+
+    pair: Pair
+    teeth_1: Teeth
+    teeth_2: Teeth
+    eccentric_1: tuple[float, float] = (0.0, 0.0)
+    eccentric_2: tuple[float, float] = (0.0, 0.0)
+    deflect: bool = False
+    law: str = "sainsot"
+    scale: float = 1.0
+    friction: float = 0.0
+    lead: float = 0.0
+    windup: float = 0.0
+    resonance: tuple[float, float] | None = None
+    drift: float = 0.0
+    encoder_1: Encoder = field(default_factory=Encoder)
+    encoder_2: Encoder = field(default_factory=Encoder)
+    disturbances: tuple[Disturbance, ...] = ()
+
+    def teeth(self, index: int) -> Teeth:
+        """Teeth of gear 1 or 2."""
+        return self.teeth_1 if index == 1 else self.teeth_2
+
+    def encoder(self, index: int) -> Encoder:
+        """Encoder of shaft 1 or 2."""
+        return self.encoder_1 if index == 1 else self.encoder_2
+
+    def with_teeth(self, index: int, teeth: Teeth) -> Rig:
+        """The same rig with other teeth on gear 1 or 2."""
+        return replace(self, teeth_1=teeth) if index == 1 else replace(self, teeth_2=teeth)
+
+    def with_encoder(self, index: int, encoder: Encoder) -> Rig:
+        """The same rig with another encoder on shaft 1 or 2."""
+        return replace(self, encoder_1=encoder) if index == 1 else replace(self, encoder_2=encoder)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """What the teeth do at n positions.
+
+    x in mm; counts: pairs in reach; tooth_1, tooth_2, roll_1, roll_2 (mm), weights (share of a change of the flanks
+    that reaches x), forces (N), deflections (mm): shape (n, SLOTS), zero where no pair is."""
+
+    x: FloatArray
+    counts: IntArray
+    tooth_1: IntArray
+    tooth_2: IntArray
+    roll_1: FloatArray
+    roll_2: FloatArray
+    weights: FloatArray
+    forces: FloatArray
+    deflections: FloatArray
+
+
+@lru_cache(maxsize=32)
+def _law(pair: Pair, law: str, scale: float) -> Compliance:
+    return compliance(pair, law=law, scale=scale)
+
+
+def mesh(rig: Rig, theta_2: FloatArray, *, torque: float, flank: str = "drive") -> Mesh:
+    """Quasi-static contact of the pair at driven angles theta_2 (rad), torque in N.m; wind-up included, no encoders."""
+    pair = rig.pair
+    n = theta_2.size
+    law = _law(pair, rig.law, rig.scale)
+    g, h = pair.driving, pair.driven
+    geo = np.array(
+        [
+            g.r_b, h.r_b, pair.a, pair.alpha_w, pair.l_work(1), pair.l_work(2), g.l_tip, h.l_tip,
+            max(pair.driving.l_form, 0.05 * g.l_tip), pair.thickness_angle(1), pair.thickness_angle(2),
+        ]
+    )  # fmt: skip
+    (e1, a1), (e2, a2) = rig.eccentric_1, rig.eccentric_2
+    ecc = np.array([UM * e1, a1 * DEG, UM * e2, a2 * DEG])
+    out = Mesh(
+        x=np.empty(n),
+        counts=np.zeros(n, dtype=np.int64),
+        tooth_1=np.zeros((n, SLOTS), dtype=np.int64),
+        tooth_2=np.zeros((n, SLOTS), dtype=np.int64),
+        **{k: np.zeros((n, SLOTS)) for k in ("roll_1", "roll_2", "weights", "forces", "deflections")},
+    )
+    failed = solve(
+        np.ascontiguousarray(theta_2, dtype=np.float64), 1000 * torque, 1.0 if flank == "drive" else -1.0,
+        np.array([g.z, h.z]), geo, ecc, table(pair, 1, rig.teeth_1, flank), table(pair, 2, rig.teeth_2, flank),
+        np.array([law.l_1, law.c_1, law.l_2, law.c_2]), rig.teeth_1.own, rig.teeth_2.own,
+        np.array([law.h_0, law.q, law.h_1, law.h_2]), rig.deflect, rig.friction, UM * rig.lead,
+        out.x, out.tooth_1, out.tooth_2, out.roll_1, out.roll_2, out.weights, out.forces, out.deflections, out.counts,
+    )  # fmt: skip
+    if failed:
+        raise BenchError(f"no equilibrium at {failed} of {n} positions")
+    if rig.windup:
+        sign = -1.0 if flank == "drive" else 1.0
+        np.add(out.x, sign * h.r_b * rig.windup * 1e-6 * torque, out=out.x)
+    return out
+
+
+def ideal(pair: Pair, E_s: float = 0.0) -> Rig:
+    """A rig whose gears have no deviation but a tooth thickness deviation E_s in um on both."""
+    return Rig(pair=pair, teeth_1=Teeth.ideal(pair.driving.z, E_s), teeth_2=Teeth.ideal(pair.driven.z, E_s))

@@ -1,0 +1,119 @@
+"""The noise estimate against noise that is known, under all that is no noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.noise import estimate_noise, pooled_level, slow_curves
+from gearpoly.compare.spectrum import Grid, Repeating
+from tests.residuals import noise, samples
+
+
+def test_transform_is_the_sum_it_stands_for() -> None:
+    rng = np.random.default_rng(1)
+    x = np.cumsum(rng.uniform(0.5, 1.5, 700)) / 20.0
+    values = rng.normal(size=x.size)
+    grid = Grid(x, step=0.01, count=400)
+    direct = np.exp(-2j * np.pi * np.outer(np.arange(400) * 0.01, x)) @ values
+    # The bell is good to a few millionths of the largest sum.
+    assert np.max(np.abs(grid.transform(values) - direct)) < 1e-5 * np.max(np.abs(direct))
+    amplitudes = rng.normal(size=400) + 1j * rng.normal(size=400)
+    wave = (np.exp(2j * np.pi * np.outer(x, np.arange(400) * 0.01)) @ amplitudes).real
+    assert np.max(np.abs(grid.wave(amplitudes) - wave)) < 1e-5 * np.sum(np.abs(amplitudes))
+
+
+def test_repeating_part_takes_all_that_repeats() -> None:
+    rng = np.random.default_rng(2)
+    u, _ = samples(rng, z_1=18, z_2=25, cycles=2)
+    pattern = rng.normal(size=450)
+    values = pattern[np.floor(u).astype(int) % 450] * np.sin(np.pi * u) ** 2
+    left = values - Repeating(u, period=450.0, count=4500).part(values)
+    # The pattern's kinks have harmonics beyond the fit; they hold less than 1 % of its amplitude.
+    assert np.std(left) < 0.01 * np.std(values)
+
+
+@pytest.mark.parametrize("kind", ["white", "ar"])
+@pytest.mark.parametrize(("z_1", "z_2", "cycles"), [(18, 25, 2), (12, 47, 2), (18, 18, 10)])
+def test_level_beside_what_is_no_noise(kind: str, z_1: int, z_2: int, cycles: int) -> None:
+    errors = []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        u, t = samples(rng, z_1=z_1, z_2=z_2, cycles=cycles)
+        x = noise(rng, u.size, kind)
+        other = 5e-3 * np.cos(2 * np.pi * u / z_1) + 2e-3 * np.cos(2 * np.pi * u * (3 / z_1 + 1 / z_2))
+        other += 0.3e-3 * np.cos(2 * np.pi * 50.0 * t) + 0.5e-3 * np.cos(2 * np.pi * 4.41 / z_1 * u) + 2e-3 * t / t[-1]
+        found = estimate_noise(u, x + other, z_1=z_1, z_2=z_2)
+        assert found.cycles == cycles
+        errors.append(found.level / np.std(x) - 1.0)
+    # The issue asks for 5 %; the scatter at 3600 samples and more is 1 to 2 %.
+    assert np.max(np.abs(errors)) < 0.05
+
+
+def test_level_states_its_own_error() -> None:
+    pulls = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        u, _ = samples(rng, z_1=18, z_2=18, cycles=10)
+        found = estimate_noise(u, noise(rng, u.size, "ar"), z_1=18, z_2=18)
+        pulls.append((found.level - 1e-3) / found.level_std)
+    # 60 pulls of spread 1 have a spread within 0.73 and 1.3 (3 sigma); smoothing adds some.
+    assert 0.6 < np.std(pulls) < 1.5
+    assert abs(np.mean(pulls)) < 0.8
+
+
+@pytest.mark.parametrize("kind", ["ar", "wandering"])
+def test_model_whitens(kind: str) -> None:
+    rng = np.random.default_rng(5)
+    u, _ = samples(rng, z_1=18, z_2=25, cycles=2)
+    x = noise(rng, u.size, kind)
+    found = estimate_noise(u, x, z_1=18, z_2=25)
+    # Slower than the record is drift, which every fit takes off by the same curves.
+    curves = slow_curves(u)
+    white = found.whitened(x - curves @ np.linalg.lstsq(curves, x, rcond=None)[0])[100:]
+    assert np.std(white) == pytest.approx(1.0, abs=0.04)  # 18000 samples scatter by 0.5 %, the slow lines add some
+    # Correlations of 18000 white samples scatter by 0.0075; four of these and what the model smooths over.
+    for lag in range(1, 10):
+        assert abs(np.mean(white[lag:] * white[:-lag])) < 0.04
+
+
+def test_score_is_the_transpose_of_whitening() -> None:
+    rng = np.random.default_rng(6)
+    u, _ = samples(rng, z_1=18, z_2=18, cycles=4)
+    found = estimate_noise(u, noise(rng, u.size, "ar"), z_1=18, z_2=18)
+    a, b = rng.normal(size=(2, u.size))
+    a[:50] = 0.0  # the first samples have no past and are left out
+    assert found.whitened(a) @ found.whitened(b) == pytest.approx(a @ found.score(found.whitened(b)), rel=1e-9)
+
+
+def test_repeatable_rms() -> None:
+    rng = np.random.default_rng(7)
+    u, _ = samples(rng, z_1=18, z_2=25, cycles=2)
+    signal = 0.4e-3 * np.cos(2 * np.pi * u * 3 / 25)
+    found = estimate_noise(u, signal + noise(rng, u.size, "white"), z_1=18, z_2=25)
+    # 0.4/sqrt 2 um under 1 um of noise: 9000 fitted terms take along half its power, known to 1.5 %.
+    assert found.repeatable == pytest.approx(0.4e-3 / np.sqrt(2), rel=0.2)
+
+
+def test_short_record_says_what_stands_in_for_repetition() -> None:
+    rng = np.random.default_rng(8)
+    u, _ = samples(rng, z_1=12, z_2=47, cycles=0.3)
+    found = estimate_noise(u, noise(rng, u.size, "ar") + 3e-3 * np.cos(2 * np.pi * u / 12), z_1=12, z_2=47)
+    assert found.cycles == 0
+    assert found.repeatable is None
+    assert "0.3 hunting cycles" in found.basis
+    assert abs(found.level - 1e-3) < 3.0 * found.level_std
+    assert found.level_std > 0.05 * found.level  # the model's doubt is more than the scatter
+
+
+def test_too_few_samples() -> None:
+    with pytest.raises(ValueError, match="64 would do"):
+        estimate_noise(np.arange(20.0), np.zeros(20), z_1=18, z_2=25)
+
+
+def test_pooled_level_weighs_samples() -> None:
+    rng = np.random.default_rng(9)
+    u, _ = samples(rng, z_1=18, z_2=18, cycles=4)
+    one = estimate_noise(u, noise(rng, u.size, "white"), z_1=18, z_2=18)
+    two = estimate_noise(u, noise(rng, u.size, "white", 3e-3), z_1=18, z_2=18)
+    assert pooled_level([one, two], [1, 3]) ** 2 == pytest.approx((one.level**2 + 3 * two.level**2) / 4)

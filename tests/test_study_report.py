@@ -1,0 +1,163 @@
+"""What the report says of a table: counted by hand where it can be, and a page that needs nothing else."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from gearpoly.cli import app
+from gearpoly.errors import InputFileError, OutOfRangeError
+from gearpoly.study.answers import answer
+from gearpoly.study.models import Limit
+from gearpoly.study.read import read_study
+from gearpoly.study.run import run_study
+from tests.study_files import GRADES, PAIR, write_study
+
+pytest.importorskip("pyarrow")
+
+OUTPUTS = 'outputs = ["te_pp_um", "backlash_least_um"]\n'
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    torque = '[[sweep]]\nkey = "driving.bore_mm"\nmethod = "grid"\nfrom = 6.0\nto = 8.0\nsteps = 2\n'
+    run_study(read_study(write_study(folder, OUTPUTS + GRADES + torque, pairs=12)), out=folder / "out")
+    return folder / "out"
+
+
+def test_groups_hold_the_rows_of_their_combination(table: Path) -> None:
+    answers = answer(table)
+    found = answers.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um"])
+    assert [group.label for group in answers.groups][:2] == [
+        "grade = 5, driving.bore_mm = 6",
+        "grade = 5, driving.bore_mm = 8",
+    ]
+    for group in answers.groups:
+        mine = (found["driving.grade"] == group.values["driving.grade"]) & (
+            found["driving.bore_mm"] == group.values["driving.bore_mm"]
+        )
+        np.testing.assert_array_equal(group.sample("te_pp_um").values, np.sort(found["te_pp_um"][mine]))
+        assert (group.pairs, group.done, group.jams, group.refused) == (12, 12, 0, 0)
+
+
+def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(table: Path) -> None:
+    plain = answer(table)
+    worst = [
+        max(g.sample("te_pp_um").values[-1] for g in plain.groups if g.values["driving.grade"] == n) for n in (5, 6, 7)
+    ]
+    limit = Limit(output="te_pp_um", at_most=0.5 * (worst[1] + worst[2]), share=0.7)
+    answers = answer(table, limits=[limit])
+    # 12 of 12 leave 0.735 as the lower end: enough for a share of 0.7, not for one of 0.9.
+    assert [
+        v for v, g in zip(answers.yields[0].verdicts, answers.groups, strict=True) if g.values["driving.grade"] < 7
+    ] == ["keeps it"] * 4
+    assert len(answers.cheapest[0].says) == 2  # one for each bore
+    if answers.yields[0].verdicts[-1] != "keeps it":
+        assert "grade 6" in answers.cheapest[0].says[0]
+    strict = answer(table, limits=[limit.model_copy(update={"share": 0.9})])
+    assert "which so few pairs do not settle" in strict.cheapest[0].says[0]
+    none = answer(table, limits=[Limit(output="te_pp_um", at_most=0.01)])
+    assert none.cheapest[0].says[0].endswith("none of the grades keeps it")
+
+
+def test_the_bore_drives_nothing_and_the_grade_much(table: Path) -> None:
+    indices = {one.factor: one for one in dict(answer(table).sensitivity)["te_pp_um"]}
+    assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)  # unloaded: no tooth bends
+    assert indices["grade"].first.value > 0.1  # steps of 41 % in all deviations
+    assert indices["grade"].first.value + indices["chance"].first.value <= 1.0 + 1e-9
+
+
+def test_pairs_that_jam_are_bad_ones(tmp_path: Path) -> None:
+    tight = '[[sweep]]\nkey = "driven.limits.E_sns_um"\nmethod = "list"\nvalues = [-60.0, 40.0]\n'
+    pair = PAIR.replace("grade = 6\n", "grade = 6\nlimits = { E_sns_um = 0.0, E_sni_um = -70.0 }\n")
+    run_study(read_study(write_study(tmp_path, OUTPUTS + tight, pair=pair, pairs=5)), out=tmp_path / "out")
+    answers = answer(tmp_path / "out", limits=[Limit(output="te_pp_um", at_most=1e6, share=0.5)])
+    jammed = answers.groups[1]
+    assert jammed.jams > 0
+    assert answers.yields[0].shares[1].value == pytest.approx(jammed.done / 5)
+    assert answers.reasons
+    assert "overlap" in answers.reasons[0][0]
+
+
+def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
+    text = (
+        "samples = 16\nsensitivity = true\n" + OUTPUTS
+        + '[[sweep]]\nkey = "pair.centre_distance_mm"\nmethod = "sobol"\nfrom = 24.95\nto = 25.25\n'
+        + '[[sweep]]\nkey = "driving.bore_mm"\nmethod = "sobol"\nfrom = 5.0\nto = 9.0\n'
+    )  # fmt: skip
+    run_study(read_study(write_study(tmp_path, text, pairs=1)), out=tmp_path / "out")
+    answers = answer(tmp_path / "out")
+    assert answers.groups[0].pairs == 32  # A and B
+    indices = {one.factor: one for one in dict(answers.sensitivity)["backlash_least_um"]}
+    assert list(indices) == ["pair.centre_distance_mm", "driving.bore_mm", "chance"]
+    # Backlash is 2 tan(alpha_w) times the distance, 0.24 mm over the range, against some 20 um of chance.
+    assert indices["pair.centre_distance_mm"].total.value > 0.8
+    assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)
+
+
+def test_page_needs_no_network_and_no_script(table: Path, tmp_path: Path) -> None:
+    page, out = tmp_path / "page.html", tmp_path / "all.json"
+    ran = CliRunner().invoke(
+        app,
+        [
+            "study-report",
+            str(table),
+            "--html",
+            str(page),
+            "--json",
+            str(out),
+            "--limit",
+            "te_pp_um<=60",
+            "--share",
+            "0.9",
+        ],
+    )
+    assert ran.exit_code == 0, ran.output
+    assert "grade" in ran.output
+    text = page.read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', text)
+    assert "@import" not in text
+    assert "url(" not in text
+    assert text.count("<figure>") >= 3
+    found = json.loads(out.read_text(encoding="utf-8"))
+    assert found["groups"][0]["outputs"]["te_pp_um"]["percentiles"]["50"]["value"] > 0.0
+    assert found["groups"][0]["outputs"]["te_pp_um"]["percentiles"]["99"]["high"] is None  # 12 pairs do not place it
+    assert found["yields"][0]["limit"] == "te_pp_um at most 60 in 90 % of pairs"
+
+
+def test_commands_from_end_to_end(tmp_path: Path) -> None:
+    study, out, csv = write_study(tmp_path, OUTPUTS, pairs=2), tmp_path / "out", tmp_path / "t.csv"
+    ran = CliRunner().invoke(app, ["study", str(study), "--out", str(out), "--workers", "1", "--csv", str(csv)])
+    assert ran.exit_code == 0, ran.output
+    assert "2 pairs (1 combinations), 2 of them made now" in ran.output
+    lines = csv.read_text().splitlines()
+    assert lines[0] == "index,combination,draw,seed,status,reason,te_pp_um,backlash_least_um"
+    assert len(lines) == 3
+    ran = CliRunner().invoke(
+        app, ["study", str(study), "--out", str(out), "--scheduler", "tcp://x:1", "--workers", "2"]
+    )
+    assert isinstance(ran.exception, OutOfRangeError)
+
+
+def test_a_folder_without_a_table(tmp_path: Path, table: Path) -> None:
+    with pytest.raises(InputFileError, match=r"study\.json"):
+        answer(tmp_path)
+    for wrong, says in (("te_pp_um", "want"), ("te_ppum<=3", "nearest"), ("te_pp_um<=x", "no number")):
+        ran = CliRunner().invoke(app, ["study-report", str(table), "--limit", wrong])
+        assert isinstance(ran.exception, OutOfRangeError)
+        assert says in str(ran.exception)
+
+
+def test_an_unfinished_study_says_so(tmp_path: Path) -> None:
+    run_study(read_study(write_study(tmp_path, OUTPUTS, pairs=3)), out=tmp_path / "out")
+    manifest = tmp_path / "out" / "study.json"
+    document = json.loads(manifest.read_text()) | {"finished": False, "rows": 9}
+    manifest.write_text(json.dumps(document))
+    assert "3 of 9 pairs are there" in answer(tmp_path / "out").remarks[0]

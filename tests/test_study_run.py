@@ -1,0 +1,231 @@
+"""Studies that run, stop, are killed, go on, and always end with the same bytes."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearpoly.errors import InputFileError
+from gearpoly.study import run as engine
+from gearpoly.study.local import in_processes
+from gearpoly.study.progress import Progress
+from gearpoly.study.read import read_study
+from gearpoly.study.run import Outcome, run_study
+from gearpoly.study.statistics import percentile
+from gearpoly.study.stop import looks
+from tests.study_files import GRADES, PAIR, write_study
+
+pq = pytest.importorskip("pyarrow.parquet")
+
+
+def _run(path: Path, out: Path, **how: Any) -> Outcome:
+    return run_study(read_study(path), out=out, **how)
+
+
+def _bytes(out: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in (out / "rows").glob("[0-9]*.parquet")}
+
+
+def _csv(outcome: Outcome, target: Path) -> bytes:
+    outcome.store.to_csv(target)
+    return target.read_bytes()
+
+
+def test_one_process_and_two_give_the_same_bytes(tmp_path: Path) -> None:
+    path = write_study(tmp_path, GRADES, pairs=8)
+    one = _run(path, tmp_path / "one")
+    two = _run(path, tmp_path / "two", workers=2)
+    assert _bytes(tmp_path / "one") == _bytes(tmp_path / "two")
+    assert _csv(one, tmp_path / "one.csv") == _csv(two, tmp_path / "two.csv")
+    assert one.rows == two.rows == 24
+    found = one.store.columns(["index", "status", "te_pp_um", "driving.grade"])
+    assert found["index"].tolist() == list(range(24))
+    assert set(found["status"]) == {"done"}
+    by_grade = [np.mean(found["te_pp_um"][found["driving.grade"] == grade]) for grade in (5, 6, 7)]
+    assert by_grade == sorted(by_grade)
+
+
+def test_every_part_says_what_it_is_of(tmp_path: Path) -> None:
+    _run(write_study(tmp_path, GRADES, pairs=1), tmp_path / "out")
+    for part in (tmp_path / "out" / "rows").glob("[0-9]*.parquet"):
+        held = pq.read_schema(part).metadata
+        assert held[b"gearpoly.seed"] == b"7"
+        assert b'"gearpoly"' in held[b"gearpoly.versions"]
+        assert b'"pair.driving.teeth": 11' in held[b"gearpoly.study"]
+    # A plain reader finds one table in the folder.
+    assert pq.read_table(tmp_path / "out" / "rows").num_rows == 3
+
+
+def test_more_pairs_later_go_on_where_fewer_ended(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    _run(write_study(tmp_path, GRADES, pairs=3), out)
+    before = {path: path.stat().st_mtime_ns for path in (out / "rows").iterdir()}
+    grown = _run(write_study(tmp_path, GRADES, pairs=8), out)
+    assert (grown.rows, grown.made) == (24, 15)
+    assert all(path.stat().st_mtime_ns == when for path, when in before.items())
+    whole = _run(write_study(tmp_path, GRADES, pairs=8), tmp_path / "whole")
+    assert _csv(grown, tmp_path / "a.csv") == _csv(whole, tmp_path / "b.csv")
+    with pytest.raises(InputFileError, match="fewer rows than the 24"):
+        _run(write_study(tmp_path, GRADES, pairs=2), out)
+    assert _run(write_study(tmp_path, GRADES, pairs=8), out).made == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "pair", "says"),
+    [
+        (GRADES, PAIR.replace("width_mm = 10.0", "width_mm = 12.0"), "pair.driving.face_width_mm was 10.0, now 12.0"),
+        (GRADES.replace("[5, 6, 7]", "[5, 6, 8]"), PAIR, "[5, 6, 8]"),
+        ('outputs = ["te_pp_um"]\n' + GRADES, PAIR, "study.outputs was"),
+        ('flank = "coast"\n' + GRADES, PAIR, "study.flank was drive, now coast"),
+    ],
+)  # fmt: skip
+def test_a_changed_study_is_not_mixed_with_the_old_one(tmp_path: Path, text: str, pair: str, says: str) -> None:
+    out = tmp_path / "out"
+    _run(write_study(tmp_path, GRADES, pairs=1), out)
+    kept = _bytes(out)
+    with pytest.raises(InputFileError) as caught:
+        _run(write_study(tmp_path, text, pair=pair, pairs=1), out)
+    assert says in str(caught.value)
+    assert "do not mix" in str(caught.value)
+    assert _bytes(out) == kept
+
+
+def test_other_things_are_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work")
+    with pytest.raises(InputFileError, match="other things"):
+        _run(write_study(tmp_path), tmp_path / "mine")
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
+
+
+LONG = 'turns = 2.0\npositions_per_mesh = 60\noutputs = ["te_pp_um", "backlash_least_um"]\n' + GRADES
+
+
+def _long(folder: Path) -> Path:
+    """Rows of 20 ms, so that a kill lands among them."""
+    path = write_study(folder, LONG, pairs=25)
+    path.write_text(path.read_text().replace("positions_per_mesh = 5\n", ""))
+    return path
+
+
+@pytest.mark.parametrize("workers", [pytest.param("1", marks=pytest.mark.slow), "2"])
+def test_kill_9_loses_and_doubles_nothing(tmp_path: Path, workers: str) -> None:
+    path, out = _long(tmp_path), tmp_path / "out"
+    command = [sys.executable, "-m", "gearpoly", "study", str(path), "--out", str(out), "--workers", workers]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    rows = out / "rows"
+    deadline = time.monotonic() + 60.0  # a minute: starting takes seconds even on a busy machine
+    while not (rows.is_dir() and len(list(rows.glob("[0-9]*.parquet"))) >= 5) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    kept = {path.name: path.stat().st_mtime_ns for path in rows.glob("[0-9]*.parquet")}
+    assert 5 <= len(kept) < 75
+    (rows / ".gearpoly-cut.parquet").write_bytes(b"what a killed writer leaves")
+    again = _run(path, out)
+    # Nothing that was there was made again, nothing is missing, nothing is there twice.
+    assert all((rows / name).stat().st_mtime_ns == when for name, when in kept.items())
+    assert again.made == 75 - len(kept)
+    assert again.store.column("index").tolist() == list(range(75))
+    assert not list(rows.glob(".gearpoly-*"))
+    undisturbed = _run(path, tmp_path / "undisturbed")
+    assert _csv(again, tmp_path / "a.csv") == _csv(undisturbed, tmp_path / "b.csv")
+    assert _bytes(out) == _bytes(tmp_path / "undisturbed")
+
+
+def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
+    path = _long(tmp_path)
+    plan = engine.plan_study(read_study(path))
+    seen: list[int] = []
+    killed = False
+    for rows in in_processes(plan, iter([(k, k + 1) for k in range(60)]), workers=2):
+        seen += [row.index for row in rows]
+        if len(seen) == 10 and not killed:
+            killed = True
+            children = subprocess.run(
+                ["ps", "--ppid", str(os.getpid()), "-o", "pid,args"], capture_output=True, text=True
+            )
+            workers = [int(line.split()[0]) for line in children.stdout.splitlines() if "spawn_main" in line]
+            assert len(workers) == 2
+            os.kill(workers[0], signal.SIGKILL)
+    assert sorted(seen) == list(range(60))
+
+
+def test_only_one_run_writes_at_a_time(tmp_path: Path) -> None:
+    path, out = write_study(tmp_path, GRADES, pairs=2), tmp_path / "out"
+    plan = engine.plan_study(read_study(path))
+    with engine.opened(out, plan), pytest.raises(InputFileError, match="another run"):
+        _run(path, out)
+    assert _run(path, out).rows == 6
+
+
+def test_a_full_disk_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, out = write_study(tmp_path, GRADES, pairs=4), tmp_path / "out"
+    whole, count = pq.write_table, 0
+
+    def full(table: Any, where: Any, **how: Any) -> None:
+        nonlocal count
+        count += 1
+        if count > 5:
+            Path(where).write_bytes(b"half")
+            raise OSError(errno.ENOSPC, "No space left on device")
+        whole(table, where, **how)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(pq, "write_table", full)
+        with pytest.raises(InputFileError, match="No space left on device"):
+            _run(path, out)
+    assert len(_bytes(out)) == 5
+    again = _run(path, out)
+    assert again.made == 12 - 5
+    _run(path, tmp_path / "whole")
+    assert _bytes(out) == _bytes(tmp_path / "whole")
+
+
+UNTIL = '[until]\noutput = "te_pp_um"\npercentile = 50.0\nwidth = {}\nat_least = 10\n'
+
+
+def test_stops_where_a_percentile_is_known(tmp_path: Path) -> None:
+    text = 'turns = 1.0\noutputs = ["te_pp_um"]\n' + GRADES
+    path = write_study(tmp_path, text + UNTIL.format(8.0), pairs=100)
+    one = _run(path, tmp_path / "one")
+    _run(path, tmp_path / "two", workers=2)
+    assert one.rows < 300
+    assert "percentile 50 of te_pp_um is known to 8" in one.why
+    # Where it stops does not hang on who was done when.
+    assert _bytes(tmp_path / "one") == _bytes(tmp_path / "two")
+    cuts = looks(read_study(path).file, 3)
+    assert one.rows in cuts
+    found = one.store.columns(["te_pp_um", "combination"])
+
+    def widest(rows: int) -> float:
+        values, of = found["te_pp_um"][:rows], found["combination"][:rows]
+        return max(percentile(values[of == k], 50.0).width for k in range(3))
+
+    assert widest(one.rows) <= 8.0
+    assert all(widest(cut) > 8.0 for cut in cuts if cut < one.rows)
+    assert _run(path, tmp_path / "one").made == 0
+    # Wanting it better goes on from there.
+    better = _run(write_study(tmp_path, text + UNTIL.format(6.0), pairs=100), tmp_path / "one")
+    assert better.rows > one.rows
+    assert better.made == better.rows - one.rows
+
+
+def test_progress_says_rate_and_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 100.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    progress = Progress(total=1000, done=200)
+    now = 140.0
+    progress.advance(80)
+    assert progress.rate == pytest.approx(2.0)  # what an earlier run made does not count
+    assert progress.left == pytest.approx(360.0)
+    assert "280 of 1000 pairs, 2 pairs/s, 6 min left" in capsys.readouterr().err
