@@ -123,16 +123,20 @@ def _signal(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
 
 
 def _sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
-    """The effect at a size over the limit: its signal may bend with size, so the guess is mended twice."""
-    cap = CAPS[effect.physics]
-    for _ in range(3):
+    """The effect at a size over the limit: its signal may bend with size, so the guess is mended with its own slope."""
+    cap, power = CAPS[effect.physics], 1.0
+    last: tuple[float, float] | None = None
+    for _ in range(6):
         n = limit.size_of(_signal(rig, limit, effect))
         if n <= 0.0:
             return effect.scaled(cap)
-        size = min(abs(effect.size) * float(np.clip(over / n, 1e-4, 1e4)), cap)
-        effect = effect.scaled(size)
-        if abs(n / over - 1) < 0.03:
+        size = abs(effect.size)
+        if abs(n / over - 1) < 0.03 or (size >= cap and n < over):
             break
+        if last is not None and abs(np.log(size / last[0])) > 1e-6:  # some signals grow with a power of the size
+            power = float(np.clip(np.log(n / last[1]) / np.log(size / last[0]), 0.4, 3.0))
+        last = (size, n)
+        effect = effect.scaled(min(size * float(np.clip((over / n) ** (1 / power), 1e-4, 1e4)), cap))
     return effect
 
 

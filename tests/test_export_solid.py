@@ -40,8 +40,10 @@ def bodies(target: Path) -> dict[str, trimesh.Trimesh]:
     return dict(zip(("driving", "driven"), parts, strict=True))
 
 
-@pytest.mark.parametrize("ending", [".stl", ".3mf"])
-@pytest.mark.parametrize(("z_1", "z_2", "x"), [(8, 13, 0.5), (18, 25, 0.0), (17, 200, 0.0)])
+@pytest.mark.parametrize(
+    ("z_1", "z_2", "x", "ending"),
+    [(8, 13, 0.5, ".stl"), (8, 13, 0.5, ".3mf"), (18, 25, 0.0, ".3mf"), (17, 200, 0.0, ".stl")],
+)
 def test_solids_are_watertight_and_have_the_polygons_volume(
     tmp_path: Path, z_1: int, z_2: int, x: float, ending: str
 ) -> None:
@@ -58,8 +60,7 @@ def test_solids_are_watertight_and_have_the_polygons_volume(
         assert (low + high) / 2.0 == pytest.approx(10.0, abs=4e-6) and high - low == pytest.approx(b, abs=4e-6)
 
 
-@pytest.mark.parametrize("ending", [".stl", ".3mf"])
-@pytest.mark.parametrize("K", [1.0, 5.0])
+@pytest.mark.parametrize(("ending", "K"), [(".stl", 1.0), (".3mf", 5.0)])
 def test_a_slice_lies_within_the_stated_chord_error(tmp_path: Path, ending: str, K: float) -> None:
     pair = made(18, 25)
     target = tmp_path / f"pair{ending}"
@@ -70,7 +71,7 @@ def test_a_slice_lies_within_the_stated_chord_error(tmp_path: Path, ending: str,
         section = shapely.MultiLineString(list(lines))
         drawn = next(gear for gear in written.drawing.gears if gear.name == name)
         true = pair.drawing(Request(apart=True, magnify=K, detail=Detail(chord=1e-5))).gears
-        ring = drawn.at(next(gear for gear in true if gear.name == name).outline.ring[::25])
+        ring = drawn.at(next(gear for gear in true if gear.name == name).outline.ring[::40])
         off = float(np.max(shapely.distance(shapely.points(ring), section)))
         # The finer drawing stands off by its own 10 nm.
         assert off <= written.chord_error + 1e-5
@@ -98,7 +99,7 @@ def test_3mf_is_in_millimetres_and_names_gears_and_k(tmp_path: Path) -> None:
     assert "magnify = 4.0" in root.xpath("//m:metadata[@name='Description']/text()", namespaces=ns)[0]
 
 
-@pytest.mark.parametrize("points", [8, 9, 1000])
+@pytest.mark.parametrize("points", [8, 9, 400])
 def test_coarsest_and_fine_detail_stay_watertight(tmp_path: Path, points: int) -> None:
     made(18, 25).export(tmp_path / "gear.stl", which="driving", points=points)
     mesh = trimesh.load_mesh(tmp_path / "gear.stl")

@@ -57,6 +57,7 @@ def _bytes(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (out / "rows").glob("[0-9]*.parquet")}
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_bytes_though_a_worker_is_killed(
     tmp_path: Path, address: tuple[str, list[int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,6 +83,7 @@ def test_a_cluster_gives_the_same_bytes_though_a_worker_is_killed(
     assert (tmp_path / "there.csv").read_bytes() == (tmp_path / "here.csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_versions_is_refused(
     tmp_path: Path, address: tuple[str, list[int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -136,7 +136,7 @@ def test_commands_from_end_to_end(tmp_path: Path) -> None:
     study, out, csv = write_study(tmp_path, OUTPUTS, pairs=2), tmp_path / "out", tmp_path / "t.csv"
     ran = CliRunner().invoke(app, ["study", str(study), "--out", str(out), "--workers", "1", "--csv", str(csv)])
     assert ran.exit_code == 0, ran.output
-    assert "2 pairs (1 combinations), 2 of them made now" in ran.output
+    assert "2 pairs (1 combination), 2 of them made now" in ran.output
     lines = csv.read_text().splitlines()
     assert lines[0] == "index,combination,draw,seed,status,reason,te_pp_um,backlash_least_um"
     assert len(lines) == 3

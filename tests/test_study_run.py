@@ -142,6 +142,7 @@ def test_kill_9_loses_and_doubles_nothing(tmp_path: Path, workers: str) -> None:
     assert _bytes(out) == _bytes(tmp_path / "undisturbed")
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
     path = _long(tmp_path)
     plan = engine.plan_study(read_study(path))
@@ -198,11 +199,8 @@ def test_stops_where_a_percentile_is_known(tmp_path: Path) -> None:
     text = 'turns = 1.0\noutputs = ["te_pp_um"]\n' + GRADES
     path = write_study(tmp_path, text + UNTIL.format(8.0), pairs=100)
     one = _run(path, tmp_path / "one")
-    _run(path, tmp_path / "two", workers=2)
     assert one.rows < 300
     assert "percentile 50 of te_pp_um is known to 8" in one.why
-    # Where it stops does not hang on who was done when.
-    assert _bytes(tmp_path / "one") == _bytes(tmp_path / "two")
     cuts = looks(read_study(path).file, 3)
     assert one.rows in cuts
     found = one.store.columns(["te_pp_um", "combination"])
@@ -218,6 +216,23 @@ def test_stops_where_a_percentile_is_known(tmp_path: Path) -> None:
     better = _run(write_study(tmp_path, text + UNTIL.format(6.0), pairs=100), tmp_path / "one")
     assert better.rows > one.rows
     assert better.made == better.rows - one.rows
+
+
+@pytest.mark.slow
+def test_where_it_stops_does_not_hang_on_who_was_done_when(tmp_path: Path) -> None:
+    text = 'turns = 1.0\noutputs = ["te_pp_um"]\n' + GRADES + UNTIL.format(8.0)
+    path = write_study(tmp_path, text, pairs=100)
+    one = _run(path, tmp_path / "one")
+    assert one.rows == _run(path, tmp_path / "two", workers=2).rows
+    assert _bytes(tmp_path / "one") == _bytes(tmp_path / "two")
+
+
+def test_a_run_killed_before_its_manifest_is_taken_up(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "rows").mkdir(parents=True)
+    (out / ".lock").touch()
+    (out / ".gearpoly-half.json").touch()
+    assert _run(write_study(tmp_path, pairs=1), out).made == 1
 
 
 def test_progress_says_rate_and_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

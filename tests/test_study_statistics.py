@@ -15,13 +15,13 @@ from gearpoly.units import FloatArray
 @pytest.mark.parametrize(("n", "p"), [(20, 50.0), (100, 90.0), (500, 99.0)])
 def test_intervals_of_percentiles_cover_as_often_as_they_say(n: int, p: float) -> None:
     rng = np.random.default_rng(1)
-    runs = 600
+    runs = 300
     inside = 0
     for _ in range(runs):
         found = percentile(rng.exponential(size=n), p)
         inside += found.low <= -math.log(1.0 - p / 100.0) <= found.high
-    # Never below 95 % but for the scatter of 600 runs (3 standard errors: 0.027); above it since ranks are whole.
-    assert inside / runs >= 0.95 - 0.027
+    # Never below 95 % but for the scatter of 300 runs (3 standard errors: 0.038); above it since ranks are whole.
+    assert inside / runs >= 0.95 - 0.038
 
 
 def test_ends_that_few_values_cannot_place_are_open() -> None:

@@ -58,6 +58,21 @@ class Linear:
         x = (self.system if system is None else system).solution
         return [y - a @ x for a, y in zip(self.columns, self.target, strict=True)]
 
+    def without(self, leave: list[int]) -> Linear:
+        """The same without some parameters."""
+        keep = np.setdiff1d(np.arange(self.system.size), np.asarray(leave, dtype=np.int64))
+        return Linear(
+            system=self.system.without(leave),
+            layout=self.layout,
+            columns=[c[:, keep] for c in self.columns],
+            target=self.target,
+            noises=self.noises,
+        )
+
+    def white_of(self, k: int) -> list[FloatArray]:
+        """Whitened columns (n_k, q) of claim ``k``."""
+        return [a[:, self.layout.claims[k]] for a in self.system.white]
+
 
 def derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
     """Derivative (n_k, q) in mm of every recording by the coordinates of a claim, at its values."""

@@ -60,6 +60,10 @@ class Model:
                 file = claim.written(file)
         return file
 
+    def but(self, claim: Claim) -> Model:
+        """The same state without a claim."""
+        return replace(self, claims=[one for one in self.claims if one is not claim])
+
     def assembled(self, file: PairFile | None = None) -> Assembled:
         """The pair of ``file``, or of the present state."""
         return assemble(self.file() if file is None else file, path=self.path, seed=0)

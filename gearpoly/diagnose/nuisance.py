@@ -48,10 +48,11 @@ class Nuisance:
 
 
 def make_nuisance(
-    scenes: list[Scene], *, slopes: list[FloatArray], shift_std: float, laws: list[FloatArray] | None
+    scenes: list[Scene], *, slopes: list[FloatArray], shift_std: float, laws: list[FloatArray] | None, scaled: bool
 ) -> Nuisance:
     """The nuisance of all scenes; ``slopes`` (n_k,) in mm/rad of the transmission error over driven rotation,
-    ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in which compliance laws differ.
+    ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in which compliance laws differ;
+    ``scaled``: the compliance is declared, so its scale is open (else it is claimed, and no nuisance).
     """
     sizes = [scene.samples.size for scene in scenes]
     counted = [scene.samples.counted for scene in scenes]
@@ -65,7 +66,7 @@ def make_nuisance(
         mine.append(along)
     std.append(shift_std)
     at_scale = None
-    if any(scene.bends for scene in scenes):
+    if scaled and any(scene.bends for scene in scenes):
         at_scale = len(std)
         for mine, scene in zip(columns, scenes, strict=True):
             mine.append(softened(scene))

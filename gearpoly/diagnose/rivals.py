@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
@@ -38,19 +36,10 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     is left out on both sides.
     """
     claim = model.claims[k]
-    leave = linear.layout.places(k) + linear.layout.form_places(model, k)
-    bare = linear.system.without(leave)
-    keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
-    plain = Linear(
-        system=bare,
-        layout=linear.layout,
-        columns=[c[:, keep] for c in linear.columns],
-        target=linear.target,
-        noises=linear.noises,
-    )
-    mine = bare.with_columns([a[:, linear.layout.claims[k]] for a in linear.system.white])
-    gain = bare.misfit - mine.misfit
-    others = Model(**{**model.__dict__, "claims": [c for j, c in enumerate(model.claims) if j != k]})
+    plain = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
+    bare = plain.system
+    gain = bare.misfit - bare.with_columns(linear.white_of(k)).misfit
+    others = model.but(claim)
     found, _ = scan(others, scenes, plain, only=_possible(model, claim))
     rivals: list[Candidate] = []
     seen = {claim.key}

@@ -35,8 +35,8 @@ LIKELY = 40
 KNOWN = 1e-4
 """Part of a column's information that must be left beside everything else, or it is told from nothing."""
 
-EVALUATIONS = 60
-"""Shapes that are tried when a candidate is polished: a simplex in two coordinates settles in half as many."""
+EVALUATIONS = 18
+"""Shapes per coordinate that are tried when a candidate is polished."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,7 +192,7 @@ def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candi
         lost,
         start,
         method="Nelder-Mead",
-        options={"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 1e-3, "fatol": 0.05},
+        options={"initial_simplex": simplex, "maxfev": EVALUATIONS * start.size, "xatol": 1e-3, "fatol": 0.05},
     )
     return best
 

@@ -12,7 +12,7 @@ from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.linear import Linear, linearise
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_modes, make_nuisance
-from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
+from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
@@ -34,13 +34,22 @@ by, beyond the modes that are fitted."""
 SETTLED = 0.004 * UM
 """mm rms. Changes below this need no further simulation."""
 
+SWAPS = 4
+"""Most exchanges after a claim."""
+
+LIKELY = 0.7
+"""Part of a claim's gain that its substitute must reach by its coarse shapes to be polished."""
+
+BETTER = 10.0
+"""Gain by which a substitute must be better than the claim: more than three standard deviations."""
+
 PASSES = 5
 """Most rounds of simulating and fitting again after a change."""
 
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
-POLISHED = 6
+POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
 
 SHORTLIST = 40
@@ -97,6 +106,7 @@ class Search:
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             self.settle()
             self.drop_idle()
+            self.swap()
             if best.claim.key not in {claim.key for claim in self.model.claims}:
                 refused.add(best.claim.key)
                 if len(refused) > MOST:
@@ -145,10 +155,7 @@ class Search:
     @property
     def deflection(self) -> float:
         """The largest mean deflection in mm of any recording."""
-        place = self.nuisance.scale
-        if place is None:
-            return 0.0
-        return max(abs(float(np.mean(columns[:, place]))) for columns in self.nuisance.columns)
+        return max(abs(float(np.mean(scene.under(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes)
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
@@ -168,6 +175,8 @@ class Search:
         for turn in range(PASSES):
             self.scenes = self.model.scenes()
             if turn == 0:
+                if self.laws is None:
+                    self.laws = law_modes(self.scenes)  # teeth may have begun to bend
                 self.nuisance = _nuisance(self.model, self.scenes, self.laws)
             self.linear = self.linearised()
             self.noises = noises(self.model, self.linear.left())
@@ -212,6 +221,44 @@ class Search:
         system = self.linear.system
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
 
+    def swap(self) -> None:
+        """Exchange claims for others that explain more, now that all the rest is known."""
+        for _ in range(SWAPS):
+            better = max(
+                (one for k in range(len(self.model.claims)) for one in self._better(k)),
+                key=lambda one: one[1],
+                default=None,
+            )
+            if better is None:
+                return
+            k, _, claim = better
+            self.model.claims[k] = claim
+            self.settle()
+            self.drop_idle()
+
+    def _better(self, k: int) -> list[tuple[int, float, Claim]]:
+        """What would explain more in the place of claim ``k``, with how much more."""
+        claim = self.model.claims[k]
+        if claim.physics.wavelike:
+            return []
+        leave = self.linear.layout.places(k) + self.linear.layout.form_places(self.model, k)
+        bare = self.linear.without(leave)
+        gain = bare.system.misfit - bare.system.with_columns(self.linear.white_of(k)).misfit
+        others = self.model.but(claim)
+        places = [
+            (physics, place)
+            for physics, place in all_places(others)
+            if (not physics.wavelike and (place.gear, place.tooth) == (claim.place.gear, claim.place.tooth))
+            or (place.tooth is None and claim.place.tooth is None and not physics.wavelike)
+        ]
+        found, _ = scan(others, self.scenes, bare, only=places)
+        out = []
+        for one in [c for c in found if c.claim.key != claim.key and c.gain > LIKELY * gain][:2]:
+            done = polished(others, self.scenes, bare, one)
+            if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER:
+                out.append((k, done.gain - gain, done.claim))
+        return out
+
     def drop_idle(self) -> None:
         """Take back claims that no longer gain more than chance would, weakest first."""
         while self.model.claims:
@@ -229,7 +276,8 @@ class Search:
 
 def _nuisance(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
     slopes = [one.slope for one in model.observed]
-    return make_nuisance(scenes, slopes=slopes, shift_std=model.shift_std, laws=laws)
+    scaled = model.declared.model.tooth_deflection
+    return make_nuisance(scenes, slopes=slopes, shift_std=model.shift_std, laws=laws, scaled=scaled)
 
 
 def _place(search: Search, at: int) -> int:

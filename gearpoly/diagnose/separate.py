@@ -150,7 +150,7 @@ def would_separate(
     whites = [a[:, keep] for a in linear.system.white]
     precision = linear.system.precision[np.ix_(keep, keep)]
     claim = model.claims[k]
-    others = Model(**{**model.__dict__, "claims": [c for j, c in enumerate(model.claims) if j != k]})
+    others = model.but(claim)
     forward = [False] * len(scenes)
 
     def white(columns: list[FloatArray]) -> list[FloatArray]:

@@ -32,12 +32,18 @@ LOWEST = 32
 HIGHEST = 8192
 """The same: more lines than most discs have. Above half the sampling an order may be the alias of another."""
 
+MESH_ORDERS = 24
+"""Mesh orders up to which mean teeth have a say."""
+
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         if scope.encoders[gear]:
+            z = scope.gears[gear].z
             for order in range(LOWEST, HIGHEST + 1):
-                yield Place(gear=gear, order=order)
+                # At a mesh order every mean tooth errs: nothing tells an encoder from it.
+                if order % z or order > MESH_ORDERS * z:
+                    yield Place(gear=gear, order=order)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:

@@ -21,7 +21,11 @@ from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
 from gearpoly.simulate import cycle_te, further_te
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import UM, FloatArray, IntArray
+
+SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
+"""How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
+second search."""
 
 DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 """Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
@@ -212,7 +216,7 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     pair, torque = assembled.pair, samples.torque
     bends = assembled.elasticity if torque > 0.0 else None
     by = _compliance(pair, bends, samples.flank) if bends is not None else None
-    rows = _rows(pair, samples, near=NEAR if by is None else NEAR + load_reach(by, torque))
+    rows = _rows(pair, samples, near=NEAR if by is None else BEYOND + SOFTER * load_reach(by, torque))
     load = None if by is None else loaded(rows, by, torque=torque, sharing=assembled.sharing)
     weight, force = _weights(rows, load, by)
     held = weight > 0.0

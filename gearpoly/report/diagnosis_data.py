@@ -16,7 +16,6 @@ from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise, slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
-from gearpoly.report.diagnosis_words import number
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 from gearpoly.view.pack import packed
 
@@ -51,6 +50,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "recordings": [
             {
                 "label": recording_label(k, one),
+                "coast": one.flank == "coast",
                 "noise_um": diagnosis.noise_by_recording[k] / UM,
                 "curves": curves(one, left, points=points[k]),
                 "spectrum": spectra(one, left, comparison.located.noises[k], z=z, points=LINES // len(aligned)),
@@ -179,7 +179,9 @@ def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int],
 
 def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) -> dict[str, Any]:
     """Both residuals by tooth and mesh phase for both gears, slow curves taken off."""
-    u = one.theta_2 * (z[1] / (2.0 * np.pi))
+    coast = one.flank == "coast"
+    # The coast flanks' pitch points pass half a pitch after the drive flanks', driving tooth n on driven n + 1.
+    u = one.theta_2 * (z[1] / (2.0 * np.pi)) - (0.5 if coast else 0.0)
     slow = slow_curves(one.theta_2)
 
     def parted(values: FloatArray) -> Maps:
@@ -189,15 +191,15 @@ def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) ->
     before, after = parted(one.residual), parted(left)
     return {
         "note": before.note,
-        "before": _map(before),
-        "after": _map(after),
+        "before": _map(before, coast=coast),
+        "after": _map(after, coast=coast),
     }
 
 
-def _map(found: Maps) -> dict[str, Any]:
+def _map(found: Maps, *, coast: bool) -> dict[str, Any]:
     return {
         "driving": packed(found.driving / UM, "f4"),
-        "driven": packed(found.driven / UM, "f4"),
+        "driven": packed(np.roll(found.driven, 1 if coast else 0, axis=0) / UM, "f4"),
         "mean": packed(found.mean / UM, "f4"),
         "std": [found.std_driving / UM, found.std_driven / UM],
     }
@@ -219,7 +221,3 @@ def marked(diagnosis: Diagnosis, gear: int) -> list[int]:
     places_ = [one.claim.place for one in diagnosis.findings]
     return sorted({place.tooth for place in places_ if place.gear == gear and place.tooth is not None})
 
-
-def mean_words(one: Aligned) -> str:
-    """The mean of a recording's misfit in um."""
-    return number(one.mean / UM, 3)

@@ -103,7 +103,7 @@ def _run(
                 f"a worker of the cluster has {_words(theirs)}, here are {_words(mine)}; the rows would not be the "
                 "same: want the same versions everywhere"
             )
-        waiting += submit(room() - len(waiting))
+        waiting += submit(max(0, room() - len(waiting)))  # fewer workers than before leave no room
         yield rows
 
 

@@ -31,7 +31,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     count = {name: int((status == name).sum()) for name in ("done", "jams", "refused")}
     console.print(file.name, style="bold", highlight=False, markup=False)
     console.print(
-        f"{outcome.rows} pairs ({store.plan.design.combinations} combinations), {outcome.made} of them made now"
+        f"{outcome.rows} pairs ({_counted(store.plan.design.combinations)}), {outcome.made} of them made now"
         + (f" in {outcome.seconds:.1f} s, {outcome.made / outcome.seconds:.2f} pairs/s" if outcome.made else "")
         + (f"; stopped: {outcome.why}" if outcome.why != "all rows" else ""),
         highlight=False,
@@ -45,6 +45,10 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     console.print(
         f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False, markup=False
     )
+
+
+def _counted(combinations: int) -> str:
+    return "1 combination" if combinations == 1 else f"{combinations} combinations"
 
 
 def parse_limits(texts: list[str] | None, *, share: float, folder: Path) -> list[Limit] | None:

@@ -1,0 +1,101 @@
+// Long curves in levels of detail: each keeps the least and the greatest of every stretch, so that no peak is lost.
+
+const FOUR = 4; // values of one level under one of the next
+const FEW = 512; // values that need no further level
+
+class Curve {
+  // low, high: arrays of one length; high null where each value stands for itself.
+  constructor(pack) {
+    const low = unpack(pack.low);
+    const high = pack.high ? unpack(pack.high) : null;
+    this.whole = high === null;
+    this.levels = [{ step: 1, low, high: high ?? low }];
+    for (let last = this.levels[0]; last.low.length > FEW; last = this.levels[this.levels.length - 1]) {
+      const size = Math.ceil(last.low.length / FOUR);
+      const next = { step: FOUR * last.step, low: new Float32Array(size), high: new Float32Array(size) };
+      for (let k = 0; k < size; k++) {
+        let least = Infinity, most = -Infinity;
+        for (let j = FOUR * k; j < Math.min(last.low.length, FOUR * k + FOUR); j++) {
+          if (last.low[j] < least) least = last.low[j];
+          if (last.high[j] > most) most = last.high[j];
+        }
+        next.low[k] = least;
+        next.high[k] = most;
+      }
+      this.levels.push(next);
+    }
+  }
+
+  get size() { return this.levels[0].low.length; }
+
+  at(k) { return [this.levels[0].low[k], this.levels[0].high[k]]; }
+
+  // The coarsest level that still has about one value per pixel for `count` values over `pixels`.
+  level(count, pixels) {
+    let chosen = this.levels[0];
+    for (const one of this.levels) if (count / one.step >= pixels) chosen = one;
+    return chosen;
+  }
+
+  // Least and greatest of the values from k to m (m excluded).
+  extent(k = 0, m = this.size) {
+    const one = this.level(m - k, 256);
+    let low = Infinity, high = -Infinity;
+    for (let j = Math.floor(k / one.step); j < Math.min(one.low.length, Math.ceil(m / one.step)); j++) {
+      if (one.low[j] < low) low = one.low[j];
+      if (one.high[j] > high) high = one.high[j];
+    }
+    return [low, high];
+  }
+}
+
+// Places that increase: a straight line and what is left of it.
+function placesOf(pack) {
+  const rest = unpack(pack.rest);
+  const out = new Float64Array(rest.length);
+  const step = rest.length > 1 ? (pack.last - pack.first) / (rest.length - 1) : 0;
+  for (let k = 0; k < rest.length; k++) out[k] = pack.first + step * k + rest[k];
+  return out;
+}
+
+// The number of the place next to x.
+function nearest(places, x) {
+  const k = clamp(lowerBound(places, x), 0, places.length - 1);
+  return k > 0 && x - places[k - 1] < places[k] - x ? k - 1 : k;
+}
+
+// Draw `curve` over `places` into the plot: a line, or from least to greatest where there are more values than pixels.
+function drawCurve(plot, places, curve, style) {
+  const { context } = plot.chart;
+  const first = Math.max(0, lowerBound(places, plot.view.x0) - 1);
+  const last = Math.min(places.length, lowerBound(places, plot.view.x1) + 2);
+  const one = curve.level(last - first, 2 * plot.inner.width);
+  const gap = style.gap ?? Infinity;
+  context.beginPath();
+  let end = NaN;
+  for (let j = Math.floor(first / one.step); j < Math.min(one.low.length, Math.ceil(last / one.step)); j++) {
+    const begin = places[j * one.step];
+    const stop = places[Math.min(places.length, (j + 1) * one.step) - 1];
+    const x = plot.px(0.5 * (begin + stop));
+    const low = plot.py(one.low[j]), high = plot.py(one.high[j]);
+    if (begin - end > gap || Number.isNaN(end)) context.moveTo(x, low);
+    else context.lineTo(x, low);
+    if (high !== low) context.lineTo(x, high);
+    end = stop;
+  }
+  context.strokeStyle = style.colour;
+  context.lineWidth = style.width ?? 1.2;
+  context.lineJoin = "round";
+  context.setLineDash(style.dash ?? []);
+  context.stroke();
+  context.setLineDash([]);
+  // Single samples become visible where there is room for them.
+  if (curve.whole && style.dots && last - first < plot.inner.width / 8) {
+    context.fillStyle = style.colour;
+    for (let k = first; k < last; k++) {
+      context.beginPath();
+      context.arc(plot.px(places[k]), plot.py(curve.at(k)[0]), 2.2, 0, TURN);
+      context.fill();
+    }
+  }
+}

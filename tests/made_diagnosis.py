@@ -1,0 +1,108 @@
+"""A diagnosis made by hand about a real comparison, for tests of what shows it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.compare.compare import Comparison, compare
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.heldout import Rms
+from gearpoly.diagnose.separate import NextRecording, Separation
+from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival
+from gearpoly.files.models import PairFile
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place
+from gearpoly.units import NM, UM, FloatArray, read_only
+from tests.made_recordings import Rig, inspected, record
+
+NAME = "</script><b>bench & \"pair\"</b> {{DATA}}"
+FILE = "<img src=x>_&.csv"
+REMARK = "a remark with <i>marks</i> & signs"
+E_UM = 6.0
+
+
+def made_comparison(folder: Path, *, cycles: float = 2.0, per_mesh: int = 16) -> tuple[PairFile, Comparison]:
+    """Two recordings, of both flanks, of a pair whose driving gear runs ``E_UM`` off its axis, which its file does not
+    say. Their names hold what HTML would take for its own."""
+    rng = np.random.default_rng(5)
+    hidden = f"[driving.eccentricity]\namplitude_um = {E_UM}\nangle_deg = 40.0"
+    file, path, truth = inspected(folder, rng, z_1=11, z_2=13, hidden=hidden, points=120)
+    rig = Rig(zero_1=1.0, zero_2=2.0, noise=0.3)
+    made = [record(truth, rig, rng, cycles=cycles, per_mesh=per_mesh, flank=f, stated=(1.0, 2.0))
+            for f in ("drive", "coast")]  # fmt: skip
+    named = [type(one)(**{**one.__dict__, "source": Path(f"{k}_{FILE}")}) for k, one in enumerate(made)]
+    file = file.model_copy(update={"name": NAME})
+    return file, compare(file, named, path=path)
+
+
+def left_of(comparison: Comparison) -> tuple[FloatArray, ...]:
+    """What a wave of the driving shaft and a mean leave of every recording, (n_k,) in mm."""
+    out = []
+    for one in comparison.aligned:
+        columns = np.column_stack([np.ones(one.theta_1.size), np.cos(one.theta_1), np.sin(one.theta_1)])
+        out.append(read_only(one.residual - columns @ np.linalg.lstsq(columns, one.residual, rcond=None)[0]))
+    return tuple(out)
+
+
+def findings() -> tuple[Finding, ...]:
+    """Three: one with a rival and what would decide, one tooth without a number, one in the measuring chain."""
+    known = catalogue()
+    off = Claim(physics=known["eccentricity"], place=Place(gear=0), values=(4.6, 3.86))
+    rival = Claim(physics=known["encoder_eccentricity"], place=Place(gear=0), values=(100.0, 80.0))
+    tooth = Claim(physics=known["tooth_pitch"], place=Place(gear=1, tooth=7, flank="drive"), values=(3.5,))
+    chain = Claim(physics=known["encoder_eccentricity"], place=Place(gear=1), values=(10.0, 8.0))
+    without, with_ = Rms(seen=4.31 * UM, unseen=4.56 * UM), Rms(seen=0.300 * UM, unseen=0.321 * UM)
+    decides = Separation(recording=NextRecording(flank="coast", torque=1.0 * NM), separability=0.68, now=0.031)
+    return (
+        Finding(
+            claim=off, parameters={"amplitude_um": (6.0048, 0.0312), "angle_deg": (40.02, 0.31)}, tooth=None,
+            encoder_deg=None, gain=12345.6, p_value=0.0, without=without, with_=with_,
+            rivals=(Rival(claim=rival, parameters={"amplitude_urad": (128.06, 0.0)}),), separation=decides,
+        ),
+        Finding(
+            claim=tooth, parameters={"deviation_um": (3.5, 0.21)}, tooth=None, encoder_deg=203.14, gain=271.8,
+            p_value=3.2e-9, without=Rms(seen=0.7 * UM, unseen=0.71 * UM), with_=with_, rivals=(), separation=None,
+        ),
+        Finding(
+            claim=chain, parameters={"amplitude_urad": (12.8, 1.4)}, tooth=None, encoder_deg=None, gain=31.0,
+            p_value=0.0123, without=Rms(seen=0.4 * UM, unseen=0.41 * UM), with_=with_, rivals=(), separation=None,
+        ),
+    )  # fmt: skip
+
+
+def built(z: int, grade: int | None) -> BuiltGear:
+    """A gear of ``z`` teeth with other values for every tooth."""
+    rng = np.random.default_rng(z)
+    return BuiltGear(
+        pitch=read_only(rng.normal(0.0, 3.0, z)), pitch_std=read_only(rng.uniform(0.1, 0.3, z)),
+        slope=read_only(rng.normal(0.0, 2.0, z)), slope_std=read_only(rng.uniform(0.2, 0.5, z)),
+        thickness=-58.6, grade_needed=grade, grade_edition=2013,
+    )  # fmt: skip
+
+
+def made_diagnosis(file: PairFile, comparison: Comparison, *, left: tuple[FloatArray, ...] | None = None) -> Diagnosis:
+    """A diagnosis with something in every field."""
+    found = findings()
+    ghost = Entry(kind="shaft_order", p_value=1e-7, recordings=(0, 1), gear="driving", order=3.58, amplitude_um=0.81,
+                  std_um=0.023, rivals=("a <ghost> order",))  # fmt: skip
+    return Diagnosis(
+        comparison=comparison,
+        status="partly_explained",
+        findings=found,
+        unexplained=(ghost,),
+        built=(built(comparison.gears[0].z, 6), built(comparison.gears[1].z, None)),
+        compliance_scale=(1.08, 0.021),
+        noise=0.31 * UM,
+        noise_by_recording=tuple(0.31 * UM for _ in comparison.aligned),
+        before=Rms(seen=4.7 * UM, unseen=4.7 * UM),
+        as_built_only=Rms(seen=4.31 * UM, unseen=4.56 * UM),
+        after=found[0].with_,
+        held_out_by="whole hunting cycles",
+        left=left_of(comparison) if left is None else left,
+        fitted=file,
+        not_excluded=("resonances: all recordings were made at <one> speed",),
+        remarks=(REMARK,),
+        seconds=(("compare", 6.1), ("search", 31.4)),
+    )
