@@ -294,8 +294,7 @@ def _damage(section: GearSection, gear: Gear, which: int) -> Deviations:
                 gear.r_b,
                 spall.from_mm,
                 spall.to_mm,
-                # A wall steeper than its depth would fold the flank over itself.
-                max(spall.wall_mm, 2.0 * spall.depth_um * UM),
+                spall.wall_mm,
             )
         )
     return Deviations(drive=tuple(drive), coast=tuple(coast))

@@ -17,7 +17,7 @@ from gearpoly.physics.base import Claim, Place
 from gearpoly.units import NM, UM, FloatArray, read_only
 from tests.made_recordings import Rig, inspected, record
 
-NAME = "</script><b>bench & \"pair\"</b> {{DATA}}"
+NAME = '</script><b>bench & "pair"</b> {{DATA}}'
 FILE = "<img src=x>_&.csv"
 REMARK = "a remark with <i>marks</i> & signs"
 E_UM = 6.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, cross_validated
+from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.rivals import Judged, judge
@@ -35,17 +37,22 @@ Step = Callable[[str], None]
 
 
 def diagnose(
-    file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = lambda _: None
+    file: PairFile,
+    recordings: Sequence[Recording],
+    *,
+    path: Path | str,
+    step: Step = lambda _: None,
+    method: Method | None = None,
 ) -> Diagnosis:
     """Locate where ``recordings`` of one set differ from the pair of ``file`` (read from ``path``), name the physics
-    that was left out, and fit it.
+    that was left out, and fit it; ``method`` leaves parts of the method out, to show what they are worth.
 
     Raises what ``compare`` does: ``InputFileError`` for recordings that are not of this pair, too short, or contradict
     each other; ``GeometryError`` and ``OutOfRangeError`` where the declared pair cannot run under their conditions.
     """
     watch = _Watch(step)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-    model = prepare(file, comparison, path=Path(path))
+    model = replace(prepare(file, comparison, path=Path(path)), method=method or Method())
     search = Search.begin(model, foreign_waves(comparison), watch.stage("prepare"))
     search.step = watch.stage("search")
     start_linear = search.linear

@@ -10,9 +10,10 @@ import numpy as np
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.diagnose.as_built import AsBuilt
+from gearpoly.diagnose.method import Method
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Scope, Values, changed
-from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.physics.scene import Samples, Scene
 from gearpoly.units import FloatArray
 
 
@@ -36,7 +37,8 @@ class Model:
 
     ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
-    ``claims`` the physics accepted so far.
+    ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones);
+    ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
 
     declared: PairFile
@@ -48,12 +50,16 @@ class Model:
     built: FloatArray
     scale: float = 1.0
     shift: float = 0.0
+    law: tuple[str, str] | None = None
     claims: list[Claim] = field(default_factory=list)
+    method: Method = field(default_factory=Method)
 
     def file(self, *, but: Claim | None = None) -> PairFile:
         """The pair file with everything in it, one claim left out if asked."""
         file = self.as_built.written(self.declared, self.built)
         model = changed(file.model, compliance_scale=file.model.compliance_scale * self.scale)
+        if self.law is not None:
+            model = changed(model, compliance=self.law[0], contact=self.law[1])
         file = changed(file, model=model)
         for claim in self.claims:
             if claim is not but:
@@ -74,8 +80,7 @@ class Model:
 
     def scenes(self) -> list[Scene]:
         """All recordings simulated with the present state."""
-        assembled = self.assembled()
-        return [stage(assembled, samples) for samples in self.samples()]
+        return self.method.scenes(self.file(), self.samples(), path=self.path)
 
     def residuals(self, scenes: list[Scene]) -> list[FloatArray]:
         """Recorded minus simulated (n,) in mm of every recording, what the measuring chain adds taken off too."""
@@ -112,4 +117,5 @@ def _again(scene: Scene, assembled: Assembled) -> FloatArray:
 
 def noises(model: Model, left: list[FloatArray]) -> list[Noise]:
     """The noise of every recording, from what is left of it."""
-    return [one.estimator.estimate(values) for one, values in zip(model.observed, left, strict=True)]
+    found = (one.estimator.estimate(values) for one, values in zip(model.observed, left, strict=True))
+    return [model.method.noise(one) for one in found]

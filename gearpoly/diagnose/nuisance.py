@@ -92,13 +92,15 @@ def softened(scene: Scene) -> FloatArray:
     return (scene.under(softer) - scene.te) / SCALE_STEP
 
 
-def law_modes(scenes: list[Scene]) -> list[FloatArray] | None:
-    """The main ways (n_k, q) in mm in which the transmission error differs from law to law, their means being equal;
-    each a prior standard deviation. None where nothing bends."""
+Law = tuple[str, str]
+"""Names of the tooth's and the contact's compliance law."""
+
+
+def law_changes(scenes: list[Scene]) -> dict[Law, list[FloatArray]]:
+    """What every other pair of laws changes (n_k,) in mm in all scenes; empty where nothing bends."""
+    out: dict[Law, list[FloatArray]] = {}
     if not any(scene.bends for scene in scenes):
-        return None
-    scale = np.concatenate([softened(scene) for scene in scenes])
-    differences = []
+        return out
     for law in law_names():
         for contact in CONTACTS:
             parts = []
@@ -108,10 +110,17 @@ def law_modes(scenes: list[Scene]) -> list[FloatArray] | None:
                     break
                 parts.append(scene.under(replace(elasticity, law=law, contact=contact)) - scene.te)
             if len(parts) == len(scenes):
-                differences.append(np.concatenate(parts))
-    if not differences:
+                out[law, contact] = parts
+    return out
+
+
+def law_modes(scenes: list[Scene], changes: dict[Law, list[FloatArray]]) -> list[FloatArray] | None:
+    """The main ways (n_k, q) in mm in which the transmission error differs from law to law, their means being equal;
+    each a prior standard deviation. None where nothing bends."""
+    if not changes:
         return None
-    table = np.array(differences)
+    scale = np.concatenate([softened(scene) for scene in scenes])
+    table = np.array([np.concatenate(parts) for parts in changes.values()])
     # A softer law as a whole is the scale's matter; how the softness varies along the path is the modes'.
     table -= np.outer(table @ scale / float(scale @ scale), scale)
     _, s, v = np.linalg.svd(table, full_matrices=False)

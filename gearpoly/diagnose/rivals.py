@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
-from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
 
@@ -59,7 +58,7 @@ def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]
     """Places at which something like the claim could be: another tooth is never mistaken for a wave, nor order 61 for
     order 12."""
     taken = {one.key for one in model.claims}
-    for physics in catalogue().values():
+    for physics in model.method.physics:
         for place in physics.places(model.scope):
             key = Claim(physics=physics, place=place, values=()).key
             if key in taken:

@@ -14,7 +14,6 @@ from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System, gain_of
-from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Physics, Place, Values
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
@@ -81,7 +80,7 @@ def _allowed(physics: Physics, amplitude: FloatArray) -> bool:
 def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:
     """Every physics at every place, but for claims that were made."""
     taken = {claim.key for claim in model.claims}
-    for physics in catalogue().values():
+    for physics in model.method.physics:
         for place in physics.places(model.scope):
             if Claim(physics=physics, place=place, values=()).key not in taken:
                 yield physics, place

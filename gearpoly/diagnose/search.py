@@ -11,7 +11,7 @@ import numpy as np
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.linear import Linear, linearise
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import Nuisance, law_modes, make_nuisance
+from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.physics.base import Claim
@@ -30,6 +30,9 @@ ECHO = 0.004
 LAW = 0.004
 """Part of the mean deflection below which a mean tooth's effect may be what compliance laws and corner contact differ
 by, beyond the modes that are fitted."""
+
+CLEARLY = 30.0
+"""Gain in misfit by which another compliance law must fit better than the present one to take its place."""
 
 SETTLED = 0.004 * UM
 """mm rms. Changes below this need no further simulation."""
@@ -74,7 +77,7 @@ class Search:
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
         """Simulate the declared pair at all samples and fit what is open of it."""
         scenes = model.scenes()
-        laws = law_modes(scenes)
+        laws = law_modes(scenes, law_changes(scenes))
         nuisance = _nuisance(model, scenes, laws)
         first = noises(model, model.residuals(scenes))
         linear = linearise(model, scenes, first, nuisance=nuisance, foreign=foreign)
@@ -89,6 +92,7 @@ class Search:
             laws=laws,
         )
         search.settle()
+        search.choose_law()
         return search
 
     def run(self) -> list[Candidate]:
@@ -105,6 +109,7 @@ class Search:
             self.model.claims.append(best.claim)
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             self.settle()
+            self.choose_law()
             self.drop_idle()
             self.swap()
             if best.claim.key not in {claim.key for claim in self.model.claims}:
@@ -176,7 +181,8 @@ class Search:
             self.scenes = self.model.scenes()
             if turn == 0:
                 if self.laws is None:
-                    self.laws = law_modes(self.scenes)  # teeth may have begun to bend
+                    # Teeth may have begun to bend.
+                    self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = _nuisance(self.model, self.scenes, self.laws)
             self.linear = self.linearised()
             self.noises = noises(self.model, self.linear.left())
@@ -215,6 +221,28 @@ class Search:
         step = new - old
         step[still] = 0.0
         return max(float(np.std(columns @ step)) for columns in linear.columns)
+
+    def choose_law(self) -> None:
+        """Take the compliance law that fits best, if one is clearly better than the present one."""
+        changes = law_changes(self.scenes)
+        if not changes:
+            return
+        at = self.linear.layout.nuisance
+        modes = list(range(at.stop - (0 if self.laws is None else self.laws[0].shape[1]), at.stop))
+        bare = self.linear.without(modes)
+        whites = [
+            np.column_stack([noise.whitened(parts[k]) for parts in changes.values()])
+            for k, noise in enumerate(self.noises)
+        ]
+        score, information = bare.system.scores(whites)
+        # The change as it is, with all else fitted again beside it.
+        gains = 2.0 * score - np.diag(information)
+        best = int(np.argmax(gains))
+        if gains[best] < CLEARLY:
+            return
+        self.model.law = list(changes)[best]
+        self.laws = None
+        self.settle()
 
     def gain_without(self, k: int) -> float:
         """What claim ``k`` gains, all else fitted again without it."""

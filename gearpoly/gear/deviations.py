@@ -138,7 +138,8 @@ class Wave:
 @dataclass(frozen=True)
 class Pit:
     """A spall: ``depth`` mm off one ``tooth`` of ``z`` between the radii ``r_from`` and ``r_to`` in mm, where half the
-    depth is gone; its walls rise as tanh over ``wall`` mm. ``r_b`` is the gear's base radius."""
+    depth is gone; its walls rise as tanh over ``wall`` mm, but no less than over the depth: steeper ones would fold the
+    flank over itself. ``r_b`` is the gear's base radius."""
 
     depth: float
     tooth: int
@@ -155,8 +156,8 @@ class Pit:
 
     def along(self, l: FloatArray) -> FloatArray:
         """Deviation in mm of the tooth itself at roll lengths ``l`` of any shape."""
-        r = np.hypot(l, self.r_b)
-        return -0.5 * self.depth * (np.tanh((r - self.r_from) / self.wall) - np.tanh((r - self.r_to) / self.wall))
+        r, wall = np.hypot(l, self.r_b), max(self.wall, abs(self.depth))
+        return -0.5 * self.depth * (np.tanh((r - self.r_from) / wall) - np.tanh((r - self.r_to) / wall))
 
 
 @dataclass(frozen=True)

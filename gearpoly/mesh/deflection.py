@@ -101,11 +101,13 @@ class PairCompliance:
 
     def tangent(self, force: FloatArray, teeth: FloatArray, point: FloatArray) -> FloatArray:
         """How far pairs give per unit of further force, mm/N; arguments as for ``secant``."""
-        _, slope = self.contact(force, point)
+        flattening, slope = self.contact(force, point)
         c, g = teeth + slope, self.elasticity.misalignment
         if g == 0.0:
             return c
-        return np.where(force * c < 0.5 * g, np.sqrt(0.5 * g * c / np.maximum(force, 1e-300)), c)
+        # The slope of sqrt(2 g v) is sqrt(g/(2 v)) that of v, what the pair would give with straight flanks.
+        straight = np.maximum(force * teeth + flattening, 1e-300)
+        return np.where(straight < 0.5 * g, c * np.sqrt(0.5 * g / straight), c)
 
     def _flattening(self, force: FloatArray, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         if find_law(self.elasticity.law).includes_contact:

@@ -34,6 +34,10 @@ SMALL = 0.05
 """Of the module. Deflections above it are no longer small against the teeth, and the outline that was used has
 moved."""
 
+LOCKING = 0.1
+"""Part of r_b2 that friction must leave of a normal force's lever. At a tenth forces are ten times the load's, and a
+little more friction holds any load: no pair of gears is run so."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoadedContacts:
@@ -63,7 +67,7 @@ class LoadedContacts:
 def load_reach(compliance: PairCompliance, torque: float) -> float:
     """The most that a pair alone under the whole ``torque`` (N.mm) can give, mm: near pairs up to this may carry
     load."""
-    force = torque / compliance.pair.r_b2
+    force = torque / compliance.pair.r_b2 / _least_lever(compliance)
     # A contact anywhere on the path; laws that ask for the place vary with it only in their logarithm.
     pitch_point = np.array([compliance.pair.driving.gear.r, 0.0])
     if force == 0.0:
@@ -127,6 +131,23 @@ def loaded(
         pairs=contacts.pairs if torque == 0.0 else np.count_nonzero(touches, axis=1),
         stiffness=np.sum(tangent, axis=1) / (pair.r_b1 * pair.r_b2),
     )
+
+
+def _least_lever(compliance: PairCompliance) -> float:
+    """The least lever of a normal force about the driven axis over r_b2, which friction shortens: 1 - mu rho_2/r_b2.
+
+    Raises ``OutOfRangeError`` where friction alone can hold the load: the teeth lock before their tips pass.
+    """
+    mu, gear = compliance.elasticity.friction, compliance.pair.driven.gear
+    # No contact lies farther up the driven flank than its tip, a corner contact beside the path hardly so.
+    least = 1.0 - mu * gear.l_a / gear.r_b
+    if least <= LOCKING:
+        raise OutOfRangeError(
+            f"friction_coefficient = {mu:g}: where the driven tip enters, friction takes more than "
+            f"{1.0 - LOCKING:.0%} of the torque and the teeth lock; "
+            f"want at most {(1.0 - LOCKING) * gear.r_b / gear.l_a:.2f} for these gears"
+        )
+    return least
 
 
 def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> FloatArray:

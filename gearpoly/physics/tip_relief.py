@@ -52,6 +52,7 @@ PHYSICS = Physics(
     amplitudes=1,
     places=_places,
     mean_tooth=True,
+    law_doubt=0.05,
     effect=_effect,
     write=_write,
     report=plain("amount_um", "length_mm"),

@@ -33,6 +33,7 @@ PHYSICS = Physics(
     amplitudes=1,
     places=_places,
     mean_tooth=True,
+    law_doubt=0.05,
     effect=_effect,
     write=_write,
     report=plain("depth_um"),

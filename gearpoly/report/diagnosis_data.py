@@ -178,10 +178,14 @@ def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int],
 
 
 def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) -> dict[str, Any]:
-    """Both residuals by tooth and mesh phase for both gears, slow curves taken off."""
+    """Both residuals by tooth and mesh phase for both gears, slow curves taken off.
+
+    Cells run from half a pitch before a tooth's pitch point to half a pitch after it, so that what one tooth does
+    stays in its own row.
+    """
     coast = one.flank == "coast"
     # The coast flanks' pitch points pass half a pitch after the drive flanks', driving tooth n on driven n + 1.
-    u = one.theta_2 * (z[1] / (2.0 * np.pi)) - (0.5 if coast else 0.0)
+    u = one.theta_2 * (z[1] / (2.0 * np.pi)) + (0.0 if coast else 0.5)
     slow = slow_curves(one.theta_2)
 
     def parted(values: FloatArray) -> Maps:
@@ -208,10 +212,10 @@ def _map(found: Maps, *, coast: bool) -> dict[str, Any]:
 def built(gear: BuiltGear, teeth: list[int]) -> dict[str, Any]:
     """One gear's teeth as they run, in um."""
     return {
-        "pitch": gear.pitch.tolist(),
-        "pitch_std": gear.pitch_std.tolist(),
-        "slope": gear.slope.tolist(),
-        "slope_std": gear.slope_std.tolist(),
+        "pitch": packed(gear.pitch, "f8"),
+        "pitch_std": packed(gear.pitch_std, "f8"),
+        "slope": packed(gear.slope, "f8"),
+        "slope_std": packed(gear.slope_std, "f8"),
         "marked": teeth,
     }
 
@@ -220,4 +224,3 @@ def marked(diagnosis: Diagnosis, gear: int) -> list[int]:
     """Teeth of ``gear`` at which something was found, as the plots count them."""
     places_ = [one.claim.place for one in diagnosis.findings]
     return sorted({place.tooth for place in places_ if place.gear == gear and place.tooth is not None})
-

@@ -9,7 +9,7 @@ from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.report.diagnosis_report import STATUS
-from gearpoly.report.diagnosis_words import capital, chance, number, parameter, physics_words
+from gearpoly.report.diagnosis_words import MINUS, capital, chance, number, parameter, physics_words, typeset
 from gearpoly.units import UM
 
 CHIP = {
@@ -39,7 +39,8 @@ def verdict(diagnosis: Diagnosis) -> str:
     ]
     if diagnosis.findings:
         lines = "".join(
-            f'<li><a href="#finding-{n}">{escape(one.claim.says)}</a> <small>{_short(one, diagnosis)}</small></li>'
+            f'<li><a href="#finding-{n}">{escape(typeset(one.claim.says))}</a> {_open(one)}'
+            f"<small>{_short(one, diagnosis)}</small></li>"
             for n, one in enumerate(diagnosis.findings, 1)
         )
         parts.append(f'<ol class="found">{lines}</ol>')
@@ -55,6 +56,15 @@ def verdict(diagnosis: Diagnosis) -> str:
         f"<div><dt>rms after over noise</dt><dd>{number(diagnosis.after.unseen / diagnosis.noise, 3)}</dd></div></dl>"
     )
     return "\n".join(parts)
+
+
+def _open(one: Finding) -> str:
+    """A word of warning where the tooth that a sentence names has no certain number."""
+    return (
+        ' <span class="open">tooth number open</span> '
+        if one.claim.place.tooth is not None and one.tooth is None
+        else ""
+    )
 
 
 def _short(one: Finding, diagnosis: Diagnosis) -> str:
@@ -76,7 +86,7 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
     sure = (
         f"Noise alone would do this, anywhere in the whole search, with a chance of <b>{chance(one.p_value)}</b>. "
         f"Left out, the misfit (sum of squares over the noise) rises by <b>{number(one.gain, 1)}</b> for {freedoms} "
-        f"free value{'s' if freedoms > 1 else ''}. Errors are one standard error."
+        f"free value{'s' if freedoms > 1 else ''}, everything else fitted again. Errors are one standard error."
     )
     rows = [
         ("Where", escape(where(one))),
@@ -95,7 +105,8 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
     name = physics_words(claim.physics.name)
     return (
         f'<article class="finding" id="finding-{n}" aria-labelledby="finding-{n}-head">'
-        f'<h3 id="finding-{n}-head"><span class="n">{n}</span> {escape(claim.says)} <code>{escape(name)}</code></h3>'
+        f'<h3 id="finding-{n}-head"><span class="n">{n}</span> {escape(typeset(claim.says))} '
+        f"<code>{escape(name)}</code>{_open(one)}</h3>"
         f"<dl>{body}</dl></article>"
     )
 
@@ -113,7 +124,9 @@ def where(one: Finding) -> str:
     if place.flank is not None:
         out += f", {place.flank} flank"
     if one.encoder_deg is not None:
-        out += f"; its pitch point passes the line of centres at {one.encoder_deg:.1f}° of the {place.gear_name} encoder"
+        out += (
+            f"; its pitch point passes the line of centres at {one.encoder_deg:.1f}° of the {place.gear_name} encoder"
+        )
         if one.tooth is None:
             out += f" (tooth {place.tooth} of the pictures below)"
     return capital(out)
@@ -136,7 +149,7 @@ def rivals(found: Sequence[Rival]) -> str:
     for one in found:
         values = ", ".join(" ".join(parameter(name, value, 0.0)) for name, (value, _) in one.parameters.items())
         items.append(
-            f"<li>{escape(one.claim.says)} <code>{escape(physics_words(one.claim.physics.name))}</code>"
+            f"<li>{escape(typeset(one.claim.says))} <code>{escape(physics_words(one.claim.physics.name))}</code>"
             f"{_rival_place(one.claim)}<br><small>{escape(values)}</small></li>"
         )
     return f"<p>These recordings cannot tell it from:</p><ul>{''.join(items)}</ul>"
@@ -158,7 +171,7 @@ def decide(one: Finding) -> str:
         return "No recording that was thought of (another torque, flank, speed, encoder fit or sense) would."
     gap = one.separation
     return (
-        f"<b>{escape(gap.recording.says)}</b> Separability would be {number(gap.separability, 2)}, and is "
+        f"<b>{escape(typeset(gap.recording.says))}</b> Separability would be {number(gap.separability, 2)}, and is "
         f"{number(gap.now, 2)} now (0: the same signal, 1: nothing in common)."
     )
 
@@ -172,7 +185,7 @@ def fit(diagnosis: Diagnosis) -> str:
     ]
     return (
         rms_table(rows, diagnosis, seen=True)
-        + f"<p>{_unseen(diagnosis)} The repeatable part is √(rms² − noise²): what of the rms no noise makes. "
+        + f"<p>{_unseen(diagnosis)} The repeatable part is √(rms² {MINUS} noise²): what of the rms no noise makes. "
         "The declared simulation has nothing fitted to it but the place of the zeros.</p>"
     )
 
@@ -190,8 +203,8 @@ def rms_table(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: bo
     out = []
     for (name, rms), part in zip(rows, parts, strict=True):
         bar = (
-            f'<span class="bar" aria-hidden="true"><span class="{ROLES[name]}" style="width:{100.0 * part / longest:.2f}%">'
-            f'</span><i style="left:{floor:.2f}%"></i></span>'
+            f'<span class="bar" aria-hidden="true"><span class="{ROLES[name]}" '
+            f'style="width:{100.0 * part / longest:.2f}%"></span><i style="left:{floor:.2f}%"></i></span>'
         )
         out.append(
             [

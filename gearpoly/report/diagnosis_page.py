@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from html import escape
 from importlib.resources import files
 
@@ -56,12 +57,11 @@ def page(diagnosis: Diagnosis) -> str:
 
 
 def filled(template: str, pieces: dict[str, str]) -> str:
-    """``template`` with every ``{{NAME}}`` replaced; piece by piece, since a pair may be named like a placeholder."""
-    out: list[str] = []
-    for chunk in template.split("{{"):
-        name, closed, rest = chunk.partition("}}")
-        out.append(pieces[name] + rest if closed and name in pieces else chunk)
-    return "".join(out)
+    """``template`` with every ``{{NAME}}`` replaced; in one go, since a pair may be named like a placeholder.
+
+    Raises ``KeyError`` for a name without a piece.
+    """
+    return re.sub(r"\{\{([A-Z_]+)\}\}", lambda found: pieces[found[1]], template)
 
 
 def _about(diagnosis: Diagnosis) -> str:

@@ -9,7 +9,7 @@ from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.report.diagnosis_findings import table
-from gearpoly.report.diagnosis_words import capital, chance, measured, number
+from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
 from gearpoly.units import DEG, NM, RPM, UM
 
 ALONG = 6
@@ -32,7 +32,8 @@ def entries(found: Sequence[Entry], *, none: str) -> str:
         return _entry_table(found)
     return (
         _entry_table(first)
-        + f"<details><summary>{len(along)} weaker ones that come along with these</summary>{_entry_table(along)}</details>"
+        + f"<details><summary>{len(along)} weaker ones that come along with these</summary>"
+        + f"{_entry_table(along)}</details>"
     )
 
 
@@ -45,7 +46,7 @@ def _entry_row(one: Entry) -> list[str]:
     if one.amplitude_um is not None:
         size = measured(one.amplitude_um, one.std_um or 0.0)
     else:
-        size = "–" if one.rms_um is None else f"{number(one.rms_um, 2)} rms"
+        size = NONE if one.rms_um is None else f"{number(one.rms_um, 3)} rms"
     notes = [one.label] if one.label else []
     if one.companion_of:
         notes.append(f"comes with {one.companion_of}")
@@ -57,7 +58,7 @@ def _entry_row(one: Entry) -> list[str]:
         "" if one.phase is None else f"{number(one.phase[0], 2)} to {number(one.phase[1], 2)}",
         chance(one.p_value),
         ", ".join(str(k) for k in one.recordings),
-        escape("; ".join(notes)),
+        escape(typeset("; ".join(notes))),
     ]
 
 
@@ -106,7 +107,11 @@ def _zeros_row(name: str, zeros: Zeros, std_driving: float = 0.0, std_driven: fl
         if angle is None:
             return "no encoder"
         # Rounded first, so that 359.9999 reads 0.
-        return f"{number(round(angle / DEG, 3) % 360.0, 3)}°" if std <= 0.0 else f"{measured(angle / DEG % 360.0, std / DEG)}°"
+        return (
+            f"{number(round(angle / DEG, 3) % 360.0, 3)}°"
+            if std <= 0.0
+            else f"{measured(angle / DEG % 360.0, std / DEG)}°"
+        )
 
     return [name, reading(zeros.driving, std_driving), reading(zeros.driven, std_driven), number(zeros.rms / UM, 3)]
 
@@ -122,7 +127,7 @@ def recordings(diagnosis: Diagnosis) -> str:
                 f"{k}: {escape(one.cleaned.recording.source.name)}",
                 one.flank,
                 number(one.torque / NM, 2),
-                "–" if one.speed is None else number(one.speed / RPM, 1),
+                NONE if one.speed is None else number(one.speed / RPM, 1),
                 str(one.theta_2.size),
                 number(one.cycles, 2),
                 number(one.mean / UM, 3),
@@ -139,8 +144,8 @@ def recordings(diagnosis: Diagnosis) -> str:
     )  # fmt: skip
     out = table(head, rows, name="recordings")
     return out + (
-        f"<p>Noise pooled: <b>{number(diagnosis.noise / UM, 4)} µm</b> rms. Before: recorded minus declared simulation, "
-        "about its mean. After: what nothing explains, on all samples.</p>"
+        f"<p>Noise pooled: <b>{number(diagnosis.noise / UM, 4)} µm</b> rms. Before: recorded minus declared "
+        "simulation, about its mean. After: what nothing explains, on all samples.</p>"
     ) + bullets(done, none="")  # fmt: skip
 
 
@@ -148,7 +153,7 @@ def bullets(lines: Sequence[str], *, none: str) -> str:
     """A list of sentences, or what to say when there is none."""
     if not lines:
         return f"<p>{none}</p>" if none else ""
-    return "<ul>" + "".join(f"<li>{escape(capital(line))}</li>" for line in lines) + "</ul>"
+    return "<ul>" + "".join(f"<li>{escape(typeset(capital(line)))}</li>" for line in lines) + "</ul>"
 
 
 def timings(diagnosis: Diagnosis) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from gearpoly.report.diagnosis_report import WHOLE
 
@@ -17,6 +18,12 @@ UNITS = {
 }
 """What the ends of the contract's parameter names stand for, longer ends first."""
 
+MINUS = "\u2212"
+"""The minus sign of print, as wide as a plus."""
+
+NONE = "\u2013"
+"""Stands where there is no value."""
+
 LEAST_CHANCE = 1e-300
 """Below this a chance is given as a bound: floating point ends there."""
 
@@ -26,9 +33,9 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def number(value: float | None, digits: int) -> str:
     """``value`` with that many decimals and a true minus sign; a dash where there is none."""
     if value is None or not math.isfinite(value):
-        return "–"
+        return NONE
     text = f"{abs(value):.{digits}f}"
-    return ("−" if value < 0.0 and float(text) != 0.0 else "") + text
+    return (MINUS if value < 0.0 and float(text) != 0.0 else "") + text
 
 
 def measured(value: float, std: float) -> str:
@@ -70,6 +77,12 @@ def chance(p: float) -> str:
 
 def _power(exponent: float) -> str:
     return "10" + str(round(exponent)).translate(_RAISED)
+
+
+def typeset(text: str) -> str:
+    """A sentence with its units and signs as print has them, not as a terminal does."""
+    text = re.sub(r"(?<=\d )u(?=m\b|rad\b)", "µ", text)
+    return re.sub(r"(?<=\d )N\.m\b", "N·m", text).replace(" +- ", " ± ")
 
 
 def capital(text: str) -> str:

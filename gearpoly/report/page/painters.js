@@ -101,12 +101,12 @@ const wholeTicks = (low, high, count) => {
 function mapPlot(figure, { title, yLabel, rows, source }) {
   const cellAt = (x, y) => {
     const { cells } = source();
-    return [clamp(Math.floor(x * cells), 0, cells - 1), clamp(Math.round(y ?? 0), 0, rows - 1)];
+    return [clamp(Math.floor((x + 0.5) * cells), 0, cells - 1), clamp(Math.round(y ?? 0), 0, rows - 1)];
   };
   const plot = new Plot(figure, {
     title, yLabel, both: true, least: [0.1, 2],
-    xLabel: "phase / pitches after the pitch point",
-    home: () => [0, 1, -0.5, rows - 0.5],
+    xLabel: "phase / pitches from the pitch point",
+    home: () => [-0.5, 0.5, -0.5, rows - 0.5],
     yTicks: (low, high) => wholeTicks(low, high, Math.max(2, plot ? plot.inner.height / 18 : 12)),
     paint: (it) => {
       const { values, cells, top, marked } = source();
@@ -116,14 +116,14 @@ function mapPlot(figure, { title, yLabel, rows, source }) {
         for (let cell = 0; cell < cells; cell++) {
           const value = values[row * cells + cell];
           context.fillStyle = Number.isNaN(value) ? colour("--void") : shade(value, top);
-          const x = it.px(cell / cells);
+          const x = it.px(cell / cells - 0.5);
           // Half a pixel more: no seams between cells.
-          context.fillRect(x, y, it.px((cell + 1) / cells) - x + 0.5, height + 0.5);
+          context.fillRect(x, y, it.px((cell + 1) / cells - 0.5) - x + 0.5, height + 0.5);
         }
         if (marked.includes(row)) {
           context.strokeStyle = colour("--ink");
           context.lineWidth = 1.5;
-          context.strokeRect(it.px(0) + 1, y + 1, it.px(1) - it.px(0) - 2, height - 2);
+          context.strokeRect(it.px(-0.5) + 1, y + 1, it.px(0.5) - it.px(-0.5) - 2, height - 2);
         }
       }
     },
@@ -132,13 +132,13 @@ function mapPlot(figure, { title, yLabel, rows, source }) {
       const [cell, row] = cellAt(x, y);
       const value = values[row * cells + cell];
       const size = Number.isNaN(value) ? "not recorded" : `${signed(value, 3)} \u00b1 ${signed(std, 3)} \u00b5m`;
-      return { text: `tooth ${row}, phase ${(cell / cells).toFixed(2)} to ${((cell + 1) / cells).toFixed(2)}: ${size}` };
+      return { text: `tooth ${row}, phase ${signed(cell / cells - 0.5, 2)} to ${signed((cell + 1) / cells - 0.5, 2)}: ${size}` };
     },
     step: (_, x, sign) => {
       const { cells } = source();
       const [cell, row] = cellAt(x, plot.cross?.y);
       const place = clamp(row * cells + cell + sign, 0, rows * cells - 1);
-      return { x: ((place % cells) + 0.5) / cells, y: Math.floor(place / cells) };
+      return { x: ((place % cells) + 0.5) / cells - 0.5, y: Math.floor(place / cells) };
     },
   });
   const key = plot.bench.insertBefore(document.createElement("span"), plot.bench.firstChild);
@@ -154,13 +154,14 @@ function mapPlot(figure, { title, yLabel, rows, source }) {
   return plot;
 }
 
-// A value with its standard error per tooth. source() -> {values, stds, marked}.
+// A value with its standard error per tooth. source: {values, stds, marked}.
 function teethPlot(figure, { title, yLabel, paint, source }) {
-  const all = source();
+  const all = source;
   const size = all.values.length;
   const extentIn = (x0, x1) => {
     let low = 0, high = 0;
     for (let k = Math.max(0, Math.ceil(x0)); k <= Math.min(size - 1, x1); k++) {
+      if (!Number.isFinite(all.values[k] + all.stds[k])) continue;
       low = Math.min(low, all.values[k] - all.stds[k]);
       high = Math.max(high, all.values[k] + all.stds[k]);
     }

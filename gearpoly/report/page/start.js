@@ -31,9 +31,9 @@ const BEFORE = { colour: "--before", width: 1.2 }, AFTER = { colour: "--after", 
 function angleText(deg) {
   const coast = recording().raw.coast;
   const u = (deg / 360) * z2 - (coast ? 0.5 : 0);
-  const n = Math.floor(u);
+  const n = Math.round(u);
   const teeth = DATA.numbered ? `driving tooth ${modulo(n, z1)} on driven ${modulo(n + (coast ? 1 : 0), z2)}, ` : "";
-  return `driven ${signed(deg, 3)}\u00b0 (${teeth}phase ${(u - n).toFixed(2)})`;
+  return `driven ${signed(deg, 3)}\u00b0 (${teeth}phase ${signed(u - n, 2)})`;
 }
 
 // An order of the driving shaft by what it is a whole order of.
@@ -52,7 +52,7 @@ const te = curvePlot(element("plot-te"), {
     return {
       places, gap: raw.curves.gap,
       curves: [
-        { name: "recorded", label: "recorded", colour: "--recorded", curve: curves.recorded, width: 1 },
+        { name: "recorded", label: "recorded", colour: "--recorded", curve: curves.recorded, width: 3 },
         { name: "simulated_before", label: "simulated before", ...BEFORE, curve: curves.simulated_before },
         { name: "simulated_after", label: "simulated after", ...AFTER, width: 1.2, curve: curves.simulated_after },
       ],
@@ -133,10 +133,11 @@ const maps = GEARS.flatMap((gear, k) => WHEN.map((when) => mapPlot(element(`map-
   source: () => {
     const { maps: found, raw } = recording();
     const values = found[`${gear}-${when}`];
-    const own = element("scale").value === "own";
+    const scale = element("scale").value;
+    const gears = scale === "all" ? GEARS : [gear], times = scale === "own" ? [when] : WHEN;
     return {
       values, cells: values.length / DATA.z[k], std: raw.maps[when].std[k], marked: DATA.built[k].marked,
-      top: own ? topOf(gear, when) : Math.max(...GEARS.flatMap((g) => WHEN.map((w) => topOf(g, w)))),
+      top: Math.max(...gears.flatMap((g) => times.map((w) => topOf(g, w)))),
     };
   },
 })));
@@ -159,7 +160,7 @@ for (let k = 0; k < maps.length; k += 2) {
 const teeth = ["pitch", "slope"].flatMap((what) => GEARS.map((gear, k) => teethPlot(element(`${what}-${gear}`), {
   title: `${what === "pitch" ? "Pitch" : "Profile slope"} of every tooth of the ${gear} gear with its standard error`,
   yLabel: `${what} / \u00b5m`, paint: `--${gear}`,
-  source: () => ({ values: DATA.built[k][what], stds: DATA.built[k][`${what}_std`], marked: DATA.built[k].marked }),
+  source: { values: unpack(DATA.built[k][what]), stds: unpack(DATA.built[k][`${what}_std`]), marked: DATA.built[k].marked },
 })));
 
 const plots = { te, residual, spectrum, maps, teeth };

@@ -1,0 +1,62 @@
+"""What of the method is in use: parts are left out only to show what they are worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.assemble import assemble
+from gearpoly.compare.noise import Noise
+from gearpoly.files.models import GearSection, PairFile
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Physics, changed, on_gear
+from gearpoly.physics.scene import Samples, Scene, stage
+
+FEW = 64.0
+"""Part of a declared eccentricity from which its first-order effect is drawn: 60 um become 1 um, whose second order is
+4000 times smaller, and whose first is still 10^6 times what contacts are known to."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """Options of a diagnosis: physics struck from the catalogue (``without``), whether the noise is whitened, whether
+    eccentricity goes through the exact kernel or only by its first order."""
+
+    without: frozenset[str] = frozenset()
+    whiten: bool = True
+    exact: bool = True
+
+    @property
+    def physics(self) -> list[Physics]:
+        """What may be named."""
+        return [one for name, one in catalogue().items() if name not in self.without]
+
+    def noise(self, noise: Noise) -> Noise:
+        """The noise as the fit is to see it."""
+        return noise if self.whiten else replace(noise, ar=np.empty(0), innovation=noise.level)
+
+    def scenes(self, file: PairFile, samples: Sequence[Samples], *, path: Path) -> list[Scene]:
+        """All recordings of a pair file simulated."""
+        eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
+        if self.exact or not eccentric:
+            assembled = assemble(file, path=path, seed=0)
+            return [stage(assembled, one) for one in samples]
+        none, few = (assemble(_eccentric(file, part), path=path, seed=0) for part in (0.0, 1.0 / FEW))
+        out = []
+        for one in samples:
+            plain = stage(none, one)
+            out.append(replace(plain, te=plain.te + FEW * (stage(few, one).te - plain.te)))
+        return out
+
+
+def _eccentric(file: PairFile, part: float) -> PairFile:
+    """The pair file with a part of every eccentricity."""
+    sections: list[GearSection] = [file.driving, file.driven]
+    for gear, section in enumerate(sections):
+        if section.eccentricity is not None:
+            amplitude = part * section.eccentricity.amplitude_um
+            file = on_gear(file, gear, eccentricity=changed(section.eccentricity, amplitude_um=amplitude))
+    return file
