@@ -35,6 +35,13 @@ from gearpoly.units import UM, FloatArray
 
 Step = Callable[[str], None]
 
+BY_LAWS = {"mesh_order": 0.01, "condition": 0.01, "mesh_phase": 0.03}
+"""Parts of the mean deflection below which what is left at every mesh is no news, since no law of compliance is truer:
+waves and means, and short stretches about the corners."""
+
+OTHERS_BY_LAWS = 0.004
+"""The same for single teeth and other waves, whose sharing follows the law."""
+
 
 def diagnose(
     file: PairFile,
@@ -281,7 +288,18 @@ def _unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         floor=pair.chord_noise + max(one.template.error for one in comparison.aligned),
         numbered=comparison.alignment.numbered,
     )
-    return tuple(entry for entry in found.entries if entry.companion_of is None and not _claimed(entry, model))
+    doubt = search.deflection / UM
+    return tuple(
+        entry
+        for entry in found.entries
+        if entry.companion_of is None and not _claimed(entry, model) and not _by_law(entry, doubt)
+    )
+
+
+def _by_law(entry: Entry, deflection: float) -> bool:
+    """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent."""
+    size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
+    return size < BY_LAWS.get(entry.kind, OTHERS_BY_LAWS) * deflection
 
 
 def _claimed(entry: Entry, model: Model) -> bool:

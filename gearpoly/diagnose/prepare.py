@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,8 @@ from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, make_as_built
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.mesh.pair import active_start, tight_centre_distance
+from gearpoly.gear.gear import Gear
+from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.physics.base import Scope
 from gearpoly.physics.scene import Samples
 from gearpoly.units import DEG, UM
@@ -30,14 +30,10 @@ HELD_OUT = 0.6
 def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     """The working state before any physics is claimed."""
     declared = known_file(file)
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
     pair = beside.assembled.pair
     observed = [_observed(one, k, beside) for k, one in enumerate(beside.aligned)]
-    reach = []
-    for gear, mate, mounted in zip(gears, gears[::-1], (pair.driving, pair.driven), strict=True):
-        reach.append((active_start(gear, mate, l_form=mounted.flanks.root.l_form), gear.l_a))
-    priors = [_prior(section, gears, k) for k, section in enumerate((file.driving, file.driven))]
-    as_built = make_as_built((priors[0], priors[1]), [one.samples.flank for one in observed])
+    gears, priors = gear_priors(file)
+    as_built = make_as_built(priors, [one.samples.flank for one in observed])
     recordings = [one.cleaned.recording for one in beside.aligned]
     scope = Scope(
         file=declared,
@@ -53,7 +49,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         counted=all(one.samples.counted for one in observed),
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),
-        reach=(reach[0], reach[1]),
+        reach=reaches(pair),
     )
     return Model(
         declared=declared,
@@ -66,7 +62,23 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     )
 
 
-def _prior(section: GearSection, gears: Sequence[object], which: int) -> GearPrior:
+def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Roll lengths in mm between which the flanks of both gears work."""
+    gears = pair.driving.gear, pair.driven.gear
+    starts = [
+        active_start(gear, mate, l_form=mounted.flanks.root.l_form)
+        for gear, mate, mounted in zip(gears, gears[::-1], (pair.driving, pair.driven), strict=True)
+    ]
+    return (starts[0], gears[0].l_a), (starts[1], gears[1].l_a)
+
+
+def gear_priors(file: PairFile) -> tuple[tuple[Gear, Gear], tuple[GearPrior, GearPrior]]:
+    """Both deviation-free gears, and what the file says of their teeth beforehand."""
+    gears = nominal_gear(file.driving), nominal_gear(file.driven)
+    return gears, (_prior(file.driving, gears, 0), _prior(file.driven, gears, 1))
+
+
+def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPrior:
     """What the file says of one gear beforehand."""
     z = section.teeth
     if section.inspection is not None:
@@ -75,7 +87,7 @@ def _prior(section: GearSection, gears: Sequence[object], which: int) -> GearPri
     if section.grade is None and section.limits is None:
         return GearPrior(z=z, pitch=IDEAL, slope=IDEAL, mean_slope=0.0, crowning=IDEAL, thickness=IDEAL, graded=False)
     mine, mate = nominal_gear(section), gears[1 - which]
-    limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))  # type: ignore[arg-type]
+    limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
     return GearPrior(
         z=z,

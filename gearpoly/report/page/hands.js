@@ -10,7 +10,8 @@ function hands(plot) {
   const { canvas } = plot.chart;
   const down = new Map(); // pointers on the canvas by id
   let before = null; // what the pointers were at the last move
-  let tapped = -Infinity;
+  let tapped = -Infinity; // when a finger last tapped
+  let tap = null; // where and when a finger came down that may be a tap
   const local = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -36,10 +37,7 @@ function hands(plot) {
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, local(event));
     before = span(down);
-    if (event.pointerType === "touch" && down.size === 1) {
-      if (event.timeStamp - tapped < 350) plot.reset();
-      tapped = event.timeStamp;
-    }
+    tap = event.pointerType === "touch" && down.size === 1 ? { at: local(event), since: event.timeStamp } : null;
   });
   canvas.addEventListener("pointermove", (event) => {
     const [px, py] = local(event);
@@ -64,9 +62,14 @@ function hands(plot) {
     if (down.size === 0) plot.figure.classList.remove("moving");
   };
   canvas.addEventListener("pointerup", (event) => {
-    // A tap of a finger shows the read-out, as a mouse does by standing there.
+    // A tap of a finger shows the read-out, as a mouse does by standing there; two taps are a double click.
     const [px, py] = local(event);
-    if (event.pointerType === "touch" && down.size === 1) plot.point(plot.x(px), plot.y(py));
+    if (tap && Math.hypot(px - tap.at[0], py - tap.at[1]) < 8 && event.timeStamp - tap.since < 400) {
+      plot.point(plot.x(px), plot.y(py));
+      if (event.timeStamp - tapped < 400) plot.reset();
+      tapped = event.timeStamp;
+    }
+    tap = null;
     up(event);
   });
   canvas.addEventListener("pointercancel", up);

@@ -60,7 +60,8 @@ class Plot {
   // True where the view is everything there is.
   get whole() {
     const v = this.view, h = this.home;
-    return v.x0 <= h.x0 && v.x1 >= h.x1 && v.y0 <= h.y0 && v.y1 >= h.y1;
+    const full = 1 - 1e-9; // views are sums, which round
+    return v.x1 - v.x0 >= full * (h.x1 - h.x0) && v.y1 - v.y0 >= full * (h.y1 - h.y0);
   }
 
   reset() {

@@ -1,0 +1,34 @@
+"""``gearpoly plan``: which recordings to make, before any is made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 35
+
+
+def plan(
+    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    json: Annotated[Path | None, typer.Option(help="Write the plan (JSON; - for standard output).")] = None,
+) -> None:
+    """Say which recordings would tell the pair's look-alikes apart."""
+    from rich.console import Console
+
+    from gearpoly.diagnose.plan import plan as run
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.pairfile import read_pair
+    from gearpoly.report.plan_report import json_text, print_plan
+    from gearpoly.report.progress import steps
+
+    if json is not None:
+        check_target(json)
+    file = read_pair(pair)
+    with steps() as step:
+        made = run(file, path=pair, step=step)
+    if json is not None:
+        write_text(json, json_text(made))
+    if str(json) != "-":
+        print_plan(Console(), made)

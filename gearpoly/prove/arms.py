@@ -1,0 +1,71 @@
+"""Controls and ablations: which cases are diagnosed once more, and in what way otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from gearpoly.prove.diagnoser import How
+from proving.ground import Entry
+
+PLAIN = "plain"
+"""The arm of the proof itself."""
+
+MOST = 24
+"""Cases per arm: a rate of one half is then known to 0.2, and six arms cost a third of the ground."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arm:
+    """One control or ablation over part of a ground: ``text`` what is done otherwise, ``how`` by case."""
+
+    key: str
+    text: str
+    how: dict[int, How]
+
+
+def arms(entries: Sequence[Entry]) -> list[Arm]:
+    """The arms of a full ground, chosen by its plan alone."""
+
+    def some(wanted: Callable[[Entry], bool], most: int = MOST) -> list[int]:
+        return [e.index for e in sorted(entries, key=lambda e: (e.klass, e.variant)) if wanted(e)][:most]
+
+    def large(e: Entry) -> bool:
+        return e.klass == "single" and e.over >= 7.0
+
+    def loaded(e: Entry) -> bool:
+        return e.klass == "masked" and e.physics[0] in ("relief_cancels_deflection", "crack_under_pitch")
+
+    coloured = some(lambda e: e.klass == "false_alarm", MOST // 2)
+    hidden = some(lambda e: e.klass == "masked" and e.physics[0] == "relief_under_eccentricity", MOST // 3)
+    singles = some(large, MOST // 2)
+    load = some(loaded, MOST // 2) + some(
+        lambda e: large(e) and e.physics[0] in ("tooth_crack", "misalignment", "friction", "shaft_windup"), MOST // 2
+    )
+    return [
+        Arm(
+            key="struck",
+            text="control: the true physics struck from the catalogue",
+            how={k: How(without=entries[k].physics) for k in some(large)},
+        ),
+        Arm(
+            key="known_wrong",
+            text="control: Young's modulus, declared eccentricities and reliefs wrong by 5 %",
+            how=dict.fromkeys(coloured + singles, How(wrong=True)),
+        ),
+        Arm(
+            key="no_whitening",
+            text="ablation: noise taken for white",
+            how=dict.fromkeys(coloured + singles, How(whiten=False)),
+        ),
+        Arm(
+            key="no_exact",
+            text="ablation: large eccentricities to first order only",
+            how=dict.fromkeys(coloured + hidden, How(exact=False)),
+        ),
+        Arm(
+            key="one_torque",
+            text="ablation: recordings of the highest torque only",
+            how=dict.fromkeys(load, How(one_torque=True)),
+        ),
+    ]

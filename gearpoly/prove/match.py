@@ -1,0 +1,91 @@
+"""Whether a verdict says what is true: physics, gear, order, tooth, and the place of what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from gearpoly.prove.thresholds import Thresholds
+from gearpoly.prove.truth import Item, Truth
+
+Entry = dict[str, Any]
+
+
+def order_of(entry: Entry) -> float | None:
+    """The order that an entry of a verdict states, if any."""
+    stated = entry.get("parameters", {}).get("order", entry.get("order"))
+    if isinstance(stated, dict):
+        stated = stated.get("value")
+    return None if stated is None else float(stated)
+
+
+def names(entry: Entry, item: Item) -> bool:
+    """Whether an entry of ``missing``, or a rival of one, has the true physics, gear and order."""
+    if entry["physics"] != item.physics:
+        return False
+    if item.gear is not None and entry.get("gear") != item.gear:
+        return False
+    order = order_of(entry)
+    return item.order is None or order is None or order == item.order
+
+
+def on_tooth(entry: Entry, item: Item, limits: Thresholds, *, claim: Entry) -> bool:
+    """Whether an entry stands at the true tooth; true where there is none to find.
+
+    The encoder reading decides. A rival without one is read by its number, as far as the verdict's ``claim``, whose
+    rival it is, has one; a rival on the claim's own tooth stands where the claim does.
+    """
+    if item.tooth is None:
+        return True
+    reading = entry.get("encoder_deg")
+    if reading is None and entry is not claim and entry.get("gear") == claim.get("gear"):
+        same = entry.get("tooth") is None or claim.get("tooth") is None or entry["tooth"] == claim["tooth"]
+        reading = claim.get("encoder_deg") if same else None
+    if reading is not None and item.encoder_deg is not None and item.teeth:
+        off = (reading - item.encoder_deg + 180.0) % 360.0 - 180.0
+        return bool(abs(off) < limits.tooth * 360.0 / item.teeth)
+    return entry.get("tooth") == item.tooth
+
+
+def reported_set(claim: Entry) -> list[Entry]:
+    """The claim and everything that it says it may be instead."""
+    return [claim, *claim.get("indistinguishable_from", ())]
+
+
+def acceptable(claim: Entry, item: Item, limits: Thresholds) -> bool:
+    """Whether a claim is one of the item's look-alikes, at its place."""
+    for rival in item.acceptable:
+        if claim["physics"] != rival.physics or (rival.gear is not None and claim.get("gear") != rival.gear):
+            continue
+        if claim.get("gear") != item.gear or on_tooth(claim, item, limits, claim=claim):
+            return True
+    return False
+
+
+def located(verdict: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
+    """Whether something from outside the catalogue is among what the verdict leaves unexplained, where it is."""
+    return any(_at(entry, item, truth, limits) for entry in verdict.get("unexplained", ()))
+
+
+def _at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
+    if item.shape == "jump" or (item.order is None and item.hz is None):
+        return True
+    if item.hz is not None:
+        return bool(entry["kind"] == "time" and abs(entry.get("hz", 0.0) - item.hz) < limits.hz)
+    assert item.order is not None
+    most = 1 if item.shape == "line" else limits.harmonics
+    for gear, order in _orders(entry, truth):
+        if gear == (item.gear or "driving"):
+            return any(abs(order - k * item.order) < limits.order for k in range(1, most + 1))
+    return False
+
+
+def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:
+    """The order of an entry as either shaft counts it."""
+    if entry["kind"] != "shaft_order" or entry.get("order") is None:
+        return
+    order, (z_1, z_2) = float(entry["order"]), truth.z
+    if entry.get("gear") == "driving":
+        yield from (("driving", order), ("driven", order * z_2 / z_1))
+    else:
+        yield from (("driving", order * z_1 / z_2), ("driven", order))

@@ -1,0 +1,323 @@
+"""Every figure that a diagnosis has to reach, from the scores of many cases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from gearpoly.prove.score import CaseScore, ItemScore, Parameter
+from gearpoly.prove.statistics import Share, quantile, share
+from gearpoly.prove.thresholds import Thresholds
+
+Judge = Callable[[Any], bool]
+
+WAVES = ("eccentricity", "undulation", "cumulative_pitch")
+"""Physics that are one line at a shaft's order, with their amplitude in um along the line of action."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A figure of the scoreboard: ``key`` for scripts, ``text`` for people; a ``share`` of cases or a ``value`` with
+    its ``unit``; the ``goal`` in words and whether it is ``reached`` (None: no goal, or nothing to judge by); the
+    ``cases`` that miss it; a ``note``."""
+
+    key: str
+    text: str
+    share: Share | None = None
+    value: float | None = None
+    unit: str = ""
+    goal: str = ""
+    reached: bool | None = None
+    cases: tuple[str, ...] = field(default=())
+    note: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """The row's figures."""
+        out: dict[str, Any] = {"key": self.key, "text": self.text}
+        out |= self.share.to_json() if self.share is not None else {"value": self.value, "unit": self.unit}
+        return out | {"goal": self.goal, "reached": self.reached, "cases": list(self.cases), "note": self.note}
+
+
+def at_least(key: str, text: str, hits: Sequence[tuple[str, bool]], goal: float | None, note: str = "") -> Row:
+    """A share of (case, right) that is to be at least ``goal``; the cases that are not right are listed."""
+    found = share([good for _, good in hits])
+    return Row(
+        key=key,
+        text=text,
+        share=found,
+        goal="" if goal is None else f"at least {100 * goal:g} %",
+        reached=None if goal is None or not found.of else found.rate >= goal - 1e-12,
+        cases=_once(name for name, good in hits if not good),
+        note=note,
+    )
+
+
+def at_most(key: str, text: str, hits: Sequence[tuple[str, bool]], goal: float | None, note: str = "") -> Row:
+    """A share of (case, wrong) that is to be at most ``goal``; the wrong ones are listed."""
+    found = share([bad for _, bad in hits])
+    words = "" if goal is None else "none" if goal == 0.0 else f"at most {100 * goal:g} %"
+    reached = None if goal is None or not found.of else found.rate <= goal + 1e-12
+    return Row(
+        key=key, text=text, share=found, goal=words, reached=reached, note=note,
+        cases=_once(name for name, bad in hits if bad),
+    )  # fmt: skip
+
+
+def figure(
+    key: str, text: str, value: float | None, unit: str, *, goal: str = "", reached: bool | None = None, note: str = ""
+) -> Row:
+    """A single number."""
+    return Row(
+        key=key, text=text, value=value, unit=unit, goal=goal, note=note, reached=None if value is None else reached
+    )
+
+
+def _once(names: Any) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
+
+
+def rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
+    """All rows of the scoreboard."""
+    healthy = [one for one in scores if one.truth.kind == "none"]
+    missing = [one for one in scores if one.truth.kind == "missing"]
+    strangers = [one for one in scores if one.truth.kind == "unknown"]
+    return [
+        *_healthy(healthy, limits),
+        *_found(missing, limits),
+        *_sets(missing, limits),
+        *_smallest(missing, limits),
+        *_parameters(missing, limits),
+        *_rms(missing, limits),
+        *_strangers(strangers, limits),
+        *_cost(scores),
+    ]
+
+
+def _healthy(healthy: list[CaseScore], limits: Thresholds) -> list[Row]:
+    goal = limits.goal["false_alarms"]
+    hard = [one for one in healthy if one.truth.concealed_by.startswith("nothing is hidden; 60 um")]
+    return [
+        at_most(
+            "false_alarms", "false alarms: healthy, yet something named or left unexplained",
+            [(one.name, one.reported) for one in healthy], goal,
+        ),
+        at_most(
+            "false_alarms_60um", "the same, beneath 60 um of eccentricity and in coloured noise",
+            [(one.name, one.reported) for one in hard], goal,
+        ),
+        at_most("false_names", "healthy, yet a physics named", [(one.name, one.claims > 0) for one in healthy], goal),
+    ]  # fmt: skip
+
+
+def _large(one: CaseScore, limits: Thresholds) -> bool:
+    return one.truth.over_limit is None or one.truth.over_limit >= limits.detected_from
+
+
+def _found(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
+    large = [one for one in missing if _large(one, limits)]
+    single = [one for one in missing if len(one.items) == 1 and one.items[0].item.separable(limits.separable)]
+    several = [
+        one for one in missing if len(one.items) > 1 and all(i.item.separable(limits.separable) for i in one.items)
+    ]
+    teeth = [(one.name, i) for one in missing for i in one.items if i.item.tooth is not None and i.named]
+    least = f"{limits.separable:g}"
+    return [
+        at_least(
+            "detected", f"detected from {limits.detected_from:g} times the theoretical limit on",
+            [(one.name, one.reported) for one in large], limits.goal["detected"],
+        ),
+        at_least(
+            "named_first", f"right physics and right tooth first, separability times size above {least}",
+            [(one.name, one.items[0].first) for one in single], limits.goal["named_first"],
+        ),
+        at_least(
+            "both_named", "all of several at once named rightly, each separable as above",
+            [(one.name, all(i.placed or i.in_set for i in one.items)) for one in several], limits.goal["both_named"],
+            note="a look-alike that names the truth as its rival counts",
+        ),
+        at_least(
+            "right_tooth", "right tooth, where the right physics of a tooth was named",
+            [(name, i.placed) for name, i in teeth], None,
+        ),
+        at_most(
+            "extras", "single effects with a further claim that stands for nothing",
+            [(one.name, one.extras > 0) for one in missing if len(one.items) == 1], None,
+        ),
+    ]  # fmt: skip
+
+
+def _sets(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
+    single = [one for one in missing if len(one.items) == 1 and one.claims]
+    sizes = [float(i.set_size) for one in missing for i in one.items if i.set_size is not None]
+    alike = [
+        (one.name, i.singly) for one in missing for i in one.items
+        if i.item.alike(limits.look_alike) and i.set_size is not None
+    ]  # fmt: skip
+    middle, goal = quantile(sizes, 0.5), limits.goal["set_size"]
+    return [
+        at_least(
+            "in_reported_set", "truth within the reported set, where anything was named",
+            [(one.name, one.items[0].in_set) for one in single], limits.goal["in_reported_set"],
+        ),
+        figure(
+            "set_size", "median size of the reported set", middle, "", goal=f"at most {goal:g}",
+            reached=middle is not None and middle <= goal,
+        ),
+        at_most(
+            "look_alikes_named_singly", "true look-alikes named singly", alike, limits.goal["look_alikes_named_singly"]
+        ),
+    ]  # fmt: skip
+
+
+def _smallest(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
+    pitch = _sizes(missing, ("tooth_pitch",))
+    waves = _sizes([one for one in missing if (one.truth.hunting_cycles or 0.0) > 0.0], WAVES)
+    relief = [
+        (one.name, i) for one in missing for i in one.items
+        if len(one.items) == 1 and i.item.physics == "tip_relief" and one.truth.klass == "masked"
+    ]  # fmt: skip
+    out = []
+    for key, text, sizes in (
+        ("smallest_tooth_pitch_um", "smallest tooth pitch error named rightly", pitch),
+        ("smallest_order_line_um", "smallest order line of the gears named rightly", waves),
+    ):
+        right = [size for _, size, good in sizes if good]
+        wrong = [size for _, size, good in sizes if not good]
+        value, goal = (min(right) if right else None), limits.goal[key]
+        note = f"{len(right)} of {len(sizes)} named" + (f"; largest that was not: {max(wrong):.2f} um" if wrong else "")
+        out.append(
+            figure(
+                key, text, value, "um", goal=f"{goal:g} um", reached=value is not None and value <= goal, note=note
+            )
+        )  # fmt: skip
+    near = limits.relief_within_um
+    return [
+        *out,
+        at_least(
+            "relief_named", f"2 um relief under 60 um of eccentricity: named, to {near:g} um",
+            [(name, any(p.main and abs(p.off) <= near for p in i.parameters)) for name, i in relief],
+            limits.goal["relief_named"],
+        ),
+        at_least("relief_found", "the same: named, whatever its size", [(n, i.placed) for n, i in relief], None),
+    ]  # fmt: skip
+
+
+def _sizes(missing: list[CaseScore], physics: tuple[str, ...]) -> list[tuple[str, float, bool]]:
+    """Case, size in um and whether named rightly, of every effect of some physics."""
+    out = []
+    for one in missing:
+        for i in one.items:
+            if i.item.physics in physics:
+                size = next((abs(v) for name, v in i.item.parameters.items() if name.endswith("_um")), None)
+                if size is not None:
+                    out.append((one.name, size, i.placed or i.in_set))
+    return out
+
+
+def _parameters(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
+    every = [(one.name, i, p) for one in missing for i in one.items for p in i.parameters]
+    main = [(name, i, p) for name, i, p in every if p.main]
+    # Where a rival is as good, the size is that of either: only what can be told apart has an error to speak of.
+    alone = [(name, p) for name, i, p in main if not i.item.alike(limits.look_alike)]
+    low, high = limits.goal["coverage"]
+    two = share([p.within(2.0) for _, _, p in every])
+    return [
+        at_least(
+            "parameter_right", f"sizes right to {100 * limits.relative:g} % or {limits.sigmas:g} stated sigma",
+            [(name, _right(p, limits)) for name, _, p in main], None,
+        ),
+        figure(
+            "parameter_error", "median relative error of the sizes that no look-alike blurs",
+            quantile([p.relative for _, p in alone], 0.5), "",
+        ),
+        at_least("coverage_1", "1-sigma coverage of stated errors", [(n, p.within(1.0)) for n, _, p in every], None),
+        Row(
+            key="coverage_2", text="2-sigma coverage of stated errors", share=two,
+            goal=f"{100 * low:g} to {100 * high:g} %", reached=None if not two.of else low <= two.rate <= high,
+            cases=_once(name for name, _, p in every if not p.within(2.0)),
+        ),
+    ]  # fmt: skip
+
+
+def _right(p: Parameter, limits: Thresholds) -> bool:
+    return p.relative <= limits.relative or p.within(limits.sigmas)
+
+
+def _rms(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
+    least = limits.mismatch_over_noise
+    removed = [
+        (one.name, one.removed) for one in missing
+        if _large(one, limits) and one.removed is not None and one.mismatch > (least * one.truth.noise_um) ** 2
+    ]  # fmt: skip
+    goal = limits.goal["energy_removed"]
+    middle = quantile([part for _, part in removed], 0.5)
+    ratio = [one.after / one.truth.noise_um for one in missing if one.after is not None and one.truth.noise_um]
+    return [
+        figure(
+            "energy_removed", "repeatable mismatch energy removed on held-out data, median",
+            middle, "", goal=f"at least {100 * goal:g} %", reached=middle is not None and middle >= goal,
+        ),
+        at_least(
+            "energy_removed_share", f"cases in which {100 * goal:g} % of it was removed",
+            [(name, part >= goal) for name, part in removed], None,
+        ),
+        figure("noise_ratio", "held-out rms after the fit over the true noise, median", quantile(ratio, 0.5), ""),
+        figure("noise_ratio_95", "the same, 95th percentile", quantile(ratio, 0.95), ""),
+    ]  # fmt: skip
+
+
+def _strangers(strangers: list[CaseScore], limits: Thresholds) -> list[Row]:
+    return [
+        at_least(
+            "strangers_located", "effects outside the catalogue located",
+            [(one.name, one.located) for one in strangers], limits.goal["strangers_located"],
+        ),
+        at_most(
+            "strangers_named", "effects outside the catalogue given a false name",
+            [(one.name, one.claims > 0) for one in strangers], limits.goal["strangers_named"],
+        ),
+    ]  # fmt: skip
+
+
+def _cost(scores: Sequence[CaseScore]) -> list[Row]:
+    seconds = [one.seconds for one in scores if one.seconds is not None]
+    broken = [(one.name, bool(one.error)) for one in scores]
+    return [
+        figure("seconds", "processor seconds per case, median", quantile(seconds, 0.5), "s"),
+        figure("seconds_95", "the same, 95th percentile", quantile(seconds, 0.95), "s"),
+        at_most("errors", "diagnoses that failed with an error", broken, 0.0, note="they count as having found nothing"),
+    ]
+
+
+EDGES = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, math.inf)
+
+
+def by_size(scores: Sequence[CaseScore]) -> list[dict[str, Any]]:
+    """Detection and naming of single effects against their size over the theoretical limit."""
+    single = [one for one in scores if one.truth.kind == "missing" and len(one.items) == 1]
+    out = []
+    for low, high in zip(EDGES[:-1], EDGES[1:], strict=True):
+        here = [one for one in single if low <= (one.items[0].item.over_limit or math.nan) < high]
+        out.append({"over_limit": [low, None if math.isinf(high) else high], **_profile(here)})
+    return out
+
+
+def by_key(scores: Sequence[CaseScore], key: Callable[[CaseScore], str]) -> dict[str, Any]:
+    """The same figures by class, by physics or by whatever else."""
+    groups: dict[str, list[CaseScore]] = {}
+    for one in scores:
+        groups.setdefault(key(one), []).append(one)
+    return {name: _profile(here) for name, here in sorted(groups.items())}
+
+
+def _profile(cases: Sequence[CaseScore]) -> dict[str, Any]:
+    items: list[ItemScore] = [i for one in cases for i in one.items]
+    return {
+        "cases": len(cases),
+        "reported": share([one.reported for one in cases]).to_json(),
+        "named": share([i.placed for i in items]).to_json(),
+        "in_set": share([i.in_set for i in items]).to_json(),
+        "extras": sum(one.extras for one in cases),
+    }

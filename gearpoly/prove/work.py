@@ -1,0 +1,93 @@
+"""What workers do: write one case, diagnose one case. Each result is a file that is there whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import time
+import traceback
+import warnings
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from gearpoly.files.output import write_text
+from gearpoly.prove.cases import CaseFiles, digest
+from gearpoly.prove.diagnoser import Diagnoser, How
+
+
+@dataclass(frozen=True, kw_only=True)
+class Writing:
+    """A case of a ground to be written under ``folder``, its truth under ``truths``, its hash to ``sealed``."""
+
+    seed: int
+    index: int
+    quick: bool
+    folder: Path
+    truths: Path
+    sealed: Path
+    code: str
+
+    def done(self) -> bool:
+        """Whether it was written by this very bench."""
+        return self.sealed.is_file() and self.sealed.read_text(encoding="utf-8").split()[1:] == [self.code]
+
+
+def write(job: Writing) -> None:
+    """Write the case; its hash comes last, so that a killed run writes it again."""
+    from proving.ground import write_case
+
+    sha256 = write_case(job.seed, job.index, job.folder, truths=job.truths, quick=job.quick)
+    write_text(job.sealed, f"{sha256} {job.code}\n")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosing:
+    """A case to be diagnosed, in the way ``how``, by code of this hash, with the result at ``target``."""
+
+    case: CaseFiles
+    how: How
+    code: str
+    diagnoser: Diagnoser
+    target: Path
+
+    def key(self) -> str:
+        """What the result depends on: the files given, the way and the code."""
+        given = digest((self.case.pair, *self.case.recordings))
+        return f"{given} {self.code} {json.dumps(asdict(self.how))}"
+
+    def done(self) -> bool:
+        """Whether the result is there."""
+        return result(self.target).get("key") == self.key()
+
+
+def diagnose(job: Diagnosing) -> None:
+    """Diagnose the case without a look at its truth; the time goes beside the result, which is the same every time."""
+    begun = time.process_time()
+    verdict, error = None, ""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
+        except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
+            last = traceback.extract_tb(caught.__traceback__)[-1]
+            error = f"{type(caught).__name__}: {caught} ({Path(last.filename).name}, {last.name})"
+    spent = time.process_time() - begun
+    write_text(job.target.with_suffix(".seconds"), f"{spent:.3f}\n")
+    write_text(job.target, json.dumps({"key": job.key(), "error": error, "verdict": verdict}, indent=1) + "\n")
+
+
+def result(target: Path) -> dict[str, Any]:
+    """A written result; empty where there is none."""
+    if not target.is_file():
+        return {}
+    try:
+        found: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))
+    except ValueError:
+        return {}
+    return found
+
+
+def seconds(target: Path) -> float | None:
+    """Processor seconds that a result took."""
+    path = target.with_suffix(".seconds")
+    return float(path.read_text(encoding="utf-8")) if path.is_file() else None
