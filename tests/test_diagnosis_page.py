@@ -355,17 +355,68 @@ def test_sentences_are_set_with_the_units_of_print() -> None:
     assert typeset("um.csv holds gums") == "um.csv holds gums"
 
 
-def test_the_page_has_the_colours_of_the_contact_debugger() -> None:
-    """One look: names that both style sheets have stand for the same colours, by day and by night."""
-    sheets = [
-        (ROOT / "gearpoly" / part / "page" / "style.css").read_text(encoding="utf-8") for part in ("view", "report")
+def themes(part: str) -> list[dict[str, str]]:
+    """The colours of a style sheet: by day, by night as the system says, by night as the user says."""
+    sheet = (ROOT / "gearpoly" / part / "page" / "style.css").read_text(encoding="utf-8")
+    return [
+        dict(re.findall(r"(--[a-z-]+):\s*([^;]+);", block)) for block in re.findall(r"\{([^{}]*--bg:[^{}]*)\}", sheet)
     ]
-    themes = [re.findall(r"\{([^{}]*--bg:[^{}]*)\}", sheet) for sheet in sheets]
-    assert [len(blocks) for blocks in themes] == [3, 3]
-    for blocks in zip(*themes, strict=True):
-        view, report = (dict(re.findall(r"(--[a-z-]+):\s*([^;]+);", block)) for block in blocks)
-        shared = view.keys() & report.keys()
+
+
+def test_the_page_has_the_colours_of_the_contact_debugger() -> None:
+    """One look: names that both style sheets have stand for the same colours, by day and by night. A recorded curve
+    is grey here, since it stands beside two others."""
+    for view, report in zip(themes("view"), themes("report"), strict=True):
+        shared = (view.keys() & report.keys()) - {"--recorded"}
         assert {"--bg", "--ink", "--driving", "--driven", "--accent"} <= shared
-        assert {name: view[name] for name in shared - {"--recorded"}} == {
-            name: report[name] for name in shared - {"--recorded"}
-        }
+        assert {name: view[name] for name in shared} == {name: report[name] for name in shared}
+
+
+def linear(colour: str) -> FloatArray:
+    """Linear RGB (3,) of #rrggbb (IEC 61966-2-1)."""
+    srgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def contrast(a: str, b: str) -> float:
+    """Contrast ratio of two colours (WCAG 2.1, relative luminance)."""
+    high, low = sorted((float(linear(c) @ [0.2126, 0.7152, 0.0722]) for c in (a, b)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+SIGHT = {
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    "full": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+}
+"""How others see linear RGB (Machado, Oliveira and Fernandes 2009, severity 1)."""
+
+
+def lab(rgb: FloatArray) -> FloatArray:
+    """CIE 1976 L*a*b* (3,) of linear sRGB, white D65."""
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    t = to_xyz @ np.clip(rgb, 0.0, 1.0) / [0.9505, 1.0, 1.089]
+    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.array([116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])])
+
+
+def test_words_and_curves_stand_out_by_day_and_by_night() -> None:
+    """WCAG 2.1: 4.5 for words, 3 for graphics."""
+    for colours in themes("report"):
+        for name in ("--ink", "--muted", "--accent", "--good", "--warn"):
+            assert contrast(colours[name], colours["--panel"]) >= 4.5, name
+        for name in ("--recorded", "--before", "--after", "--noise", "--driving", "--driven", "--cursor"):
+            assert contrast(colours[name], colours["--stage"]) >= 3.0, name
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+def test_what_must_be_told_apart_is_whatever_the_eye(sight: str) -> None:
+    """Curves of one plot, and both ends and the middle of a map: 20 in L*a*b*, where 2.3 can just be told."""
+    for colours in themes("report"):
+        for group in (
+            ("--before", "--after"), ("--recorded", "--after"), ("--recorded", "--before"),
+            ("--map-low", "--map-high"), ("--map-low", "--map-mid"), ("--map-mid", "--map-high"),
+        ):  # fmt: skip
+            a, b = (lab(np.array(SIGHT[sight]) @ linear(colours[name])) for name in group)
+            assert np.linalg.norm(a - b) > 20.0, group

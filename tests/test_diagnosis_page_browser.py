@@ -25,7 +25,7 @@ SPIKE = 700
 """Sample of recording 0, in the order of its angles, that stands ``SPIKE_UM`` out of what is left."""
 SPIKE_UM = 25.0
 
-BEFORE, AFTER = (0xB0, 0x30, 0x7F), (0x00, 0x70, 0x5A)
+BEFORE, AFTER = (0x9A, 0x6A, 0x00), (0x3F, 0x33, 0xB5)
 """Colours of curves by day."""
 
 
@@ -117,8 +117,8 @@ def test_a_single_sample_shows_with_everything_in_view(fresh: Chromium, shown: t
     image = picture(fresh, "plot-residual")
     theta_2 = float(np.sort(shown[1].comparison.aligned[0].theta_2)[SPIKE]) / DEG
     x, y = fresh.run(f"[gearpoly.plots.residual.px({theta_2!r}), gearpoly.plots.residual.py({SPIKE_UM!r})]")
-    # A line between two pixels is pale in both; the other curve is redder than green, and axes are grey.
-    around = (image[..., 1] - image[..., 0] > 15)[:, round(x) - 2 : round(x) + 4]
+    # A line between two pixels is pale in both; the other curve is redder than blue, and axes are grey.
+    around = (image[..., 2] - image[..., 0] > 30)[:, round(x) - 2 : round(x) + 4]
     # Its mean is taken off: below 0.1 um, a pixel.
     assert np.flatnonzero(np.any(around, axis=1))[0] == pytest.approx(y, abs=3.0)
 

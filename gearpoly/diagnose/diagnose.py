@@ -15,6 +15,7 @@ from gearpoly.assemble import assemble
 from gearpoly.compare.compare import Comparison, compare
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
+from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.fitted import fitted_file
@@ -252,7 +253,7 @@ def _held_out_by(model: Model) -> str:
         return "nothing could be held out"
     if all(one.whole for one in model.observed):
         return "whole hunting cycles"
-    return "the end of each recording, since one holds less than two hunting cycles"
+    return "every other of eight blocks, since a recording holds less than two hunting cycles"
 
 
 def _unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
@@ -292,8 +293,20 @@ def _unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     return tuple(
         entry
         for entry in found.entries
-        if entry.companion_of is None and not _claimed(entry, model) and not _by_law(entry, doubt)
+        if entry.companion_of is None
+        and not _claimed(entry, model)
+        and not _by_law(entry, doubt)
+        and not _by_colour(entry, model, search.noises)
     )
+
+
+def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
+    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves."""
+    if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
+        return False
+    if entry.order is not None and float(entry.order).is_integer():
+        return False
+    return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
 
 
 def _by_law(entry: Entry, deflection: float) -> bool:

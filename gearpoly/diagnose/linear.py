@@ -92,6 +92,9 @@ KNOTS = 12
 LOOSE = 0.08
 """Part of a claim's largest effect by which its tooth's form may differ, one sigma: no spall is cut by a formula."""
 
+LEAST_FORM = 1e-9
+"""mm. The least of the same: far below anything seen."""
+
 
 def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], FloatArray]:
     """Columns (n_k, q) in mm per unit of what claimed teeth may deviate by beside their physics, and the standard
@@ -102,7 +105,8 @@ def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], Fl
         if claim.place.tooth is None:
             continue
         changes = model.change(scenes, claim, claim.values, but=claim)
-        size = LOOSE * max(float(np.max(np.abs(c))) for c in changes)
+        # A claim whose amplitude the fit has brought to nothing still needs a prior that is no division by zero.
+        size = max(LOOSE * max(float(np.max(np.abs(c))) for c in changes), LEAST_FORM)
         for mine, scene in zip(out, scenes, strict=True):
             mine.append(_hats(scene, claim.place.gear or 0, claim.place.tooth))
         std += [size] * KNOTS

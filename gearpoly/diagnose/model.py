@@ -66,6 +66,21 @@ class Model:
                 file = claim.written(file)
         return file
 
+    def kept(self) -> dict[str, object]:
+        """What ``restore`` needs to come back to this state."""
+        return {
+            "built": self.built.copy(),
+            "scale": self.scale,
+            "shift": self.shift,
+            "law": self.law,
+            "claims": list(self.claims),
+        }
+
+    def restore(self, kept: dict[str, object]) -> None:
+        """Come back to a state."""
+        for name, value in kept.items():
+            setattr(self, name, value)
+
     def but(self, claim: Claim) -> Model:
         """The same state without a claim."""
         return replace(self, claims=[one for one in self.claims if one is not claim])

@@ -23,8 +23,12 @@ from gearpoly.units import DEG, UM
 LEAST_SHIFT = 0.002 * DEG
 """rad. No zero is known better than this before the fit, whatever the alignment says of itself."""
 
-HELD_OUT = 0.6
-"""Part of a recording shorter than two hunting cycles from which a cross-validated fit learns; the rest is held out."""
+MOST_SHIFT = 0.03
+"""Pitches. Farther a zero is not moved: where the curves do not place the teeth, any place is as good."""
+
+BLOCKS = 8
+"""Contiguous blocks of a recording shorter than two hunting cycles; a cross-validated fit learns from every other
+one."""
 
 
 def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
@@ -35,18 +39,20 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     gears, priors = gear_priors(file)
     as_built = make_as_built(priors, [one.samples.flank for one in observed])
     recordings = [one.cleaned.recording for one in beside.aligned]
+    counted = [one.samples.counted for one in observed]
     scope = Scope(
         file=declared,
         gears=gears,
         flanks=tuple(one.samples.flank for one in observed),
         torques=tuple(one.samples.torque for one in observed),
         speeds=tuple(one.samples.speed for one in observed),
+        # A rig that computed the transmission error itself had a sensor on either shaft too.
         encoders=(
-            any(r.driving_angle_rad is not None for r in recordings),
-            any(r.driven_angle_rad is not None for r in recordings),
+            any(r.driving_angle_rad is not None for r in recordings) or not all(counted),
+            any(r.driven_angle_rad is not None for r in recordings) or not all(counted),
         ),
         timed=all(one.samples.time is not None for one in observed),
-        counted=all(one.samples.counted for one in observed),
+        counted=all(counted),
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
@@ -57,7 +63,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         scope=scope,
         as_built=as_built,
         observed=observed,
-        shift_std=max(beside.alignment.std_driven, LEAST_SHIFT),
+        shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), MOST_SHIFT * pair.driven.gear.tau),
         built=np.zeros(as_built.size),
     )
 
@@ -123,7 +129,8 @@ def _observed(one: Aligned, number: int, beside: Beside) -> Observed:
     period = float(pair.meshes_per_cycle)
     cycles = whole_cycles(u, period)
     along = u - u[0]
-    fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else along < HELD_OUT * along[-1]
+    blocks = np.floor(along * (BLOCKS / along[-1])) % 2 == 0
+    fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else blocks
     slope = one.template.slope(one.theta_2)
     return Observed(
         samples=samples, recorded=one.recorded, slope=slope, fit=fit, whole=cycles >= 2, estimator=estimator

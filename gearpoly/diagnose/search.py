@@ -14,6 +14,7 @@ from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
 from gearpoly.diagnose.system import System
+from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
@@ -105,21 +106,28 @@ class Search:
             best = self.best(found, refused)
             if best is None:
                 break
-            before = list(self.model.claims), self.model.built.copy(), self.model.scale, self.model.shift
-            self.model.claims.append(best.claim)
+            before = self.model.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
+            if not self.accept(best.claim):
+                refused.add(best.claim.key)
+                self.model.restore(before)
+                self.settle()
+                if len(refused) > MOST:
+                    break
+        return found
+
+    def accept(self, claim: Claim) -> bool:
+        """Make a claim and fit everything again; whether it stands, and leaves gears that can still run."""
+        self.model.claims.append(claim)
+        try:
             self.settle()
             self.choose_law()
             self.drop_idle()
+            kept = claim.key in {one.key for one in self.model.claims}
             self.swap()
-            if best.claim.key not in {claim.key for claim in self.model.claims}:
-                refused.add(best.claim.key)
-                if len(refused) > MOST:
-                    break
-                if {c.key for c in self.model.claims} == {c.key for c in before[0]}:
-                    self.model.claims, self.model.built, self.model.scale, self.model.shift = before
-                    self.settle()
-        return found
+        except GearpolyError:
+            return False
+        return kept
 
     def best(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> Candidate | None:
         """The candidate that explains most, shapes polished, if it is more than chance and pays on held-out cycles."""

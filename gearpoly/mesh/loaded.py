@@ -89,13 +89,12 @@ def loaded(
         )
     pair = compliance.pair
     grid = _Grid.of(contacts)
-    point, normal = contacts.point, contacts.normal
-    lever_1 = np.abs(point[:, 0] * normal[:, 1] - point[:, 1] * normal[:, 0])
-    lever_2 = np.abs((point[:, 0] - pair.a) * normal[:, 1] - point[:, 1] * normal[:, 0])
+    point = contacts.point
+    lever_1, lever_2 = levers(contacts, compliance)
     problem = _Problem(
         closing=grid.fill(contacts.gap / pair.r_b1, np.inf),
         lever_1=grid.fill(lever_1, 1.0),
-        lever_2=grid.fill(lever_2 + _friction_lever(contacts, compliance), 1.0),
+        lever_2=grid.fill(lever_2, 1.0),
         teeth=grid.fill(compliance.teeth(contacts.driving, contacts.driven, point), 1.0),
         point=np.stack([grid.fill(point[:, k], 0.0) for k in (0, 1)], axis=-1),
         torque=torque,
@@ -148,6 +147,15 @@ def _least_lever(compliance: PairCompliance) -> float:
             f"want at most {(1.0 - LOCKING) * gear.r_b / gear.l_a:.2f} for these gears"
         )
     return least
+
+
+def levers(contacts: FlankContacts, compliance: PairCompliance) -> tuple[FloatArray, FloatArray]:
+    """Levers (rows,) in mm on which the normal forces are pressed by the driving and turn the driven gear, what
+    friction adds to the latter included."""
+    point, normal = contacts.point, contacts.normal
+    lever_1 = np.abs(point[:, 0] * normal[:, 1] - point[:, 1] * normal[:, 0])
+    lever_2 = np.abs((point[:, 0] - compliance.pair.a) * normal[:, 1] - point[:, 1] * normal[:, 0])
+    return lever_1, lever_2 + _friction_lever(contacts, compliance)
 
 
 def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> FloatArray:

@@ -26,8 +26,9 @@ from gearpoly.physics.encoder import misread
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
-LOWEST = 32
-"""Errors per turn: discs have at least so many lines; slower errors belong to the mounting."""
+LOWEST = 2
+"""Errors per turn: once is eccentricity; a disc out of round errs twice, a marred one a few times, lines hundreds of
+times."""
 
 HIGHEST = 8192
 """The same: more lines than most discs have. Above half the sampling an order may be the alias of another."""

@@ -14,10 +14,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from gearpoly.assemble import Assembled
-from gearpoly.gear.deviations import Span
+from gearpoly.gear.deviations import Index, Span
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
-from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
+from gearpoly.mesh.loaded import LoadedContacts, levers, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
 from gearpoly.simulate import cycle_te, further_te
@@ -112,8 +112,25 @@ class Scene:
         return self.tooth_1 if gear == 0 else self.tooth_2
 
     def roll(self, gear: int) -> FloatArray:
-        """Roll lengths (P, n) in mm of the contacts on gear 0 (driving) or 1."""
-        return self.l_1 if gear == 0 else self.l_2
+        """Roll lengths (P, n) in mm at which the flanks of gear 0 (driving) or 1 hold what now is in contact.
+
+        A whole flank that stands off its place, as a coast flank of thin teeth does, brings its profile along: at the
+        tip of a tooth thinner by 60 um touches what was drawn 0.06 mm of roll beyond it.
+        """
+        standing = self._standing[gear]
+        return (self.l_1 if gear == 0 else self.l_2) - standing[self.teeth(gear)] * (self.weight > 0.0)
+
+    @cached_property
+    def _standing(self) -> tuple[FloatArray, FloatArray]:
+        """Index deviations (z,) in mm of both gears' flanks in contact."""
+        out = []
+        for which, made in enumerate(self.assembled.deviations):
+            total = np.zeros(self.gear(which).z)
+            for shape in made.coast if self.samples.coast else made.drive:
+                if isinstance(shape, Index):
+                    total = total + shape.p
+            out.append(total)
+        return out[0], out[1]
 
     @cached_property
     def spans(self) -> tuple[Span, Span]:
@@ -158,7 +175,7 @@ class Scene:
         """Compliance (P, n) in mm/N of the teeth of one gear at their contacts."""
         table = self.compliance.driving if gear == 0 else self.compliance.driven
         r_b = self.pair.r_b1 if gear == 0 else self.pair.r_b2
-        tooth, radius = self.teeth(gear), np.hypot(self.roll(gear), r_b)
+        tooth, radius = self.teeth(gear), np.hypot(self.l_1 if gear == 0 else self.l_2, r_b)
         return table.at(tooth.ravel(), radius.ravel()).reshape(tooth.shape)
 
     def under(self, elasticity: Elasticity | None) -> FloatArray:
@@ -262,12 +279,18 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
 def _weights(
     rows: FlankContacts, load: LoadedContacts | None, by: PairCompliance | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Weight (rows,) of each pair in the transmission error, and its force (rows,) in N."""
+    """Weight (rows,) of each pair's normal deviation in the transmission error, and its force (rows,) in N.
+
+    Moments balance, sum k_i l_1i (phi - phi_i) l_2i = T, and material d closes a pair d/l_1 sooner, so that x moves by
+    r_b1 sum k_i l_2i d_i / sum k_i l_1i l_2i (derived here).
+    """
     if load is None or by is None:
         first = np.zeros(rows.position.size)
         first[np.searchsorted(rows.position, np.arange(rows.theta_2.size))] = 1.0
         return first, np.zeros(first.size)
+    lever_1, lever_2 = levers(rows, by)
     least = np.maximum(load.force, LEAST_LOAD * float(np.max(load.force)))
     teeth = by.teeth(rows.driving, rows.driven, rows.point)
-    stiffness = (load.force > 0.0) / by.tangent(least, teeth, rows.point)
-    return stiffness / np.bincount(rows.position, weights=stiffness)[rows.position], load.force
+    turns = lever_2 * (load.force > 0.0) / by.tangent(least, teeth, rows.point)
+    whole = np.bincount(rows.position, weights=turns * lever_1)[rows.position]
+    return by.pair.r_b1 * turns / whole, load.force

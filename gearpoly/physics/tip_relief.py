@@ -7,7 +7,19 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile, TipRelief
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.gear.deviations import Relief
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Scope,
+    Values,
+    changed,
+    gear_section,
+    on_gear,
+    own_of,
+    plain,
+)
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -30,19 +42,21 @@ def _places(scope: Scope) -> Iterable[Place]:
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     ideal = scene.gear(gear)
-    start = ideal.roll_length(ideal.r_a - values[1])
-
-    def deviation(tooth: np.ndarray[tuple[int, ...], np.dtype[np.int64]], l: FloatArray) -> FloatArray:
-        return np.asarray(-values[0] * UM * np.maximum(0.0, (l - start) / (ideal.l_a - start)))
-
-    return scene.deviated(gear, deviation)
+    made = scene.assembled.deviations[gear]
+    mine, other = (made.coast, made.drive) if scene.samples.coast else (made.drive, made.coast)
+    # What the drawing says of shape and flank stays; without a drawing both flanks are relieved on a straight line.
+    held = next((shape for shape in mine if isinstance(shape, Relief)), None)
+    if held is None and any(isinstance(shape, Relief) for shape in other):
+        return np.zeros(scene.samples.size)
+    relief = Relief(values[0] * UM, ideal.roll_length(ideal.r_a - values[1]), 1 if held is None else held.power)
+    return scene.deviated(gear, lambda tooth, l: relief(l, scene.spans[gear]))
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     declared = gear_section(file, place.gear).tip_relief
     amount = values[0] + (declared.amount_um if declared is not None else 0.0)
-    shape = declared.shape if declared is not None else "linear"
-    table = TipRelief(amount_um=max(amount, 0.0), length_mm=values[1], shape=shape)
+    plain = TipRelief.model_construct(amount_um=0.0, length_mm=values[1])
+    table = changed(declared or plain, amount_um=max(amount, 0.0), length_mm=values[1])
     return on_gear(file, place.gear, tip_relief=table)
 
 

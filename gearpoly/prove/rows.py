@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from gearpoly.prove.score import CaseScore, ItemScore, Parameter
+from gearpoly.prove.score import CaseScore, Parameter
 from gearpoly.prove.statistics import Share, quantile, share
 from gearpoly.prove.thresholds import Thresholds
-
-Judge = Callable[[Any], bool]
 
 WAVES = ("eccentricity", "undulation", "cumulative_pitch")
 """Physics that are one line at a shaft's order, with their amplitude in um along the line of action."""
@@ -287,37 +284,7 @@ def _cost(scores: Sequence[CaseScore]) -> list[Row]:
     return [
         figure("seconds", "processor seconds per case, median", quantile(seconds, 0.5), "s"),
         figure("seconds_95", "the same, 95th percentile", quantile(seconds, 0.95), "s"),
-        at_most("errors", "diagnoses that failed with an error", broken, 0.0, note="they count as having found nothing"),
+        at_most(
+            "errors", "diagnoses that failed with an error", broken, 0.0, note="they count as having found nothing"
+        ),
     ]
-
-
-EDGES = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, math.inf)
-
-
-def by_size(scores: Sequence[CaseScore]) -> list[dict[str, Any]]:
-    """Detection and naming of single effects against their size over the theoretical limit."""
-    single = [one for one in scores if one.truth.kind == "missing" and len(one.items) == 1]
-    out = []
-    for low, high in zip(EDGES[:-1], EDGES[1:], strict=True):
-        here = [one for one in single if low <= (one.items[0].item.over_limit or math.nan) < high]
-        out.append({"over_limit": [low, None if math.isinf(high) else high], **_profile(here)})
-    return out
-
-
-def by_key(scores: Sequence[CaseScore], key: Callable[[CaseScore], str]) -> dict[str, Any]:
-    """The same figures by class, by physics or by whatever else."""
-    groups: dict[str, list[CaseScore]] = {}
-    for one in scores:
-        groups.setdefault(key(one), []).append(one)
-    return {name: _profile(here) for name, here in sorted(groups.items())}
-
-
-def _profile(cases: Sequence[CaseScore]) -> dict[str, Any]:
-    items: list[ItemScore] = [i for one in cases for i in one.items]
-    return {
-        "cases": len(cases),
-        "reported": share([one.reported for one in cases]).to_json(),
-        "named": share([i.placed for i in items]).to_json(),
-        "in_set": share([i.in_set for i in items]).to_json(),
-        "extras": sum(one.extras for one in cases),
-    }

@@ -151,7 +151,7 @@ def _item(claims: list[dict[str, Any]], item: Item, limits: Thresholds) -> ItemS
     placed = [claim for claim in named if on_tooth(claim, item, limits, claim=claim)]
     within = [claim for claim in claims if _in_set(claim, item, limits)]
     alike = [claim for claim in claims if acceptable(claim, item, limits)]
-    stands = (placed or within or alike or [None])[0]
+    stands = next(iter(placed or within or alike), None)
     size = None if stands is None else len(reported_set(stands))
     return ItemScore(
         item=item,
@@ -177,7 +177,5 @@ def _parameters(claim: dict[str, Any], item: Item) -> tuple[Parameter, ...]:
         if name in ANGLES:
             off = (off + 180.0) % 360.0 - 180.0
         counted = true - 1.0 if name == main and item.physics in FROM_ONE else true
-        out.append(
-            Parameter(name=name, off=off, std=float(stated.get("std") or 0.0), size=counted, main=name == main)
-        )
+        out.append(Parameter(name=name, off=off, std=float(stated.get("std") or 0.0), size=counted, main=name == main))
     return tuple(out)

@@ -20,6 +20,9 @@ CHIP = {
 }
 """A status as a sign and a word, so that colour is never alone."""
 
+LEAST = 1e-12
+"""mm. Stands for no noise at all, as a made recording may have it."""
+
 ROLES = {
     "without": "before",
     "with": "after",
@@ -53,7 +56,7 @@ def verdict(diagnosis: Diagnosis) -> str:
         f'<dl class="figures"><div><dt>repeatable mismatch before</dt><dd>{number(before, 3)} µm</dd></div>'
         f"<div><dt>after, on data the fit never saw</dt><dd>{number(after, 3)} µm</dd></div>"
         f"<div><dt>noise floor</dt><dd>{number(diagnosis.noise / UM, 3)} µm rms</dd></div>"
-        f"<div><dt>rms after over noise</dt><dd>{number(diagnosis.after.unseen / diagnosis.noise, 3)}</dd></div></dl>"
+        f"<div><dt>rms after over noise</dt><dd>{_over_noise(diagnosis.after, diagnosis.noise)}</dd></div></dl>"
     )
     return "\n".join(parts)
 
@@ -190,6 +193,10 @@ def fit(diagnosis: Diagnosis) -> str:
     )
 
 
+def _over_noise(rms: Rms, noise: float) -> str:
+    return number(rms.unseen / max(noise, LEAST), 3)
+
+
 def _unseen(diagnosis: Diagnosis) -> str:
     return f"Unseen by the fit: {escape(diagnosis.held_out_by)}. Noise floor {number(diagnosis.noise / UM, 3)} µm rms."
 
@@ -198,7 +205,7 @@ def rms_table(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: bo
     """Repeatable mismatch as bars against the noise floor, with the raw figures beside them."""
     noise = diagnosis.noise
     parts = [repeatable(rms.unseen, noise) for _, rms in rows]
-    longest = max(*parts, noise)
+    longest = max(*parts, noise, LEAST)
     floor = 100.0 * noise / longest
     out = []
     for (name, rms), part in zip(rows, parts, strict=True):
@@ -212,7 +219,7 @@ def rms_table(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: bo
                 bar,
                 number(part / UM, 3),
                 number(rms.unseen / UM, 4),
-                number(rms.unseen / noise, 3),
+                _over_noise(rms, noise),
                 *([number(rms.seen / UM, 4)] if seen else []),
             ]
         )

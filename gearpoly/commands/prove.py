@@ -1,0 +1,61 @@
+"""``gearpoly prove``: the proving ground of concealed effects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 70
+
+
+def prove(
+    quick: Annotated[bool, typer.Option("--quick", help="24 cases instead of 440, without controls.")] = False,
+    seed: Annotated[int, typer.Option(help="Seed of the ground; another one makes cases that nobody has seen.")] = 1,
+    json: Annotated[
+        Path | None, typer.Option(help="Write every figure of the scoreboard (JSON; - for standard output).")
+    ] = None,
+    on: Annotated[
+        Path | None, typer.Option(help="Score a folder of NAME/pair.toml, NAME/rec_K.csv and NAME.truth.json instead.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=1)] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of cases and verdicts; a killed run goes on there.")] = None,
+) -> None:
+    """Conceal effects, diagnose them, open the truths, and print the scoreboard."""
+    import os
+    import sys
+
+    from rich.console import Console
+
+    from gearpoly.errors import OutOfRangeError
+    from gearpoly.files.output import check_target, write_text
+    from gearpoly.prove.board import board_json
+    from gearpoly.prove.page import board_text
+    from gearpoly.prove.run import prove_folder, prove_ground
+    from gearpoly.prove.show import print_board
+
+    if json is not None:
+        check_target(json)
+    if on is not None and quick:
+        raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
+    if seed < 0:
+        raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
+    console = Console(stderr=str(json) == "-")
+
+    def say(what: str) -> None:
+        console.print(what, highlight=False, soft_wrap=True)
+
+    count = workers or os.cpu_count() or 1
+    if on is not None:
+        place = out or Path("out") / "prove" / f"on-{on.resolve().name}"
+        proof = prove_folder(on, out=place, workers=count, say=say)
+    else:
+        place = out or Path("out") / "prove" / f"seed-{seed}{'-quick' if quick else ''}"
+        proof = prove_ground(seed, quick=quick, out=place, workers=count, say=say)
+    board = board_json(proof)
+    if json is not None:
+        write_text(json, board_text(board))
+    if str(json) != "-":
+        print_board(console, board)
+    sys.stdout.flush()

@@ -1,0 +1,111 @@
+"""The scoreboard as data: every figure, every failed case."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from gearpoly import __version__
+from gearpoly.prove.profile import by_key, by_size
+from gearpoly.prove.rows import Row, rows
+from gearpoly.prove.run import Proof
+from gearpoly.prove.score import CaseScore
+from gearpoly.prove.thresholds import Thresholds
+
+
+def board_json(proof: Proof) -> dict[str, Any]:
+    """Every figure of the scoreboard; only what is under ``seconds``, here and by case, differs from run to run."""
+    found = rows(proof.scores, proof.limits)
+    timed = [row for row in found if row.key.startswith("seconds")]
+    return {
+        "gearpoly": __version__,
+        "of": proof.of,
+        "seed": proof.seed,
+        "quick": proof.quick,
+        "cases": len(proof.scores),
+        "truths_sha256": proof.sealed,
+        "truths": proof.truths,
+        "thresholds_sha256": proof.limits.sha256,
+        "thresholds": proof.limits.values,
+        "code": proof.code,
+        "rows": [row.to_json() for row in found if row not in timed],
+        "seconds": {row.key: row.value for row in timed},
+        "by_size": by_size(proof.scores),
+        "by_class": by_key(proof.scores, lambda one: one.truth.klass),
+        "by_pair": by_key(proof.scores, lambda one: one.truth.pair),
+        "by_physics": by_key(
+            [one for one in proof.scores if one.truth.kind == "missing"],
+            lambda one: " and ".join(dict.fromkeys(i.item.physics for i in one.items)),
+        ),
+        "controls": proof.controls,
+        "failures": failures(proof.scores, found),
+        "by_case": [_case(one, proof.limits) for one in proof.scores],
+    }
+
+
+def failures(scores: tuple[CaseScore, ...], found: list[Row]) -> list[dict[str, Any]]:
+    """Every case that misses a row, with the truth, what was said, and which rows it misses."""
+    missed: dict[str, list[str]] = {}
+    for row in found:
+        for name in row.cases:
+            missed.setdefault(name, []).append(row.key)
+    return [
+        {
+            "case": one.name,
+            "class": one.truth.klass,
+            "pair": one.truth.pair,
+            "truth": _concealed(one),
+            "over_limit": [i.item.over_limit for i in one.items] or one.truth.over_limit,
+            "status": one.status,
+            "said": list(one.said),
+            "unexplained": one.unexplained,
+            "error": one.error,
+            "misses": missed[one.name],
+        }
+        for one in scores
+        if one.name in missed
+    ]
+
+
+def _concealed(one: CaseScore) -> list[str]:
+    return [item.label for item in one.truth.items]
+
+
+def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        "case": one.name,
+        "class": one.truth.klass,
+        "truth": _concealed(one),
+        "status": one.status,
+        "said": list(one.said),
+        "unexplained": one.unexplained,
+        "extras": one.extras,
+        "error": one.error,
+        "heldout_rms_um": {"before": one.before, "after": one.after},
+        "noise_um": one.truth.noise_um,
+        "energy_removed": one.removed,
+        "items": [
+            {
+                "label": i.item.label,
+                "over_limit": i.item.over_limit,
+                "separable": i.item.separable(limits.separable),
+                "look_alikes": len(i.item.acceptable),
+                "named": i.named,
+                "placed": i.placed,
+                "first": i.first,
+                "in_set": i.in_set,
+                "set_size": i.set_size,
+                "parameters": [
+                    {"name": p.name, "off": p.off, "std": p.std, "size": _finite(p.size)} for p in i.parameters
+                ],
+            }
+            for i in one.items
+        ],
+    }
+    if one.truth.kind == "unknown":
+        out["located"] = one.located
+    return out
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

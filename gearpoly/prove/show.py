@@ -1,0 +1,89 @@
+"""The scoreboard on the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+MARKS = {True: "[green]reached[/green]", False: "[red]missed[/red]", None: ""}
+
+
+def percent(found: dict[str, Any]) -> str:
+    """A share with its counts and its interval."""
+    if not found["of"]:
+        return "no case"
+    low, high = found["interval_95"]
+    return f"{100 * found['rate']:.1f} % ({found['hits']} of {found['of']}; {100 * low:.1f} to {100 * high:.1f})"
+
+
+def value(row: dict[str, Any]) -> str:
+    """The figure of a row in words."""
+    if "of" in row:
+        return percent(row)
+    if row["value"] is None:
+        return "no case"
+    return f"{row['value']:.3g} {row['unit']}".strip()
+
+
+def print_board(console: Console, board: dict[str, Any]) -> None:
+    """Print goals and figures, size against detection, controls, and the cases that failed."""
+    table = _table("goals", ("figure", "found (95 % interval)", "goal", ""))
+    for row in board["rows"]:
+        note = f" [dim]({row['note']})[/dim]" if row["note"] else ""
+        table.add_row(row["text"] + note, value(row), row["goal"], MARKS[row["reached"]])
+    console.print(table)
+    sizes = _table("single effects by size over the theoretical limit", ("size", "reported", "named", "in the set"))
+    for one in board["by_size"]:
+        low, high = one["over_limit"]
+        if one["cases"]:
+            text = f"{low:g} and more" if high is None else f"{low:g} to {high:g}"
+            sizes.add_row(text, percent(one["reported"]), percent(one["named"]), percent(one["in_set"]))
+    if sizes.row_count:
+        console.print(sizes)
+    _print_controls(console, board["controls"])
+    spent = board["seconds"]
+    if spent.get("seconds") is not None:
+        console.print(
+            f"\nprocessor seconds per case: median {spent['seconds']:.1f}, 95th percentile {spent['seconds_95']:.1f}"
+        )
+    misses = _table("cases that miss a row", ("case", "concealed", "said", "misses"))
+    for one in board["failures"]:
+        said = one["error"] or "; ".join(one["said"]) or ("located, not named" if one["unexplained"] else "nothing")
+        misses.add_row(one["case"], "; ".join(one["truth"]) or "nothing", said, ", ".join(one["misses"]))
+    if misses.row_count:
+        console.print(misses)
+
+
+def _print_controls(console: Console, controls: dict[str, Any]) -> None:
+    names = {
+        "false_alarms": "false alarms",
+        "healthy_named_otherwise": "healthy, named what is not wrong",
+        "reported": "reported",
+        "named": "named rightly",
+        "in_set": "in the reported set",
+        "false_names": "named something false",
+        "look_alike_named": "look-alike named",
+    }
+    table = _table("controls and ablations", ("", "figure", "so", "whole method"))
+    for one in controls.values():
+        if "arm" not in one:
+            if one["right_tooth"]["of"]:
+                expected = f"chance: {100 * one['expected']:.1f} %"
+                table.add_row(one["text"], "right tooth", percent(one["right_tooth"]), expected)
+            continue
+        first = f"{one['text']}, {one['cases']} cases"
+        for key, text in names.items():
+            if one["arm"][key]["of"]:
+                table.add_row(first, text, percent(one["arm"][key]), percent(one["plain"][key]))
+                first = ""
+    if table.row_count:
+        console.print(table)
+
+
+def _table(title: str, columns: tuple[str, ...]) -> Table:
+    table = Table(title=f"\n{title}", title_justify="left", box=None, pad_edge=False, title_style="bold")
+    for name in columns:
+        table.add_column(name, overflow="fold")
+    return table
