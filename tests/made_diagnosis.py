@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,14 +25,20 @@ REMARK = "a remark with <i>marks</i> & signs"
 E_UM = 6.0
 
 
-def made_comparison(folder: Path, *, cycles: float = 2.0, per_mesh: int = 16) -> tuple[PairFile, Comparison]:
+@cache
+def made_comparison() -> tuple[PairFile, Comparison]:
     """Two recordings, of both flanks, of a pair whose driving gear runs ``E_UM`` off its axis, which its file does not
     say. Their names hold what HTML would take for its own."""
+    with tempfile.TemporaryDirectory(prefix="gearpoly-") as folder:
+        return _made_comparison(Path(folder))
+
+
+def _made_comparison(folder: Path) -> tuple[PairFile, Comparison]:
     rng = np.random.default_rng(5)
     hidden = f"[driving.eccentricity]\namplitude_um = {E_UM}\nangle_deg = 40.0"
     file, path, truth = inspected(folder, rng, z_1=11, z_2=13, hidden=hidden, points=120)
     rig = Rig(zero_1=1.0, zero_2=2.0, noise=0.3)
-    made = [record(truth, rig, rng, cycles=cycles, per_mesh=per_mesh, flank=f, stated=(1.0, 2.0))
+    made = [record(truth, rig, rng, cycles=2.0, flank=f, stated=(1.0, 2.0))
             for f in ("drive", "coast")]  # fmt: skip
     named = [type(one)(**{**one.__dict__, "source": Path(f"{k}_{FILE}")}) for k, one in enumerate(made)]
     file = file.model_copy(update={"name": NAME})

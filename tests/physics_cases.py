@@ -154,9 +154,7 @@ def recorded(
             te = te + np.polynomial.legendre.legval(along, (0.0, *drifts[number])) * UM
         theta_1 = (theta_2 - te / pair.r_b2) / pair.ratio
         readings = []
-        for zero, direction, theta, errors in zip(
-            ZEROS, (-1, 1), (theta_1, theta_2), assembled.encoders, strict=True
-        ):
+        for zero, direction, theta, errors in zip(ZEROS, (-1, 1), (theta_1, theta_2), assembled.encoders, strict=True):
             truth = direction * theta * errors.scale + zero
             reading = truth
             for _ in range(40):

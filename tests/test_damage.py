@@ -190,7 +190,7 @@ def test_an_undulation_keeps_its_amplitude_under_load() -> None:
     theta_2 = np.arange(n) * (sound.pair.cycle / n)
     change = (under(wavy, theta_2, 3.0)[0].te - under(sound, theta_2, 3.0)[0].te) * sound.pair.r_b2
     line = np.fft.rfft(change)[3 * 47] * 2.0 / n
-    # Beside the path a tip's corner carries, which rides its own place of the wave: for 3 um of deflection 1 % of a pitch.
+    # Beside the path a tip's corner carries, which rides its own place of the wave: under 3 N.m over 1 % of a pitch.
     assert abs(line - 0.05 * UM) < 0.02 * 0.05 * UM
 
 

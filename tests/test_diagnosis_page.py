@@ -26,8 +26,8 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def diagnosis(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
-    return made_diagnosis(*made_comparison(tmp_path_factory.mktemp("diagnosis")))
+def diagnosis() -> Diagnosis:
+    return made_diagnosis(*made_comparison())
 
 
 @pytest.fixture(scope="module")
@@ -159,6 +159,17 @@ def test_bars_stand_for_the_repeatable_part_against_the_noise(diagnosis: Diagnos
             part = float(words(row[2]))
             # Widths have two decimals, figures three: 0.0005 um of a bar 0.3 um long at least.
             assert width / floor == pytest.approx(part / (diagnosis.noise / UM), abs=3e-3)
+
+
+def test_the_page_says_below_what_a_repeatable_part_is_none(diagnosis: Diagnosis, tree: Any) -> None:
+    """A noise level too low by its standard error makes an rms of pure noise look repeatable by as much."""
+    levels = [noise.level_std for noise in diagnosis.comparison.located.noises]
+    std = math.hypot(*levels) / len(levels)
+    made = repeatable(diagnosis.noise, diagnosis.noise - std)
+    shown = re.search(r"below ([\d.]+) µm it cannot be told", words(tree.get_element_by_id("fit")))
+    assert shown is not None
+    # The root of 2 noise std leaves std / 4 noise of it: below 1 %.
+    assert float(shown[1]) == pytest.approx(made / UM, rel=0.01, abs=5e-4)
 
 
 def test_curves_in_the_page_are_the_recordings_sample_by_sample(diagnosis: Diagnosis, text: str) -> None:

@@ -38,7 +38,7 @@ def browser() -> Iterator[Chromium]:
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagnosis]:
     folder = tmp_path_factory.mktemp("diagnosis")
-    file, comparison = made_comparison(folder)
+    file, comparison = made_comparison()
     left = [values.copy() for values in left_of(comparison)]
     left[0][np.argsort(comparison.aligned[0].theta_2)[SPIKE]] = SPIKE_UM * UM
     diagnosis = made_diagnosis(file, comparison, left=tuple(left))
@@ -103,13 +103,12 @@ def test_every_plot_draws(fresh: Chromium) -> None:
     image = picture(fresh, "plot-residual")
     assert np.sum(painted(image, BEFORE)) > 1000
     assert np.sum(painted(image, AFTER)) > 1000
-    height = fresh.run("document.documentElement.scrollHeight")
-    fresh.size(1280, height)
-    fresh.settle()
-    fresh.screenshot(OUT / "light.png")
+    fresh.run("scrollTo(0, 0)")
+    fresh.screenshot(OUT / "verdict.png")
     fresh.dark(True)
-    fresh.settle()
-    fresh.screenshot(OUT / "dark.png")
+    for name in ("plot-te", "map-driving-before", "pitch-driving"):
+        fresh.run(f"document.getElementById('{name}').scrollIntoView(); 0")
+        fresh.screenshot(OUT / f"{name}_dark.png")
 
 
 def test_a_single_sample_shows_with_everything_in_view(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
@@ -238,6 +237,24 @@ def test_the_spectrum_names_the_missing_order(fresh: Chromium) -> None:
         " gearpoly.plots.spectrum.point(orders[best], 1); })()"
     )
     assert "(driving shaft order 1)" in read_out(fresh, "plot-spectrum")
+
+
+def test_a_finding_is_one_click_away_from_its_place(fresh: Chromium) -> None:
+    """The tooth's mesh in the middle of the curves, on each flank; the order in the spectrum."""
+    for k, late in ((0, 0.0), (1, 0.5)):
+        fresh.run(f"gearpoly.choose({k}); 0")
+        fresh.press("#finding-2 button.show")
+        shown_ = view(fresh, "te")
+        pitch = 360.0 / 13.0
+        middle = 0.5 * (shown_["x0"] + shown_["x1"]) / pitch - late
+        assert round(middle + (1 if late else 0)) % 13 == 7
+        assert middle == pytest.approx(round(middle), abs=1e-6)
+        assert shown_["x1"] - shown_["x0"] == pytest.approx(4.0 * pitch)
+        assert "on driven 7, phase" in read_out(fresh, "plot-te")
+    fresh.press("#finding-1 button.show")
+    assert "(driving shaft order 1)" in read_out(fresh, "plot-spectrum")
+    fresh.press("#finding-3 button.show")
+    assert "(driven shaft order 1)" in read_out(fresh, "plot-spectrum")
 
 
 def test_maps_read_their_cells_and_change_their_scale(fresh: Chromium) -> None:

@@ -40,7 +40,7 @@ BY_LAWS = {"mesh_order": 0.01, "condition": 0.01, "mesh_phase": 0.03}
 """Parts of the mean deflection below which what is left at every mesh is no news, since no law of compliance is truer:
 waves and means, and short stretches about the corners."""
 
-OTHERS_BY_LAWS = 0.004
+OTHERS_BY_LAWS = 0.006
 """The same for single teeth and other waves, whose sharing follows the law."""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
-from gearpoly.physics.base import Claim
+from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.scene import Scene
 
 CLOSE = 9.0
@@ -63,9 +63,17 @@ def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]
             key = Claim(physics=physics, place=place, values=()).key
             if key in taken:
                 continue
-            if physics.wavelike and place.order != claim.place.order:
+            if physics.wavelike and not _same_wave(model, place, claim.place):
                 continue
             tooth, mine = place.tooth is not None, claim.place.tooth is not None
             if tooth and not mine:
                 continue
             yield physics, place
+
+
+def _same_wave(model: Model, one: Place, other: Place) -> bool:
+    """Whether waves on either shaft have the same frequency, or on one shaft the same order."""
+    z = [gear.z for gear in model.scope.gears]
+    if one.order is None or other.order is None or one.gear is None or other.gear is None:
+        return False
+    return one.order * z[other.gear] == other.order * z[one.gear]

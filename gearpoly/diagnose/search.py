@@ -28,10 +28,6 @@ FAINT = 0.012 * UM
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
 
-LAW = 0.004
-"""Part of the mean deflection below which a mean tooth's effect may be what compliance laws and corner contact differ
-by, beyond the modes that are fitted."""
-
 CLEARLY = 30.0
 """Gain in misfit by which another compliance law must fit better than the present one to take its place."""
 
@@ -73,6 +69,8 @@ class Search:
     linear: Linear
     laws: list[FloatArray] | None
     tests: int = 1
+    largest: float = 0.0
+    deflection: float = 0.0
 
     @staticmethod
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
@@ -157,18 +155,19 @@ class Search:
 
     def least(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what the simulation leaves of others."""
-        largest = 0.0
+        physics = one.claim.physics
+        law = physics.law_floor * self.deflection if physics.mean_tooth else 0.0
+        return max(FAINT, ECHO * self.largest, law)
+
+    def measure(self) -> None:
+        """Measure once what ``least`` compares with: the largest effect of a claim, and the mean deflection."""
+        self.largest = 0.0
         for claim in self.model.claims:
             if not claim.physics.measures:
                 change = self.model.change(self.scenes, claim, claim.values, but=claim)
-                largest = max(largest, *(float(np.std(c)) for c in change))
-        law = LAW * self.deflection if one.claim.physics.mean_tooth else 0.0
-        return max(FAINT, ECHO * largest, law)
-
-    @property
-    def deflection(self) -> float:
-        """The largest mean deflection in mm of any recording."""
-        return max(abs(float(np.mean(scene.under(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes)
+                self.largest = max(self.largest, *(float(np.std(c)) for c in change))
+        bent = [abs(float(np.mean(scene.under(None) - scene.te))) for scene in self.scenes if scene.bends]
+        self.deflection = max(bent, default=0.0)
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
@@ -198,6 +197,7 @@ class Search:
             moved = self.take(self.linear)
             if moved < SETTLED:
                 break
+        self.measure()
 
     def linearised(self) -> Linear:
         """The linear system of the present state and noise."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from gearpoly.compare.compare import Comparison
@@ -40,6 +40,12 @@ class Finding:
     with_: Rms
     rivals: tuple[Rival, ...]
     separation: Separation | None
+
+    @property
+    def says(self) -> str:
+        """The finding as a sentence; it names no tooth where the numbering is open."""
+        place = replace(self.claim.place, tooth=self.tooth)
+        return self.claim.physics.says(place, self.claim.values)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -310,7 +310,7 @@ class GearSection(Section):
 class Measurement(Section):
     """What the rig itself did to recordings of this pair, apart from its encoders."""
 
-    thermal_drift_um: tuple[tuple[Um, ...], ...] = _field(
+    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False)], ...] = _field(
         "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
         (),
         strict=False,

@@ -176,7 +176,7 @@ def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> Floa
     # Forward moment about the driven axis is clockwise.
     turns = -(from_2[:, 0] * drag[:, 1] - from_2[:, 1] * drag[:, 0])
     pushes = -(from_2[:, 0] * n[:, 1] - from_2[:, 1] * n[:, 0])
-    return mu * turns * np.sign(pushes)
+    return np.asarray(mu * turns * np.sign(pushes))
 
 
 @dataclass(frozen=True)

@@ -121,6 +121,10 @@ class Physics:
     mean_tooth: bool = False
     """It is the same at every mesh, where a wrong compliance law shows too."""
 
+    law_floor: float = 0.004
+    """Part of the mean deflection below which its effect, the same at every mesh, may be what compliance laws and
+    corner contact differ by beyond the modes that are fitted."""
+
     law_doubt: float = 0.0
     """Relative standard error of its size, one sigma, for what compliance laws differ by."""
 
@@ -203,3 +207,9 @@ def wave(x: float, y: float) -> tuple[float, float]:
 def own_of(place: Place) -> str:
     """ "driving gear" or "driven gear"."""
     return f"{place.gear_name} gear"
+
+
+def tooth_of(place: Place) -> str:
+    """ "Tooth 7 of the driven gear", or "A tooth ..." where the numbering is open."""
+    number = "A tooth" if place.tooth is None else f"Tooth {place.tooth}"
+    return f"{number} of the {own_of(place)}"

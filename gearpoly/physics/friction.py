@@ -24,6 +24,8 @@ PHYSICS = Physics(
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,
+    # No compliance law jumps at the pitch point.
+    law_floor=0.0012,
     write=_write,
     report=plain("coefficient"),
     reloads=True,

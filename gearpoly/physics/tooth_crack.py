@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import Crack, PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, gear_section, on_gear, own_of
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, gear_section, on_gear, tooth_of
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
@@ -47,9 +47,6 @@ PHYSICS = Physics(
     effect=_effect,
     write=_write,
     report=_report,
-    says=lambda place, v: (
-        f"Tooth {place.tooth} of the {own_of(place)} gives {1.0 + v[0]:.2f} times as much as it "
-        "should: a crack at its root."
-    ),
+    says=lambda place, v: f"{tooth_of(place)} gives {1.0 + v[0]:.2f} times as much as it should: a crack at its root.",
     equation="the tooth's compliance times a factor, contact not counted",
 )

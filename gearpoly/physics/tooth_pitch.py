@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, plain, tooth_of
 from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import added
 from gearpoly.units import UM, FloatArray
@@ -42,8 +42,7 @@ PHYSICS = Physics(
     write=_write,
     report=plain("deviation_um"),
     says=lambda place, v: (
-        f"Tooth {place.tooth} of the {own_of(place)} stands {abs(v[0]):.1f} um "
-        f"{'ahead of' if v[0] > 0 else 'behind'} its declared place."
+        f"{tooth_of(place)} stands {abs(v[0]):.1f} um {'ahead of' if v[0] > 0 else 'behind'} its declared place."
     ),
     equation="p_n = f on one tooth: x moves by f where its pair carries alone, by its share where two do",
 )

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile, Spall
 from gearpoly.gear.deviations import Pit
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, plain, tooth_of
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -71,9 +71,6 @@ PHYSICS = Physics(
     effect=_effect,
     write=_write,
     report=plain("depth_um", "from_mm", "to_mm", "wall_mm"),
-    says=lambda place, v: (
-        f"Tooth {place.tooth} of the {own_of(place)} has lost {v[0]:.1f} um between the radii "
-        f"{v[1]:.2f} and {v[2]:.2f} mm."
-    ),
+    says=lambda place, v: f"{tooth_of(place)} has lost {v[0]:.1f} um between the radii {v[1]:.2f} and {v[2]:.2f} mm.",
     equation="d = -depth/2 [tanh((r - from)/wall) - tanh((r - to)/wall)] on one tooth",
 )

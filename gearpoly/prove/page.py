@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.files.output import write_text
-from gearpoly.prove.show import percent, value
+from gearpoly.prove.show import UNLISTED, percent, value
 
 MARKS = {True: "reached", False: "**missed**", None: ""}
 
@@ -32,9 +32,7 @@ MEANING = {
     "strangers_named": "false name for a stranger",
     "errors": "error",
 }
-"""What a case that misses a row did, in words; the rows that many cases miss by design stay out of the list."""
-
-UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
+"""What a case that misses a row did, in words."""
 
 
 def board_text(board: dict[str, Any]) -> str:
@@ -196,12 +194,12 @@ def draw(board: dict[str, Any], target: Path) -> None:
         y = [100 * one["rate"] for _, one in here]
         low = [100 * (one["rate"] - one["interval_95"][0]) for _, one in here]
         high = [100 * (one["interval_95"][1] - one["rate"]) for _, one in here]
-        axes.errorbar(x, y, yerr=[low, high], fmt="o-", color=colour, capsize=3, label=texts[key])
+        axes.errorbar(x, y, yerr=[low, high], fmt="o-", color=colour, capsize=2, elinewidth=1, label=texts[key])
     axes.set_xticks(range(len(some)), [f"{_range(one['over_limit'])}\n({one['cases']})" for one in some])
     axes.set_xlabel("size over the theoretical limit (cases)")
     axes.set_ylabel("share of single effects, %")
     axes.set_ylim(-3, 103)
-    axes.legend(frameon=False, loc="lower right")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(target, dpi=150, metadata={"Software": None})
 

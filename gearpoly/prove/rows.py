@@ -66,9 +66,7 @@ def figure(
     key: str, text: str, value: float | None, unit: str, *, goal: str = "", reached: bool | None = None, note: str = ""
 ) -> Row:
     """A single number."""
-    return Row(
-        key=key, text=text, value=value, unit=unit, goal=goal, note=note, reached=None if value is None else reached
-    )
+    return Row(key=key, text=text, value=value, unit=unit, goal=goal, note=note, reached=reached)
 
 
 def _once(names: Any) -> tuple[str, ...]:
@@ -160,7 +158,7 @@ def _sets(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
         ),
         figure(
             "set_size", "median size of the reported set", middle, "", goal=f"at most {goal:g}",
-            reached=middle is not None and middle <= goal,
+            reached=None if middle is None else middle <= goal,
         ),
         at_most(
             "look_alikes_named_singly", "true look-alikes named singly", alike, limits.goal["look_alikes_named_singly"]
@@ -184,11 +182,8 @@ def _smallest(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
         wrong = [size for _, size, good in sizes if not good]
         value, goal = (min(right) if right else None), limits.goal[key]
         note = f"{len(right)} of {len(sizes)} named" + (f"; largest that was not: {max(wrong):.2f} um" if wrong else "")
-        out.append(
-            figure(
-                key, text, value, "um", goal=f"{goal:g} um", reached=value is not None and value <= goal, note=note
-            )
-        )  # fmt: skip
+        reached = (value is not None and value <= goal) if sizes else None
+        out.append(figure(key, text, value, "um", goal=f"{goal:g} um", reached=reached, note=note))
     near = limits.relief_within_um
     return [
         *out,
@@ -254,7 +249,7 @@ def _rms(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     return [
         figure(
             "energy_removed", "repeatable mismatch energy removed on held-out data, median",
-            middle, "", goal=f"at least {100 * goal:g} %", reached=middle is not None and middle >= goal,
+            middle, "", goal=f"at least {100 * goal:g} %", reached=None if middle is None else middle >= goal,
         ),
         at_least(
             "energy_removed_share", f"cases in which {100 * goal:g} % of it was removed",

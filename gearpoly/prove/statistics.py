@@ -43,7 +43,9 @@ class Share:
         p, z2 = self.rate, Z**2
         middle = p + z2 / (2 * n)
         half = Z * math.sqrt(p * (1 - p) / n + z2 / (4 * n**2))
-        return min(1.0, max(0.0, (middle + side * half) / (1 + z2 / n)))
+        end = (middle + side * half) / (1 + z2 / n)
+        # At 0 of n and n of n one end is the rate itself, whatever rounding says.
+        return max(end, p) if side > 0.0 else max(0.0, min(end, p))
 
     def to_json(self) -> dict[str, Any]:
         """Counts, rate and interval; None where there were no cases."""

@@ -71,6 +71,7 @@ def diagnose(job: Diagnosing) -> None:
         except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
             last = traceback.extract_tb(caught.__traceback__)[-1]
             error = f"{type(caught).__name__}: {caught} ({Path(last.filename).name}, {last.name})"
+            error = error.replace(f"{job.case.pair.parent}/", "").replace(str(job.case.pair.parent), job.case.name)
     spent = time.process_time() - begun
     write_text(job.target.with_suffix(".seconds"), f"{spent:.3f}\n")
     write_text(job.target, json.dumps({"key": job.key(), "error": error, "verdict": verdict}, indent=1) + "\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -19,6 +20,9 @@ CHIP = {
     "unexplained": ("?", "unexplained"),
 }
 """A status as a sign and a word, so that colour is never alone."""
+
+ONCE_PER_TURN = ("eccentricity", "encoder_eccentricity")
+"""Physics whose order, which their place does not state, is 1."""
 
 LEAST = 1e-12
 """mm. Stands for no noise at all, as a made recording may have it."""
@@ -92,7 +96,7 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
         f"free value{'s' if freedoms > 1 else ''}, everything else fitted again. Errors are one standard error."
     )
     rows = [
-        ("Where", escape(where(one))),
+        ("Where", escape(where(one)) + _show(one)),
         ("Model", f'<span class="equation">{escape(claim.physics.equation)}</span>'),
         ("Values", values_table(one.parameters)),
         ("How sure", sure),
@@ -133,6 +137,18 @@ def where(one: Finding) -> str:
         if one.tooth is None:
             out += f" (tooth {place.tooth} of the pictures below)"
     return capital(out)
+
+
+def _show(one: Finding) -> str:
+    """A button that leads to where the plots show it: the tooth's mesh, or the order."""
+    place = one.claim.place
+    if place.tooth is not None:
+        at = f'data-tooth="{place.tooth}"'
+    elif place.order is not None or one.claim.physics.name in ONCE_PER_TURN:
+        at = f'data-order="{place.order or 1}"'
+    else:
+        return ""
+    return f' <button type="button" class="show" data-gear="{place.gear or 0}" {at} hidden>Show in the plots</button>'
 
 
 def values_table(found: Reported) -> str:
@@ -188,9 +204,17 @@ def fit(diagnosis: Diagnosis) -> str:
     ]
     return (
         rms_table(rows, diagnosis, seen=True)
-        + f"<p>{_unseen(diagnosis)} The repeatable part is √(rms² {MINUS} noise²): what of the rms no noise makes. "
+        + f"<p>{_unseen(diagnosis)} The repeatable part is √(rms² {MINUS} noise²): what of the rms no noise makes; "
+        f"below {number(told_from(diagnosis) / UM, 3)} µm it cannot be told from none: the noise is known no better. "
         "The declared simulation has nothing fitted to it but the place of the zeros.</p>"
     )
+
+
+def told_from(diagnosis: Diagnosis) -> float:
+    """Repeatable part in mm that the noise level's own standard error alone would make: sqrt(2 noise std)."""
+    noises = diagnosis.comparison.located.noises
+    std = math.sqrt(sum(noise.level_std**2 for noise in noises)) / len(noises)
+    return math.sqrt(2.0 * diagnosis.noise * std)
 
 
 def _over_noise(rms: Rms, noise: float) -> str:

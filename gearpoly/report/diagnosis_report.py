@@ -71,7 +71,7 @@ def _finding_json(one: Finding) -> dict[str, Any]:
     out: dict[str, Any] = {"physics": one.claim.physics.name}
     out |= _place_json(one)
     out["parameters"] = _parameters_json(one.parameters)
-    out["says"] = one.claim.says
+    out["says"] = one.says
     out["heldout_rms_um"] = {"without": one.without.unseen / UM, "with": one.with_.unseen / UM}
     out["p_value"] = one.p_value
     out["gain"] = one.gain
@@ -176,7 +176,7 @@ def _rms_words(rms: Rms, noise: float) -> tuple[str, str, str]:
 
 
 def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagnosis) -> None:
-    console.print(f"\n{number}. {one.claim.says}", style="bold", highlight=False, soft_wrap=True)
+    console.print(f"\n{number}. {one.says}", style="bold", highlight=False, soft_wrap=True)
     if one.claim.place.tooth is not None:
         tooth = "its number is open" if one.tooth is None else f"tooth {one.tooth}"
         reading = "" if one.encoder_deg is None else f", at {one.encoder_deg:.1f} deg of its encoder"

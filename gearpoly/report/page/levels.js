@@ -1,6 +1,6 @@
 // Long curves in levels of detail: each keeps the least and the greatest of every stretch, so that no peak is lost.
 
-const FOUR = 4; // values of one level under one of the next
+const TWO = 2; // values of one level under one of the next
 const FEW = 512; // values that need no further level
 
 class Curve {
@@ -11,11 +11,11 @@ class Curve {
     this.whole = high === null;
     this.levels = [{ step: 1, low, high: high ?? low }];
     for (let last = this.levels[0]; last.low.length > FEW; last = this.levels[this.levels.length - 1]) {
-      const size = Math.ceil(last.low.length / FOUR);
-      const next = { step: FOUR * last.step, low: new Float32Array(size), high: new Float32Array(size) };
+      const size = Math.ceil(last.low.length / TWO);
+      const next = { step: TWO * last.step, low: new Float32Array(size), high: new Float32Array(size) };
       for (let k = 0; k < size; k++) {
         let least = Infinity, most = -Infinity;
-        for (let j = FOUR * k; j < Math.min(last.low.length, FOUR * k + FOUR); j++) {
+        for (let j = TWO * k; j < Math.min(last.low.length, TWO * k + TWO); j++) {
           if (last.low[j] < least) least = last.low[j];
           if (last.high[j] > most) most = last.high[j];
         }
@@ -64,33 +64,16 @@ function nearest(places, x) {
   return k > 0 && x - places[k - 1] < places[k] - x ? k - 1 : k;
 }
 
-// Draw `curve` over `places` into the plot: a line, or from least to greatest where there are more values than pixels.
+// Draw `curve` over `places` into the plot: a line, or columns from least to greatest where values are denser than pixels.
 function drawCurve(plot, places, curve, style) {
-  const { context } = plot.chart;
   const first = Math.max(0, lowerBound(places, plot.view.x0) - 1);
   const last = Math.min(places.length, lowerBound(places, plot.view.x1) + 2);
-  const one = curve.level(last - first, 2 * plot.inner.width);
-  const gap = style.gap ?? Infinity;
-  context.beginPath();
-  let end = NaN;
-  for (let j = Math.floor(first / one.step); j < Math.min(one.low.length, Math.ceil(last / one.step)); j++) {
-    const begin = places[j * one.step];
-    const stop = places[Math.min(places.length, (j + 1) * one.step) - 1];
-    const x = plot.px(0.5 * (begin + stop));
-    const low = plot.py(one.low[j]), high = plot.py(one.high[j]);
-    if (begin - end > gap || Number.isNaN(end)) context.moveTo(x, low);
-    else context.lineTo(x, low);
-    if (high !== low) context.lineTo(x, high);
-    end = stop;
-  }
-  context.strokeStyle = style.colour;
-  context.lineWidth = style.width ?? 1.2;
-  context.lineJoin = "round";
-  context.setLineDash(style.dash ?? []);
-  context.stroke();
-  context.setLineDash([]);
+  const level = curve.level(last - first, plot.inner.width);
+  if (last - first > plot.inner.width && !style.dash) drawColumns(plot, places, level, [first, last], style);
+  else drawLine(plot, places, level, [first, last], style);
   // Single samples become visible where there is room for them.
   if (curve.whole && style.dots && last - first < plot.inner.width / 8) {
+    const { context } = plot.chart;
     context.fillStyle = style.colour;
     for (let k = first; k < last; k++) {
       context.beginPath();
@@ -98,4 +81,58 @@ function drawCurve(plot, places, curve, style) {
       context.fill();
     }
   }
+}
+
+// Calls act(begin, end, low, high) for every stretch of a level that holds values first to last.
+function stretches(places, level, [first, last], act) {
+  const { step, low, high } = level;
+  for (let j = Math.floor(first / step); j < Math.min(low.length, Math.ceil(last / step)); j++) {
+    act(places[j * step], places[Math.min(places.length, (j + 1) * step) - 1], low[j], high[j]);
+  }
+}
+
+function drawLine(plot, places, level, range, style) {
+  const { context } = plot.chart;
+  const gap = style.gap ?? Infinity;
+  let end = NaN;
+  context.beginPath();
+  stretches(places, level, range, (begin, stop, low, high) => {
+    const x = plot.px(0.5 * (begin + stop));
+    if (begin - end > gap || Number.isNaN(end)) context.moveTo(x, plot.py(low));
+    else context.lineTo(x, plot.py(low));
+    if (high !== low) context.lineTo(x, plot.py(high));
+    end = stop;
+  });
+  context.strokeStyle = style.colour;
+  context.lineWidth = style.width ?? 1.2;
+  context.lineJoin = "bevel";
+  context.setLineDash(style.dash ?? []);
+  context.stroke();
+  context.setLineDash([]);
+}
+
+// One upright bar per column of pixels, each reaching the one before it: ten times as fast as a line of as many points.
+function drawColumns(plot, places, level, range, style) {
+  const { context } = plot.chart;
+  const gap = style.gap ?? Infinity;
+  const width = Math.max(1, Math.round(style.width ?? 1)), room = 0.5 * width;
+  let column = NaN, least = Infinity, most = -Infinity; // the column being gathered, in pixels
+  let end = NaN, top = NaN, bottom = NaN; // the end of the stretch before, and its bar
+  context.fillStyle = style.colour;
+  const put = () => {
+    if (most >= least) context.fillRect(column - Math.floor(room), least - room, width, most - least + width);
+  };
+  stretches(places, level, range, (begin, stop, low, high) => {
+    const at = Math.floor(plot.px(0.5 * (begin + stop)));
+    const joined = begin - end <= gap;
+    const up = plot.py(high), down = plot.py(low);
+    if (at !== column) {
+      put();
+      [column, least, most] = [at, Infinity, -Infinity];
+    }
+    least = Math.min(least, up, joined ? bottom : up);
+    most = Math.max(most, down, joined ? top : down);
+    [end, top, bottom] = [stop, up, down];
+  });
+  put();
 }

@@ -112,13 +112,13 @@ function mapPlot(figure, { title, yLabel, rows, source }) {
       const { values, cells, top, marked } = source();
       const { context } = it.chart;
       for (let row = Math.max(0, Math.floor(it.view.y0)); row < Math.min(rows, it.view.y1 + 1); row++) {
-        const y = it.py(row + 0.5), height = it.py(row - 0.5) - y;
+        // Whole pixels: no seams between cells.
+        const y = Math.round(it.py(row + 0.5)), height = Math.round(it.py(row - 0.5)) - y;
         for (let cell = 0; cell < cells; cell++) {
           const value = values[row * cells + cell];
           context.fillStyle = Number.isNaN(value) ? colour("--void") : shade(value, top);
-          const x = it.px(cell / cells - 0.5);
-          // Half a pixel more: no seams between cells.
-          context.fillRect(x, y, it.px((cell + 1) / cells - 0.5) - x + 0.5, height + 0.5);
+          const x = Math.round(it.px(cell / cells - 0.5));
+          context.fillRect(x, y, Math.round(it.px((cell + 1) / cells - 0.5)) - x, height);
         }
         if (marked.includes(row)) {
           context.strokeStyle = colour("--ink");

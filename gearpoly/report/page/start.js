@@ -184,6 +184,35 @@ element("choose").hidden = DATA.recordings.length < 2;
 list.addEventListener("change", () => choose(Number(list.value)));
 element("scale").addEventListener("change", () => maps.forEach((one) => one.rekey()));
 
+// Turn the plots to a tooth's mesh in the middle of the recording, or to an order of a shaft.
+function showPlace({ gear, tooth, order }) {
+  if (order !== undefined) {
+    const x = Number(order) * (Number(gear) === 0 ? 1 : z1 / z2);
+    spectrum.reset();
+    spectrum.show({ ...spectrum.view, x0: x - 3, x1: x + 3 });
+    spectrum.point(x, null);
+    element("plot-spectrum").scrollIntoView({ block: "center" });
+    return;
+  }
+  const { places, raw } = recording();
+  const pitch = 360 / z2, late = raw.coast ? 0.5 : 0, z = DATA.z[gear];
+  // On the coast flank driving tooth n meets driven tooth n + 1, half a pitch later.
+  const first = Number(tooth) - (raw.coast && Number(gear) === 1 ? 1 : 0);
+  const middle = 0.5 * (places[0] + places[places.length - 1]) / pitch - late;
+  const x = (first + z * Math.round((middle - first) / z) + late) * pitch;
+  for (const one of [te, residual]) {
+    one.reset();
+    one.show({ ...one.view, x0: x - 2 * pitch, x1: x + 2 * pitch });
+    one.fitHeight();
+  }
+  te.point(x, null);
+  element("plot-te").scrollIntoView({ block: "start" });
+}
+for (const button of document.querySelectorAll("button.show")) {
+  button.hidden = false;
+  button.addEventListener("click", () => showPlace(button.dataset));
+}
+
 function repaint() {
   colours = null;
   for (const one of everyPlot) one.refresh();

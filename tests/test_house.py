@@ -1,0 +1,163 @@
+"""The house itself: imports run one way, modules are small and say what they are, --help is quick."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from functools import cache
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "gearpoly"
+
+# Each line imports only from lines above it. What a gear is, what two gears do, what was measured, how both compare,
+# why they differ, how that is shown, and what a user calls.
+ORDER = (
+    "errors units",
+    "files gear",
+    "mesh recording",
+    "assemble",
+    "simulate",
+    "export compare",
+    "physics api",
+    "diagnose view",
+    "studies",
+    "report",
+    "study",
+    "prove",
+    "commands",
+    "cli",
+)
+LEVEL = {name: k for k, line in enumerate(ORDER) for name in line.split()}
+
+# Lines. A reader can hold so much; what is longer has to say why it stays whole.
+LONGEST = 360
+WHOLE = {
+    "gearpoly.mesh.radial_search": "one compiled search, which the compiler has to see whole",
+    "gearpoly.simulate": "to be divided: what a run is, and what its file looks like",
+}
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """All modules of the package by name."""
+    out = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        parts = file.relative_to(ROOT).with_suffix("").parts
+        out[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(file.read_text(encoding="utf-8"))
+    return out
+
+
+def imports(name: str, *, inside_functions: bool = True) -> set[str]:
+    """Modules of the package that a module imports; what only type checkers see counts too."""
+    out = set()
+    tree = modules()[name]
+    nodes = ast.walk(tree) if inside_functions else iter(tree.body)
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            out |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            assert node.level == 0, f"{name}: relative import"
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                out.add(whole if whole in modules() else node.module)
+    return {one for one in out if one.split(".")[0] == "gearpoly" and one != name}
+
+
+def part(name: str) -> str:
+    """The package or module below gearpoly that a module belongs to."""
+    return name.split(".")[1] if "." in name else ""
+
+
+def test_every_part_has_its_place() -> None:
+    assert {part(name) for name in modules()} - {"", "__main__"} == set(LEVEL), "say in ORDER where a new part belongs"
+
+
+@pytest.mark.parametrize("upper", sorted(LEVEL))
+def test_imports_run_one_way(upper: str) -> None:
+    """The root is imported for its version alone; ``__main__`` modules are doors, and doors open into everything."""
+    for name in modules():
+        if part(name) != upper or name.endswith("__main__"):
+            continue
+        for other in imports(name):
+            if other == "gearpoly":
+                continue
+            assert part(other) == upper or LEVEL[part(other)] < LEVEL[upper], f"{name} imports {other}"
+
+
+def test_no_two_modules_import_each_other() -> None:
+    """Nor any longer ring, inside a package either; not even with an import put off into a function."""
+    graph = {name: imports(name) - {"gearpoly"} for name in modules() if name != "gearpoly"}
+    list(TopologicalSorter(graph).static_order())  # raises CycleError with the ring
+
+
+def test_the_root_is_imported_for_its_version_alone() -> None:
+    for name, tree in modules().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module == "gearpoly":
+                names = {alias.name for alias in node.names}
+                of_package = {one for one in names if f"gearpoly.{one}" in modules()}
+                assert names - of_package <= {"__version__"}, name
+
+
+def test_matplotlib_is_imported_by_pictures_only() -> None:
+    """No other part draws, and no picture is made unless asked for."""
+    for name, tree in modules().items():
+        if part(name) in ("report", "study", "prove"):
+            continue
+        for node in ast.walk(tree):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not any(one.split(".")[0] == "matplotlib" for one in names), name
+
+
+def test_the_proof_shares_no_code_with_what_it_proves() -> None:
+    """The generator of concealed effects knows nothing of the simulator that explains them."""
+    files = sorted((ROOT / "proving").rglob("*.py"))
+    assert files
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not any(one.split(".")[0] in ("gearpoly", "tests") for one in names), file.name
+
+
+@pytest.mark.parametrize("name", sorted(modules()))
+def test_a_module_is_small_and_says_what_it_is(name: str) -> None:
+    path = PACKAGE.parent.joinpath(*name.split("."))
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    text = file.read_text(encoding="utf-8")
+    if not text.strip():
+        assert file.name == "__init__.py", "an empty module"
+        return
+    doc = ast.get_docstring(modules()[name])
+    assert doc and len(doc) > 15, "no docstring"
+    assert len(text.splitlines()) <= LONGEST or name in WHOLE, f"{len(text.splitlines())} lines"
+
+
+@pytest.mark.parametrize("name", sorted(WHOLE))
+def test_no_exception_outlives_its_reason(name: str) -> None:
+    file = PACKAGE.parent.joinpath(*name.split(".")).with_suffix(".py")
+    assert len(file.read_text(encoding="utf-8").splitlines()) > LONGEST
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["diagnose", "--help"], ["simulate", "--help"], ["--version"]])
+def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
+    code = (
+        "import sys\n"
+        "from gearpoly.__main__ import main\n"
+        f"sys.argv = ['gearpoly', *{arguments!r}]\n"
+        "try:\n"
+        "    main()\n"
+        "except SystemExit as stop:\n"
+        "    assert not stop.code, stop.code\n"
+        "heavy = {'numpy', 'scipy', 'shapely', 'matplotlib', 'numba'} & set(sys.modules)\n"
+        "print('heavy:', sorted(heavy))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert run.returncode == 0, run.stderr
+    assert "heavy: []" in run.stdout

@@ -1,0 +1,297 @@
+"""The proof from end to end with diagnosers that only pretend: sealing, going on, the same bytes, the page."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from gearpoly.cli import app
+from gearpoly.diagnose.method import Method
+from gearpoly.errors import GearpolyError, InputFileError
+from gearpoly.files.pairfile import read_pair
+from gearpoly.physics import catalogue
+from gearpoly.physics.scene import Samples
+from gearpoly.prove import run as proving_run
+from gearpoly.prove.arms import arms
+from gearpoly.prove.board import board_json
+from gearpoly.prove.diagnoser import How, wrong
+from gearpoly.prove.page import board_text, draw, page
+from gearpoly.prove.run import Proof, prove_folder, prove_ground
+from proving.ground import plan
+from tests.made_prove import BENCH, broken, fake, silent, slow, write_cases
+
+
+def quiet(what: str) -> None:
+    """Says nothing."""
+
+
+def verdicts(out: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((out / "verdicts" / "plain").glob("*.json"))}
+
+
+def board(proof: Proof) -> dict[str, Any]:
+    """The scoreboard without what is time."""
+    return {key: value for key, value in board_json(proof).items() if key != "seconds"}
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Path:
+    return write_cases(tmp_path / "bench", BENCH)
+
+
+def test_a_folder_laid_out_like_the_bench(bench: Path, tmp_path: Path) -> None:
+    proof = prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet)
+    told = {one.name: one for one in proof.scores}
+    assert list(told) == ["alpha", "beta", "delta", "gamma"]
+    assert told["alpha"].claims == 1
+    assert told["beta"].items[0].first
+    assert told["delta"].located
+    assert told["gamma"].items[0].named
+    assert not told["gamma"].items[0].placed
+    found = board(proof)
+    misses = {one["case"]: one["misses"] for one in found["failures"]}
+    assert misses["alpha"] == ["false_alarms", "false_names"]
+    assert {"right_tooth", "named_first", "extras", "in_reported_set"} <= set(misses["gamma"])
+    assert "beta" not in misses
+
+
+def test_truths_are_hashed_before_anything_is_scored(
+    bench: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    scored: list[int] = []
+    real = proving_run.score
+
+    def noted(*args: Any, **how: Any) -> Any:
+        scored.append(len(said))
+        return real(*args, **how)
+
+    monkeypatch.setattr(proving_run, "score", noted)
+    proof = prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=said.append)
+    sealed = next(k for k, line in enumerate(said) if proof.sealed in line)
+    assert min(scored) > sealed
+    for line in (tmp_path / "out" / "truths.sha256").read_text().splitlines():
+        digest, name = line.split("  ")
+        assert hashlib.sha256((bench / name).read_bytes()).hexdigest() == digest
+
+
+def test_a_truth_that_changes_under_way_stops_the_proof(bench: Path, tmp_path: Path) -> None:
+    def meddling(pair: Path, recordings: Any, how: How) -> dict[str, Any]:
+        (bench / "alpha.truth.json").write_text('{"kind": "none", "truth": [], "noise_um": 2.0}')
+        return fake(pair, recordings, how)
+
+    with pytest.raises(InputFileError, match="a truth changed"):
+        prove_folder(bench, out=tmp_path / "out", diagnoser=meddling, say=quiet)
+
+
+def test_two_workers_write_the_same_bytes(bench: Path, tmp_path: Path) -> None:
+    one = prove_folder(bench, out=tmp_path / "one", workers=1, diagnoser=fake, say=quiet)
+    two = prove_folder(bench, out=tmp_path / "two", workers=2, diagnoser=fake, say=quiet)
+    assert verdicts(tmp_path / "one") == verdicts(tmp_path / "two")
+    assert board(one) == board(two)
+
+
+def test_a_killed_run_goes_on(bench: Path, tmp_path: Path) -> None:
+    script = (
+        "from pathlib import Path; from gearpoly.prove.run import prove_folder; from tests.made_prove import slow\n"
+        f"prove_folder(Path({str(bench)!r}), out=Path({str(tmp_path / 'out')!r}), diagnoser=slow)"
+    )
+    root = Path(__file__).resolve().parents[1]
+    place = tmp_path / "out" / "verdicts" / "plain"
+    killed = subprocess.Popen([sys.executable, "-c", script], cwd=root, stdout=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60.0  # a start takes seconds on a busy machine
+    while not list(place.glob("*.json")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.kill(killed.pid, signal.SIGKILL)
+    killed.wait()
+    before = verdicts(tmp_path / "out")
+    assert 0 < len(before) < len(BENCH)
+    proof = prove_folder(bench, out=tmp_path / "out", diagnoser=slow, say=quiet)
+    runs = (tmp_path / "runs.txt").read_text().split()
+    assert all(runs.count(Path(name).stem) == 1 for name in before)  # finished cases are not done again
+    assert board(proof) == board(prove_folder(bench, out=tmp_path / "fresh", diagnoser=slow, say=quiet))
+
+
+def test_other_recordings_and_other_code_are_diagnosed_again(bench: Path, tmp_path: Path) -> None:
+    def runs() -> int:
+        return len((tmp_path / "runs.txt").read_text().split())
+
+    prove_folder(bench, out=tmp_path / "out", diagnoser=slow, say=quiet)
+    prove_folder(bench, out=tmp_path / "out", diagnoser=slow, say=quiet)
+    assert runs() == 4
+    path = bench / "beta" / "rec_1.csv"
+    path.write_text(path.read_text() + "2\n")
+    prove_folder(bench, out=tmp_path / "out", diagnoser=slow, say=quiet)
+    assert runs() == 5
+    assert not prove_folder(bench, out=tmp_path / "out", diagnoser=silent, say=quiet).scores[1].claims
+
+
+def test_an_error_of_the_diagnosis_is_a_failed_case(bench: Path, tmp_path: Path) -> None:
+    proof = prove_folder(bench, out=tmp_path / "out", diagnoser=broken, say=quiet)
+    (beta,) = (one for one in proof.scores if one.name == "beta")
+    assert beta.error.startswith("ZeroDivisionError: no such luck (made_prove.py, broken)")
+    assert not beta.reported
+
+
+def test_the_ground_is_written_apart_from_its_truths(tmp_path: Path) -> None:
+    proof = prove_ground(3, out=tmp_path, quick=True, indices=[0], diagnoser=silent, say=quiet)
+    assert [one.name for one in proof.scores] == ["case_000"]
+    assert not list((tmp_path / "cases").rglob("*.truth.json"))
+    assert len(list((tmp_path / "truths").glob("*.truth.json"))) == 1
+    # Gone on with: nothing is written again.
+    first = {p: p.stat().st_mtime_ns for p in (tmp_path / "cases").rglob("*.csv")}
+    again = prove_ground(3, out=tmp_path, quick=True, indices=[0], diagnoser=silent, say=quiet)
+    assert {p: p.stat().st_mtime_ns for p in (tmp_path / "cases").rglob("*.csv")} == first
+    assert again.sealed == proof.sealed
+
+
+@pytest.mark.parametrize(
+    ("break_it", "words"),
+    [
+        (lambda bench: (bench / "beta" / "pair.toml").unlink(), None),
+        (lambda bench: (bench / "beta.truth.json").unlink(), "no such file"),
+        (lambda bench: [path.unlink() for path in (bench / "beta").glob("rec_*")], "no recording"),
+    ],
+)
+def test_a_folder_that_is_not_laid_out_so_is_refused(bench: Path, tmp_path: Path, break_it: Any, words: Any) -> None:
+    break_it(bench)
+    if words is None:  # a folder without a pair file is no case
+        assert len(prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet).scores) == 3
+        return
+    with pytest.raises(InputFileError, match=words):
+        prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet)
+
+
+def test_the_page_lists_every_failure(bench: Path, tmp_path: Path) -> None:
+    found = board_json(prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet))
+    assert json.loads(board_text(found)) == json.loads(json.dumps(found))
+    text = page(found, figure="figures/proof_size.png")
+    assert "| gamma | missing, made | tooth_spall driven tooth 9 | tooth_spall driven tooth 10 |" in text
+    assert "wrong tooth" in text
+    assert "| alpha | none, made | nothing | friction | false alarm |" in text
+    assert found["truths_sha256"] in text
+    draw(found, tmp_path / "size.png")
+    assert (tmp_path / "size.png").stat().st_size > 5000  # an empty canvas has less
+
+
+def test_controls_are_chosen_by_the_plan_alone() -> None:
+    entries = plan(5)
+    found = {arm.key: arm for arm in arms(entries)}
+    assert set(found) == {"struck", "known_wrong", "no_whitening", "no_exact", "one_torque"}
+    assert all(len(arm.how) >= 12 for arm in found.values())
+    for k, how in found["struck"].how.items():
+        assert how.without == entries[k].physics
+        assert entries[k].over >= 7.0
+
+
+def test_the_command_refuses_what_it_cannot_do(tmp_path: Path, bench: Path) -> None:
+    runner = CliRunner()
+    for arguments, words in (
+        (["--on", str(tmp_path / "none")], "no such folder"),
+        (["--on", str(bench), "--quick"], "scored as it is"),
+        (["--seed", "-1"], "want 0 or a positive"),
+        (["--json", str(tmp_path / "no" / "x.json")], "no folder"),
+    ):
+        found = runner.invoke(app, ["prove", "--out", str(tmp_path / "out"), *arguments])
+        assert isinstance(found.exception, GearpolyError)
+        assert words in str(found.exception)
+
+
+def test_json_to_standard_output_is_all_that_goes_there(
+    bench: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def pretended(folder: Path, **how: Any) -> Proof:
+        return prove_folder(folder, **how, diagnoser=fake)
+
+    monkeypatch.setattr(proving_run, "prove_folder", pretended)
+    # The command asks for its functions when it runs.
+    app(
+        ["prove", "--on", str(bench), "--json", "-", "--workers", "1", "--out", str(tmp_path / "out")],
+        standalone_mode=False,
+    )
+    told = capfd.readouterr()
+    assert json.loads(told.out)["cases"] == 4
+    assert "truths sealed" in told.err
+
+
+PAIR = """
+[pair]
+torque_nm = 0.0
+[driving]
+teeth = 18
+module_mm = 2.0
+[driving.eccentricity]
+amplitude_um = AMPLITUDE
+angle_deg = 30.0
+[driven]
+teeth = 25
+module_mm = 2.0
+[driven.tip_relief]
+amount_um = 10.0
+length_mm = 0.6
+"""
+
+
+def made(tmp_path: Path, amplitude: float) -> Path:
+    path = tmp_path / f"pair_{amplitude}.toml"
+    path.write_text(PAIR.replace("AMPLITUDE", str(amplitude)))
+    return path
+
+
+def test_known_parameters_wrong_by_five_percent(tmp_path: Path) -> None:
+    file = read_pair(made(tmp_path, 20.0))
+    off = wrong(file)
+    assert off.driving.eccentricity is not None
+    assert off.driven.tip_relief is not None
+    assert off.driving.eccentricity.amplitude_um == pytest.approx(21.0)
+    assert off.driven.tip_relief.amount_um == pytest.approx(10.5)
+    assert off.material.youngs_modulus_gpa == pytest.approx(1.05 * 206.0)
+    assert file.driving.eccentricity is not None
+    assert file.driving.eccentricity.amplitude_um == 20.0
+
+
+def test_first_order_lacks_what_grows_with_the_square(tmp_path: Path) -> None:
+    """A small eccentricity is its first order; of a large one the rest grows with the square of the amplitude."""
+    theta_2 = np.linspace(0.0, 2.0 * np.pi, 500)
+    samples = Samples(
+        number=0, flank="drive", torque=0.0, speed=None, theta_1=theta_2 * 25 / 18, theta_2=theta_2, time=None,
+        reading_1=theta_2, reading_2=theta_2, direction_1=1, direction_2=1, counted=True,
+    )  # fmt: skip
+
+    def lacking(amplitude: float) -> float:
+        path = made(tmp_path, amplitude)
+        file = read_pair(path)
+        (exact,) = Method().scenes(file, [samples], path=path)
+        (first,) = Method(exact=False).scenes(file, [samples], path=path)
+        assert np.ptp(exact.te) > 1.8e-3 * amplitude  # mm: twice the amplitude, nearly
+        return float(np.std(exact.te - first.te))
+
+    small, large = lacking(20.0), lacking(80.0)
+    assert 8.0 < large / small < 32.0  # 16, but the relief's corners move with the first order, too
+
+
+def test_without_whitening_and_without_a_physics() -> None:
+    assert len(Method(without=frozenset({"friction"})).physics) == len(catalogue()) - 1
+    from gearpoly.compare.noise import estimate_noise
+
+    rng = np.random.default_rng(1)
+    u = np.arange(4500) / 10.0
+    values = np.zeros(u.size)
+    for k in range(1, u.size):
+        values[k] = 0.8 * values[k - 1] + rng.normal()
+    noise = estimate_noise(u, 1e-3 * values, z_1=9, z_2=10)
+    white = Method(whiten=False).noise(noise)
+    assert noise.ar.size
+    assert not white.ar.size
+    assert np.allclose(white.whitened(values), values / noise.level)

@@ -1,0 +1,254 @@
+"""The scorer on verdicts whose worth is known."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gearpoly.errors import InputFileError
+from gearpoly.prove.controls import shuffled
+from gearpoly.prove.profile import by_size
+from gearpoly.prove.rows import Row, rows
+from gearpoly.prove.score import CaseScore, score
+from gearpoly.prove.statistics import Share, Z
+from gearpoly.prove.thresholds import read_thresholds
+from gearpoly.prove.truth import Truth, read_truth
+from tests.made_prove import PAIR, claim, verdict
+
+LIMITS = read_thresholds()
+
+
+def truth(tmp_path: Path, *items: dict[str, Any], kind: str = "missing", **more: Any) -> Truth:
+    pair, path = tmp_path / "pair.toml", tmp_path / "x.truth.json"
+    pair.write_text(PAIR)
+    path.write_text(json.dumps({"kind": kind, "truth": list(items), "noise_um": 1.0, **more}))
+    return read_truth(path, pair=pair)
+
+
+def row(scores: list[CaseScore], key: str) -> Row:
+    return next(one for one in rows(scores, LIMITS) if one.key == key)
+
+
+CRACK = {
+    "physics": "tooth_crack", "gear": 2, "tooth": 6, "teeth": 25, "encoder_deg": 350.0, "compliance_factor": 1.4,
+    "over_limit": 10.0,
+}  # fmt: skip
+
+
+def test_the_encoder_decides_which_tooth(tmp_path: Path) -> None:
+    told = truth(tmp_path, CRACK)
+    found = score("a", verdict(claim("tooth_crack", "driven", tooth=None, encoder_deg=356.0)), told, LIMITS)
+    assert found.items[0].placed
+    assert found.items[0].first
+    # One tooth is 14.4 deg: beyond half of it the next one is nearer, and a right number does not help.
+    wrong = score("b", verdict(claim("tooth_crack", "driven", tooth=6, encoder_deg=357.3)), told, LIMITS)
+    assert wrong.items[0].named
+    assert not wrong.items[0].placed
+    assert wrong.extras == 1
+    assert row([found, wrong], "right_tooth").share == Share(hits=1, of=2)
+    assert row([found, wrong], "right_tooth").cases == ("b",)
+    assert row([found, wrong], "named_first").cases == ("b",)
+
+
+def test_readings_wrap_at_a_turn(tmp_path: Path) -> None:
+    told = truth(tmp_path, {**CRACK, "encoder_deg": 359.0})
+    assert score("a", verdict(claim("tooth_crack", "driven", encoder_deg=2.0)), told, LIMITS).items[0].placed
+
+
+def test_the_wrong_gear_is_not_the_truth(tmp_path: Path) -> None:
+    told = truth(tmp_path, {"physics": "wear", "gear": 1, "depth_um": 2.0, "over_limit": 9.0})
+    found = score("a", verdict(claim("wear", "driven", depth_um=(2.0, 0.1))), told, LIMITS)
+    assert not found.items[0].named
+    assert found.extras == 1
+
+
+def test_an_order_is_part_of_the_name(tmp_path: Path) -> None:
+    told = truth(tmp_path, {"physics": "undulation", "gear": 1, "order": 61, "amplitude_um": 0.5})
+    right = claim("undulation", "driving", order=(61, 0.0), amplitude_um=(0.5, 0.01))
+    wrong = claim("undulation", "driving", order=(60, 0.0), amplitude_um=(0.5, 0.01))
+    assert score("a", verdict(right), told, LIMITS).items[0].placed
+    assert not score("a", verdict(wrong), told, LIMITS).items[0].named
+
+
+def test_rivals_named_and_look_alikes_named_singly(tmp_path: Path) -> None:
+    item = {
+        "physics": "encoder_eccentricity", "gear": 1, "amplitude_urad": 40.0, "over_limit": 20.0,
+        "acceptable": [{"physics": "eccentricity", "gear": 1, "separability": 0.05}],
+    }  # fmt: skip
+    told = truth(tmp_path, item)
+    mine = claim("encoder_eccentricity", "driving", amplitude_urad=(41.0, 1.0))
+    rival = claim("eccentricity", "driving", amplitude_um=(0.7, 0.1))
+    both = claim("eccentricity", "driving", rivals=[mine])
+    alone = score("a", verdict(mine), told, LIMITS)
+    other = score("b", verdict(rival), told, LIMITS)
+    ranged = score("c", verdict(both), told, LIMITS)
+    assert [one.items[0].singly for one in (alone, other, ranged)] == [True, True, False]
+    assert [one.items[0].in_set for one in (alone, other, ranged)] == [True, False, True]
+    assert [one.items[0].set_size for one in (alone, other, ranged)] == [1, 1, 2]
+    assert ranged.items[0].alike_named
+    assert ranged.extras == other.extras == 0
+    found = row([alone, other, ranged], "look_alikes_named_singly")
+    assert found.cases == ("a", "b")
+    assert found.reached is False
+    # Naming a look-alike is no failure to name first: size times separability is only 1.
+    assert row([other], "named_first").share == Share(hits=0, of=0)
+    assert row([other], "named_first").reached is None
+
+
+def test_false_alarms_named_or_only_located(tmp_path: Path) -> None:
+    told = truth(tmp_path, kind="none")
+    named = score("a", verdict(claim("friction", coefficient=(0.01, 0.001))), told, LIMITS)
+    located = score("b", verdict(unexplained=[{"kind": "mesh_order", "order": 1}]), told, LIMITS)
+    quiet = [score(f"c{k}", verdict(), told, LIMITS) for k in range(38)]
+    assert row([named, located, *quiet], "false_alarms").cases == ("a", "b")
+    assert row([named, located, *quiet], "false_alarms").reached is True  # 2 of 40 are just the 5 % allowed
+    assert row([named, located, *quiet[:37]], "false_alarms").reached is False
+    assert row([named, located, *quiet], "false_names").cases == ("a",)
+
+
+def test_a_stranger_is_located_on_either_shaft_and_must_get_no_name(tmp_path: Path) -> None:
+    told = truth(tmp_path, {"order": 3.6, "gear": 1, "amplitude_um": 0.6}, kind="unknown")
+    mine = {"kind": "shaft_order", "gear": "driving", "order": 3.59}
+    mate = {"kind": "shaft_order", "gear": "driven", "order": 5.0}  # 3.6 x 25/18
+    whole = {"kind": "shaft_order", "gear": "driving", "order": 4}
+    assert score("a", verdict(unexplained=[mine]), told, LIMITS).located
+    assert score("b", verdict(unexplained=[mate]), told, LIMITS).located
+    assert not score("c", verdict(unexplained=[whole]), told, LIMITS).located
+    named = score("d", verdict(claim("undulation", "driving", order=(4, 0.0)), unexplained=[mine]), told, LIMITS)
+    assert named.located
+    assert row([named], "strangers_named").cases == ("d",)
+
+
+def test_hum_jumps_and_pulses(tmp_path: Path) -> None:
+    hum = truth(tmp_path, {"shape": "hum", "hz": 50.0, "amplitude_um": 1.0}, kind="unknown")
+    assert score("a", verdict(unexplained=[{"kind": "time", "hz": 50.02}]), hum, LIMITS).located
+    assert not score("a", verdict(unexplained=[{"kind": "time", "hz": 60.0}]), hum, LIMITS).located
+    jump = truth(tmp_path, {"shape": "jump", "at": 0.4, "amplitude_um": 1.0}, kind="unknown")
+    assert score("a", verdict(unexplained=[{"kind": "time", "hz": 0.0}]), jump, LIMITS).located
+    assert not score("a", verdict(), jump, LIMITS).located
+    pulse = truth(tmp_path, {"shape": "pulse", "order": 0.31, "gear": 2, "amplitude_um": 1.0}, kind="unknown")
+    third = {"kind": "shaft_order", "gear": "driven", "order": 0.93}
+    assert score("a", verdict(unexplained=[third]), pulse, LIMITS).located
+
+
+def test_errors_of_sizes_and_angles(tmp_path: Path) -> None:
+    item = {"physics": "eccentricity", "gear": 1, "amplitude_um": 5.0, "angle_deg": 359.0, "over_limit": 30.0}
+    said = claim("eccentricity", "driving", amplitude_um=(5.2, 0.15), angle_deg=(1.0, 1.5))
+    size, angle = score("a", verdict(said), truth(tmp_path, item), LIMITS).items[0].parameters
+    assert size.off == pytest.approx(0.2)
+    assert size.relative == pytest.approx(0.04)
+    assert size.main
+    assert (size.within(1.0), size.within(2.0)) == (False, True)
+    assert angle.off == pytest.approx(2.0)
+    assert not angle.main
+
+
+def test_a_crack_counts_from_one(tmp_path: Path) -> None:
+    said = claim("tooth_crack", "driven", encoder_deg=350.0, compliance_factor=(1.44, 0.01))
+    (size,) = score("a", verdict(said), truth(tmp_path, CRACK), LIMITS).items[0].parameters
+    assert size.relative == pytest.approx(0.1)  # 0.04 of 0.4, not of 1.4
+
+
+def test_a_failed_diagnosis_counts_as_silent(tmp_path: Path) -> None:
+    told = truth(tmp_path, CRACK, depth={"over_limit": 10.0})
+    found = score("a", None, told, LIMITS, error="ValueError: no")
+    assert row([found], "detected").cases == ("a",)
+    assert row([found], "errors").reached is False
+
+
+def test_only_effects_above_the_limit_have_to_be_detected(tmp_path: Path) -> None:
+    weak = score("a", verdict(), truth(tmp_path, CRACK, depth={"over_limit": 6.9}), LIMITS)
+    strong = score("b", verdict(), truth(tmp_path, CRACK, depth={"over_limit": 7.0}), LIMITS)
+    assert row([weak, strong], "detected").share == Share(hits=0, of=1)
+
+
+def test_both_of_two(tmp_path: Path) -> None:
+    other = {"physics": "friction", "coefficient": 0.05, "over_limit": 9.0}
+    told = truth(tmp_path, CRACK, other)
+    crack = claim("tooth_crack", "driven", encoder_deg=350.0)
+    one = score("a", verdict(crack), told, LIMITS)
+    two = score("b", verdict(claim("friction"), crack), told, LIMITS)
+    assert row([one, two], "both_named").cases == ("a",)
+    assert two.extras == 0
+
+
+def test_energy_removed_is_over_the_true_noise(tmp_path: Path) -> None:
+    told = truth(tmp_path, CRACK, depth={"over_limit": 10.0})  # noise 1 um
+    half = score("a", verdict(before=math.sqrt(3.0), after=math.sqrt(2.0)), told, LIMITS)
+    assert half.removed == pytest.approx(0.5)
+    assert row([half], "energy_removed").value == pytest.approx(0.5)
+    # Where hardly anything repeats there is nothing to remove.
+    assert row([score("b", verdict(before=1.01, after=1.0), told, LIMITS)], "energy_removed").value is None
+
+
+def test_coverage_must_be_neither_too_low_nor_too_high(tmp_path: Path) -> None:
+    told = truth(tmp_path, {**CRACK, "over_limit": 30.0})
+
+    def of(off: float) -> CaseScore:
+        said = claim("tooth_crack", "driven", encoder_deg=350.0, compliance_factor=(1.4 + off, 0.1))
+        return score("a", verdict(said), told, LIMITS)
+
+    inside, outside = of(0.15), of(0.25)
+    assert row([inside] * 19 + [outside], "coverage_2").reached is True
+    assert row([inside] * 20, "coverage_2").reached is False  # errors stated too large
+    assert row([inside] * 8 + [outside] * 2, "coverage_2").reached is False
+
+
+def test_wilson_at_the_ends_and_in_the_middle() -> None:
+    """Of n cases and no hit the interval ends at z^2 / (n + z^2); it is symmetric under hits and misses."""
+    none = Share(hits=0, of=20)
+    assert none.low == 0.0
+    assert none.high == pytest.approx(Z**2 / (20 + Z**2))
+    most = Share(hits=17, of=20)
+    few = Share(hits=3, of=20)
+    assert most.low == pytest.approx(1.0 - few.high)
+    assert few.low < few.rate < few.high
+    assert Share(hits=7, of=7).high == 1.0
+    assert math.isnan(Share(hits=0, of=0).rate)
+
+
+def test_the_smallest_that_was_named_is_reported_with_the_largest_that_was_not(tmp_path: Path) -> None:
+    def pitch(size: float, said: bool) -> CaseScore:
+        item = {**CRACK, "physics": "tooth_pitch", "deviation_um": -size}
+        named = claim("tooth_pitch", "driven", encoder_deg=350.0, deviation_um=(-size, 0.1))
+        return score(f"{size}", verdict(named) if said else verdict(), truth(tmp_path, item), LIMITS)
+
+    found = row([pitch(0.3, True), pitch(0.5, False), pitch(2.0, True)], "smallest_tooth_pitch_um")
+    assert found.value == pytest.approx(0.3)
+    assert found.reached is True
+    assert "0.50 um" in found.note
+    assert row([pitch(0.3, False)], "smallest_tooth_pitch_um").reached is False
+    assert row([], "smallest_tooth_pitch_um").reached is None
+
+
+def test_shuffled_labels_are_right_by_chance(tmp_path: Path) -> None:
+    said = claim("tooth_crack", "driven", encoder_deg=350.0)
+    scores = [score(f"{k}", verdict(said), truth(tmp_path, CRACK), LIMITS) for k in range(40)]
+    found = shuffled(scores, {one.name: [said] for one in scores}, LIMITS)
+    assert found["expected"] == pytest.approx(1 / 25)
+    low, high = found["right_tooth"]["interval_95"]
+    assert low < 1 / 25 < high  # 2000 seeded guesses
+
+
+def test_sizes_fall_into_their_bins(tmp_path: Path) -> None:
+    scores = [score("a", verdict(), truth(tmp_path, {**CRACK, "over_limit": n}), LIMITS) for n in (0.5, 1.0, 30.0)]
+    assert [one["cases"] for one in by_size(scores)] == [1, 1, 0, 0, 0, 0, 1]
+
+
+def test_a_truth_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputFileError, match="want none, missing or unknown"):
+        truth(tmp_path, kind="perhaps")
+    (tmp_path / "x.truth.json").write_text("{")
+    with pytest.raises(InputFileError, match="want a truth file"):
+        read_truth(tmp_path / "x.truth.json", pair=tmp_path / "pair.toml")
+
+
+def test_thresholds_are_read_by_the_scorer_only() -> None:
+    root = Path(__file__).resolve().parents[1]
+    readers = [p for p in (root / "gearpoly").rglob("*.py") if "thresholds.toml" in p.read_text()]
+    assert {p.parent.name for p in readers} == {"prove"}
+    assert not [p for p in (root / "proving").rglob("*.py") if "thresholds" in p.read_text()]

@@ -1,0 +1,41 @@
+"""The stories in examples/stories come out as they are told."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+STORIES = Path(__file__).resolve().parents[1] / "examples" / "stories"
+
+
+def told(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    monkeypatch.syspath_prepend(STORIES)
+    found: dict[str, Any] = importlib.import_module(name).main(folder)
+    assert (folder / f"{name}.png").stat().st_size > 20_000  # an empty canvas has less
+    return found
+
+
+@pytest.mark.slow
+def test_relief_that_cancels_deflection(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = told("relief_cancels_deflection", tmp_path, monkeypatch)
+    light, _, full = found["mesh ripple, um peak to peak, by torque"]
+    assert full < 0.5 * light  # unloaded the relief shows as it is; under design torque most of it is taken up
+    assert any("relief" in words for words in found["three torques"])
+
+
+@pytest.mark.slow
+def test_crack_under_pitch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = told("crack_under_pitch", tmp_path, monkeypatch)
+    assert found["tooth named"] == [found["cracked tooth"]]
+
+
+@pytest.mark.slow
+def test_encoder_or_gear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = told("encoder_or_gear", tmp_path, monkeypatch)
+    assert abs(found["phase between the flanks, deg"]) < 8.0  # noise and as-built pitch turn it by a few degrees
+    assert found["of a gear it would be, deg"] == pytest.approx(40.0, abs=0.5)
+    assert "Or else" in found["drive flank alone"][0]
+    assert "Or else" not in found["both flanks"][0]
