@@ -31,6 +31,8 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.loading
 	$(BIN)/python -m benchmarks.convergence
 	$(BIN)/python -m benchmarks.reading
+	$(BIN)/python -m benchmarks.viewing
+	$(BIN)/python -m benchmarks.study
 
 paper: $(VENV)/.core
 	$(BIN)/python -m gearpoly.studies.paper --out docs

@@ -6,6 +6,7 @@ Errors are reading minus truth in rad of the shaft; they belong to the measuring
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def corrected(
     """
     if driving.none and driven.none:
         return recording
-    changes: dict[str, FloatArray] = {}
+    changes: dict[str, Any] = {}
     wrong: dict[str, FloatArray] = {}
     for name, errors, reading, sense in (
         ("driving", driving, recording.driving_angle_rad, recording.driving_direction),

@@ -46,7 +46,7 @@ def verdict(diagnosis: Diagnosis) -> str:
     ]
     if diagnosis.findings:
         lines = "".join(
-            f'<li><a href="#finding-{n}">{escape(typeset(one.claim.says))}</a> {_open(one)}'
+            f'<li><a href="#finding-{n}">{escape(typeset(one.says))}</a> {_open(one)}'
             f"<small>{_short(one, diagnosis)}</small></li>"
             for n, one in enumerate(diagnosis.findings, 1)
         )
@@ -112,7 +112,7 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
     name = physics_words(claim.physics.name)
     return (
         f'<article class="finding" id="finding-{n}" aria-labelledby="finding-{n}-head">'
-        f'<h3 id="finding-{n}-head"><span class="n">{n}</span> {escape(typeset(claim.says))} '
+        f'<h3 id="finding-{n}-head"><span class="n">{n}</span> {escape(typeset(one.says))} '
         f"<code>{escape(name)}</code>{_open(one)}</h3>"
         f"<dl>{body}</dl></article>"
     )
