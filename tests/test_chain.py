@@ -140,9 +140,9 @@ def test_compare_takes_stated_errors_and_drift_off(tmp_path: Path) -> None:
     """The same recording, once as true encoders on a cool rig would have made it, once with all of it wrong: the same
     residual."""
     rng = np.random.default_rng(3)
-    file, path, truth = inspected(tmp_path, rng, z_1=12, z_2=17)
+    file, path, truth = inspected(tmp_path, rng, z_1=12, z_2=16)
     zeros = 1.234, 4.321
-    plain = record(truth, Rig(zero_1=zeros[0], zero_2=zeros[1], noise=0.1), rng, cycles=1.5, stated=zeros)
+    plain = record(truth, Rig(zero_1=zeros[0], zero_2=zeros[1], noise=0.1), rng, cycles=1.5, per_mesh=12, stated=zeros)
     assert plain.driving_angle_rad is not None and plain.driven_angle_rad is not None and plain.time_s is not None
     sections = WRONG.model_copy(update={"scale": 1.0 + 1e-5}), WRONG
     drift = (2.0, -1.5, 0.7)

@@ -154,7 +154,7 @@ def test_an_undulation_runs_over_the_flanks_it_names(gear: int, flank: str) -> N
 
 @pytest.mark.parametrize("gear", [0, 1])
 @pytest.mark.parametrize("flank", FLANKS)
-@pytest.mark.parametrize("order", [5, 47])
+@pytest.mark.parametrize("order", [47])
 def test_an_undulation_is_one_order_line_of_its_own_amplitude(gear: int, flank: Flank, order: int) -> None:
     """All touching pairs ride the same wave, so TE is A cos(n theta + phase), material ahead on the drive flank."""
     a, phase = 0.05, 130.0

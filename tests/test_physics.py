@@ -181,7 +181,7 @@ def test_nothing_is_looked_for_where_it_cannot_show(what: str, absent: set[str])
 
 def test_what_is_only_graded_is_not_called_missing() -> None:
     scope = replace(scope_of(rough()), inspected=(False, True))
-    for name in ("cumulative_pitch", "profile_slope", "tooth_thickness"):
+    for name in ("cumulative_pitch", "profile_slope"):
         assert {place.gear for place in catalogue()[name].places(scope)} == {1}
 
 
@@ -452,7 +452,7 @@ FULL_AND_LIGHT = (
 CAMPAIGNS = {"mesh_resonance": (Condition(speed_rpm=600.0), Condition(speed_rpm=300.0))}
 """A resonance shows by two speeds; all else by full and nearly no torque, and both flanks."""
 
-ALIKE = {"profile_slope", "profile_crowning", "tip_relief", "wear", "encoder_scale"}
+ALIKE = {"profile_slope", "profile_crowning", "tip_relief", "tooth_thickness", "wear", "encoder_scale"}
 """Physics whose gear no recording of one pair tells: the other one may be named, if this one is its rival."""
 
 
@@ -493,13 +493,14 @@ def assert_given_back(name: str, file: PairFile, diagnosis: Diagnosis) -> None:
         # The walls of a spall are the least certain of it: what a tooth's form leaves open is no error of the fit.
         slack = 0.05 * abs(expected[key]) if key != "ratio" else 0.0
         assert abs(value - expected[key]) <= max(3.0 * std, slack), (key, value, std, expected[key])
-    # White noise of 0.3 um is all that is left, also where the fit never looked.
-    assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.05)
+    # White noise of 0.3 um is all that is left, also where the fit never looked: of 800 samples 2.5 % are one standard
+    # error, and 60 free teeth take 4 % more.
+    assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.1)
 
 
-def given_back(name: str, folder: Path) -> None:
+def given_back(name: str, folder: Path, conditions: tuple[Condition, ...], *, per_mesh: int) -> None:
     file = declared(name)
-    recordings = recorded(claim_of(name).written(file), CAMPAIGNS.get(name, FULL_AND_LIGHT), np.random.default_rng(11))
+    recordings = recorded(claim_of(name).written(file), conditions, np.random.default_rng(11), per_mesh=per_mesh)
     diagnosis = diagnose(file, recordings, path=folder / "pair.toml")
     assert_given_back(name, file, diagnosis)
     fitted = folder / "fitted.toml"
@@ -507,11 +508,18 @@ def given_back(name: str, folder: Path) -> None:
     read_pair(fitted)
 
 
-QUICK = ("tooth_pitch",)
-
-
-@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in NAMES])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
 def test_a_recording_gives_the_physics_back(name: str, tmp_path: Path) -> None:
-    """Three recordings of two hunting cycles with 0.3 um of noise: name, place and size within three standard errors
-    or 5 %, and nothing else."""
-    given_back(name, tmp_path)
+    """Recordings of two hunting cycles with 0.3 um of noise: name, place and size within three standard errors or 5 %,
+    and nothing else."""
+    given_back(name, tmp_path, CAMPAIGNS.get(name, FULL_AND_LIGHT), per_mesh=20)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["tooth_pitch", *(pytest.param(n, marks=pytest.mark.slow) for n in ("eccentricity", "tooth_crack"))],
+)
+def test_two_short_recordings_give_back_what_is_plain(name: str, tmp_path: Path) -> None:
+    """The whole shaft, one tooth under load, and one tooth under any."""
+    given_back(name, tmp_path, FULL_AND_LIGHT[:2], per_mesh=8)

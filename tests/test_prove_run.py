@@ -23,13 +23,14 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.physics.scene import Samples
 from gearpoly.prove import run as proving_run
+from gearpoly.prove import work
 from gearpoly.prove.arms import arms
 from gearpoly.prove.board import board_json
 from gearpoly.prove.diagnoser import How, wrong
 from gearpoly.prove.page import board_text, draw, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
 from proving.ground import plan
-from tests.made_prove import BENCH, broken, fake, silent, slow, write_cases
+from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
 
 
 def quiet(what: str) -> None:
@@ -142,6 +143,16 @@ def test_an_error_of_the_diagnosis_is_a_failed_case(bench: Path, tmp_path: Path)
     (beta,) = (one for one in proof.scores if one.name == "beta")
     assert beta.error.startswith("ZeroDivisionError: no such luck (made_prove.py, broken)")
     assert not beta.reported
+
+
+def test_a_diagnosis_without_an_end_is_a_failed_case(
+    bench: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, "LONGEST", 0.2)
+    proof = prove_folder(bench, out=tmp_path / "out", diagnoser=endless, say=quiet)
+    assert {one.name: one.error for one in proof.scores if one.error} == {
+        "beta": "TooLongError: not done after 0.2 s of processor time"
+    }
 
 
 def test_the_ground_is_written_apart_from_its_truths(tmp_path: Path) -> None:

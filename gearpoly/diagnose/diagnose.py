@@ -91,7 +91,7 @@ def diagnose(
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
-        after=cross_validated(search.linear, masks),
+        after=cross_validated(search.linear, masks, hold=slow_places(search)),
         held_out_by=_held_out_by(model),
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
@@ -156,12 +156,20 @@ def _is_foreign(entry: Entry) -> bool:
     return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
 
 
+def slow_places(search: Search) -> list[int]:
+    """Parameters of claims that go on over a whole recording and never repeat."""
+    layout, claims = search.linear.layout, search.model.claims
+    return [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
+
+
 def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, watch: _Watch) -> Finding:
     model, linear = search.model, search.linear
     claim = model.claims[k]
     at = linear.layout.claims[k]
     covariance = linear.system.covariance[at, at]
     masks = [one.fit for one in model.observed]
+    mine = linear.layout.places(k) + linear.layout.form_places(model, k)
+    slow = slow_places(search)
     rivals = tuple(
         Rival(claim=one.claim, parameters=parameters(model, one.claim, np.zeros((len(one.claim.values),) * 2)))
         for one in judged.rivals
@@ -181,8 +189,8 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
         encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
-        without=cross_validated(linear, masks, leave=linear.layout.places(k) + linear.layout.form_places(model, k)),
-        with_=cross_validated(linear, masks),
+        without=cross_validated(linear, masks, leave=mine, hold=[p for p in slow if p not in mine]),
+        with_=cross_validated(linear, masks, hold=slow),
         rivals=rivals,
         separation=separation,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,11 +20,16 @@ class Rms:
     unseen: float
 
 
-def cross_validated(linear: Linear, masks: list[Mask], *, leave: list[int] | None = None) -> Rms:
-    """Fit on one part and look at the other, then the other way round; ``leave`` parameters out.
+def cross_validated(
+    linear: Linear, masks: list[Mask], *, leave: list[int] | None = None, hold: list[int] | None = None
+) -> Rms:
+    """Fit on one part and look at the other, then the other way round; ``leave`` parameters out, ``hold`` others at
+    what the whole recordings gave: a drift says nothing about the part that was not seen.
 
     Where a part is empty (nothing was held out), both figures are those of the whole.
     """
+    if hold:
+        linear, leave = held(linear, hold), sorted({*(leave or []), *hold})
     system, columns = linear.system, linear.columns
     if leave:
         system = system.without(leave)
@@ -40,6 +45,15 @@ def cross_validated(linear: Linear, masks: list[Mask], *, leave: list[int] | Non
         seen.append(_square(x, columns, linear.target, fit))
         unseen.append(_square(x, columns, linear.target, rest))
     return Rms(seen=_root(seen), unseen=_root(unseen))
+
+
+def held(linear: Linear, places: list[int]) -> Linear:
+    """The same with what the solution gives ``places`` taken off the targets."""
+    x = np.zeros(linear.system.size)
+    x[places] = linear.system.solution[places]
+    target = [y - a @ x for y, a in zip(linear.target, linear.columns, strict=True)]
+    white = [y - a @ x for y, a in zip(linear.system.target, linear.system.white, strict=True)]
+    return replace(linear, target=target, system=replace(linear.system, target=white))
 
 
 def _rms(system: System, columns: list[FloatArray], target: list[FloatArray], masks: list[Mask]) -> float:

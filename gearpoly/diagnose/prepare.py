@@ -102,7 +102,8 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         slope=max(slope, IDEAL),
         mean_slope=max(slope, IDEAL),
         crowning=max(limits.f_falphaT / WITHIN / UM, IDEAL),
-        thickness=max(0.25 * (limits.E_sns - limits.E_sni) / UM, IDEAL),
+        # A gear that passed lies within its limits, all of them.
+        thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
         graded=True,
     )
 

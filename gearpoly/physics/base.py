@@ -115,6 +115,9 @@ class Physics:
     measures: bool = False
     """It is in the measuring chain: recordings show it, the gears do not."""
 
+    slow: bool = False
+    """It goes on over a whole recording and never repeats."""
+
     wavelike: bool = False
     """Its effect is mostly a wave of the place's order per turn of its gear."""
 

@@ -55,6 +55,7 @@ PHYSICS = Physics(
     places=_places,
     effect=_effect,
     measures=True,
+    slow=True,
     write=_write,
     report=_report,
     says=lambda place, v: (

@@ -16,9 +16,8 @@ from gearpoly.units import UM, FloatArray
 
 def _places(scope: Scope) -> Iterable[Place]:
     if "coast" in scope.flanks and "drive" in scope.flanks:
-        for gear in (0, 1):
-            if scope.inspected[gear]:
-                yield Place(gear=gear)
+        yield Place(gear=0)
+        yield Place(gear=1)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import signal
+import threading
 import time
 import traceback
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +17,34 @@ from typing import Any
 from gearpoly.files.output import write_text
 from gearpoly.prove.cases import CaseFiles, digest
 from gearpoly.prove.diagnoser import Diagnoser, How
+
+LONGEST = 240.0
+"""Processor seconds after which a diagnosis counts as failed: 440 cases in 90 minutes on two cores leave 25 for each,
+and the longest honest ones take three times as long."""
+
+
+class TooLongError(Exception):
+    """A diagnosis that does not come to an end."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise ``TooLongError`` once so much processor time is spent; without a limit where the system has no such
+    timer, or outside the main thread."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(number: int, frame: object) -> None:
+        raise TooLongError(f"not done after {seconds:g} s of processor time")
+
+    before = signal.signal(signal.SIGPROF, end)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,10 +99,13 @@ def diagnose(job: Diagnosing) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
+            with limited(LONGEST):
+                verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
         except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
             last = traceback.extract_tb(caught.__traceback__)[-1]
-            error = f"{type(caught).__name__}: {caught} ({Path(last.filename).name}, {last.name})"
+            error = f"{type(caught).__name__}: {caught}"
+            if not isinstance(caught, TooLongError):
+                error += f" ({Path(last.filename).name}, {last.name})"
             error = error.replace(f"{job.case.pair.parent}/", "").replace(str(job.case.pair.parent), job.case.name)
     spent = time.process_time() - begun
     write_text(job.target.with_suffix(".seconds"), f"{spent:.3f}\n")
