@@ -275,8 +275,9 @@ def simulate(
     )
 
 
-SWINGS_PER_MESH = 32
-"""Places per pitch from which the harmonics that a resonance magnifies are taken: sixteen mesh orders."""
+SWINGS_PER_MESH = 128
+"""Places per pitch at which what a resonance adds is known: it bends as sharply as the curve itself does where teeth
+hand over, and straight lines between so many miss it by a thirtieth of its rms."""
 
 
 def further_te(

@@ -194,7 +194,8 @@ def test_coverage_must_be_neither_too_low_nor_too_high(tmp_path: Path) -> None:
 
     inside, outside = of(0.15), of(0.25)
     assert row([inside] * 19 + [outside], "coverage_2").reached is True
-    assert row([inside] * 20, "coverage_2").reached is False  # errors stated too large
+    assert row([inside] * 20, "coverage_2").reached is True  # 20 of 20 may be chance
+    assert row([inside] * 300, "coverage_2").reached is False  # errors stated too large
     assert row([inside] * 8 + [outside] * 2, "coverage_2").reached is False
 
 

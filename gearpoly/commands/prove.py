@@ -41,7 +41,8 @@ def prove(
         raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
-    console = Console(stderr=str(json) == "-")
+    stream = sys.stderr if str(json) == "-" else sys.stdout
+    console = Console(file=stream, width=None if stream.isatty() else 160)
 
     def say(what: str) -> None:
         console.print(what, highlight=False, soft_wrap=True)

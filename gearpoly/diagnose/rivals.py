@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
@@ -12,6 +14,10 @@ from gearpoly.physics.scene import Scene
 
 CLOSE = 9.0
 """Difference in misfit within which two explanations are not told apart: three standard deviations."""
+
+LIKE = 0.05
+"""Sine of the angle below which two signals differ by what only a perfect simulation could tell: corners, second
+order, the fourth figure of a shape."""
 
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
@@ -39,6 +45,8 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     bare = plain.system
     gain = bare.misfit - bare.with_columns(linear.white_of(k)).misfit
     others = model.but(claim)
+    samples = sum(scene.samples.size for scene in scenes)
+    level = math.sqrt(sum(noise.innovation**2 for noise in linear.noises) / len(linear.noises))
     found, _ = scan(others, scenes, plain, only=_possible(model, claim))
     rivals: list[Candidate] = []
     seen = {claim.key}
@@ -49,9 +57,15 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
         better = polished(others, scenes, plain, one)
         columns = columns_of(others, scenes, plain, better)
         reached = bare.misfit - bare.with_columns(columns).misfit
-        if reached - 2.0 * better.freedoms > gain - 2.0 * len(claim.values) - CLOSE:
+        told = reached - 2.0 * better.freedoms <= gain - 2.0 * len(claim.values) - CLOSE
+        if not told or _alike(gain - reached, gain, samples, level):
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
+
+
+def _alike(lost: float, gain: float, samples: int, level: float) -> bool:
+    """Whether what a rival misses of a claim is more than the simulation itself can vouch for, by size or by shape."""
+    return level * math.sqrt(max(lost, 0.0) / samples) < FAINT or lost < LIKE**2 * gain
 
 
 def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]

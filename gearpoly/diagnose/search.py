@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.linear import Linear, linearise
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
@@ -21,9 +22,6 @@ from gearpoly.units import UM, FloatArray
 
 FAMILY = 0.05
 """Chance that a healthy set of recordings raises any claim."""
-
-FAINT = 0.012 * UM
-"""mm rms. Effects below this are within what chords, contacts and interpolation leave of the simulation itself."""
 
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""

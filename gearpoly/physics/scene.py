@@ -184,10 +184,15 @@ class Scene:
 
     def with_load_of(self, assembled: Assembled) -> FloatArray:
         """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
-        s = self.samples
-        te = self._loaded_te(assembled.elasticity)
-        further = further_te(assembled, s.theta_2, torque=s.torque, flank=s.flank, speed=s.speed)
-        return (te + further) * self.pair.r_b2
+        s, shafts = self.samples, assembled.shafts
+        te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast)
+        if shafts.frequency is not None and s.speed is not None:
+            # The curve that swings is this scene's: what load changes of it swings a second-order change along.
+            period = self.pair.cycle / (s.speed * self.pair.ratio)
+            places = np.arange(self.cycle_te.size) * (self.pair.cycle / self.cycle_te.size)
+            swings = shafts.swings(self.cycle_te, period=period)
+            te = te + np.interp(s.theta_2, places, swings, period=self.pair.cycle)
+        return np.asarray(te * self.pair.r_b2)
 
     @cached_property
     def cycle_te(self) -> FloatArray:
