@@ -12,7 +12,7 @@ import numpy as np
 from story import BLUE, GREY, ORANGE, conceal, seen, told, truths
 
 SEED = 18
-OVER = 20.0
+OVER = 40.0
 
 
 def main(folder: Path) -> dict[str, object]:
