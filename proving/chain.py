@@ -100,7 +100,7 @@ def _resonate(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> F
     grid = np.arange(path.span[0] - lead, path.span[1] + 2 / mesh_hz, step)
     force = mesh(rig, path.angle(grid), torque=condition.torque, flank=condition.flank).x
     level = float(force.mean())
-    system = ([omega * omega], [1.0, 2 * zeta * omega, omega * omega])
+    system = (np.array([omega * omega]), np.array([1.0, 2 * zeta * omega, omega * omega]))
     num, den, _ = cont2discrete(system, step, method="foh")
     return np.asarray(CubicSpline(grid, level + lfilter(num.ravel(), den, force - level))(at))
 

@@ -88,8 +88,8 @@ class Grid:
             entries = (np.concatenate(weights), (np.concatenate(rows), samples))
             self._spreader = csr_array(entries, shape=(self._size, n))
         grid = np.asarray(self._spreader @ columns)
-        out: ComplexArray = rfft(grid, axis=0)[: self.count] / self._gain[:, None]
-        return out
+        turned = np.asarray(rfft(grid, axis=0), dtype=np.complex128)
+        return turned[: self.count] / self._gain[:, None]
 
     def wave(self, amplitudes: ComplexArray) -> FloatArray:
         """Real wave (n,) at the samples, Re sum of amplitudes exp(2 pi i f x) over the frequencies."""
