@@ -115,7 +115,7 @@ def test_a_piece_that_looks_like_a_placeholder_is_left_alone() -> None:
 def test_the_verdict_and_its_figures_are_the_diagnosis(diagnosis: Diagnosis, tree: Any) -> None:
     top = tree.get_element_by_id("verdict")
     assert words(top.find_class("chip")[0]).endswith("partly explained")
-    assert [words(a) for a in top.xpath(".//ol/li/a")] == [typeset(one.claim.says) for one in diagnosis.findings]
+    assert [words(a) for a in top.xpath(".//ol/li/a")] == [typeset(one.says) for one in diagnosis.findings]
     shown = {words(div.find("dt")): words(div.find("dd")) for div in top.xpath(".//dl/div")}
     before = math.sqrt(diagnosis.before.unseen**2 - diagnosis.noise**2) / UM
     after = math.sqrt(diagnosis.after.unseen**2 - diagnosis.noise**2) / UM

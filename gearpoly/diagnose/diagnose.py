@@ -34,6 +34,10 @@ from gearpoly.physics.base import Claim, Reported, changed
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
 
+SHAPE_DOUBT = 4.0
+"""Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
+formulas, and another shape would put its edge elsewhere."""
+
 Step = Callable[[str], None]
 
 BY_LAWS = {"mesh_order": 0.01, "condition": 0.01, "mesh_phase": 0.03}
@@ -206,6 +210,8 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
     covariance = covariance.copy()
     # What laws differ by is no noise: it does not shrink with more data.
     covariance[range(a), range(a)] += (claim.physics.law_doubt * np.array(claim.values[:a])) ** 2
+    for k in range(a, len(claim.values)):
+        covariance[k, k] += (SHAPE_DOUBT * claim.physics.coordinates[k].step) ** 2
     found = claim.physics.report(claim.place, np.array(claim.values), covariance)
     scale = found.pop("compliance_scale", None)
     if scale is not None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
@@ -45,8 +43,6 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     bare = plain.system
     gain = bare.misfit - bare.with_columns(linear.white_of(k)).misfit
     others = model.but(claim)
-    samples = sum(scene.samples.size for scene in scenes)
-    level = math.sqrt(sum(noise.innovation**2 for noise in linear.noises) / len(linear.noises))
     found, _ = scan(others, scenes, plain, only=_possible(model, claim))
     rivals: list[Candidate] = []
     seen = {claim.key}
@@ -58,14 +54,9 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
         columns = columns_of(others, scenes, plain, better)
         reached = bare.misfit - bare.with_columns(columns).misfit
         told = reached - 2.0 * better.freedoms <= gain - 2.0 * len(claim.values) - CLOSE
-        if not told or _alike(gain - reached, gain, samples, level):
+        if not told or gain - reached < LIKE**2 * gain:
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
-
-
-def _alike(lost: float, gain: float, samples: int, level: float) -> bool:
-    """Whether what a rival misses of a claim is more than the simulation itself can vouch for, by size or by shape."""
-    return level * math.sqrt(max(lost, 0.0) / samples) < FAINT or lost < LIKE**2 * gain
 
 
 def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]

@@ -49,6 +49,7 @@ def _sections(
 
 
 _SECTIONS = dict(_sections())
+_LISTS = {"undulation", "spall", "crack", "interpolation"}
 _WANT = {
     "int_type": "a whole number",
     "float_type": "a number",
@@ -133,10 +134,12 @@ def _place_for(loc: tuple[int | str, ...]) -> str:
             text += f" and [{'.'.join((mate, *other[1:]))}]"
         return text
 
-    for other in others:
-        if name in _SECTIONS[other].model_fields:
-            return f"there is none {here}, it belongs {called(other)}"
     own = _SECTIONS[path].model_fields
+    for other in others:
+        # A table of a list (a spall, a crack) is asked for only where nothing nearer is meant.
+        listed = bool(other) and other[-1] in _LISTS and nearest(name, own, cutoff=0.6)
+        if name in _SECTIONS[other].model_fields and not listed:
+            return f"there is none {here}, it belongs {called(other)}"
     if close := nearest(name, own, cutoff=0.6):  # difflib's own idea of a close match
         return f'the nearest known key {here} is "{close}"'
     for other in others:  # farther away, so it must look closer
