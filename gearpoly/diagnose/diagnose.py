@@ -190,7 +190,7 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
         claim=claim,
         parameters=parameters(model, claim, covariance),
         tooth=claim.place.tooth if comparison.alignment.numbered else None,
-        encoder_deg=encoder_deg(comparison, claim),
+        encoder_deg=encoder_deg(comparison, claim, model.offset),
         gain=judged.gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
         without=cross_validated(linear, masks, leave=mine, hold=[p for p in slow if p not in mine]),
@@ -232,14 +232,16 @@ def pitch_point_compliance(model: Model) -> float:
     return float(by.secant(force, by.teeth(zero, zero, point), point)[0]) / UM
 
 
-def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
-    """Reading of its shaft's encoder at which a claimed tooth's pitch point passes the line of centres."""
+def encoder_deg(comparison: Comparison, claim: Claim, offset: float = 0.0) -> float | None:
+    """Reading of its shaft's encoder at which a claimed tooth's pitch point passes the line of centres; ``offset`` in
+    rad of driven rotation by which the search moved the zeros."""
     if claim.place.tooth is None or claim.place.gear is None:
         return None
     known = comparison.gears[claim.place.gear]
     if known.zero is None:
         return None
-    turned = claim.place.tooth * 2.0 * math.pi / known.z
+    ratio = comparison.gears[0].z / comparison.gears[1].z
+    turned = claim.place.tooth * 2.0 * math.pi / known.z - (offset / ratio if claim.place.gear == 0 else offset)
     return math.degrees(known.zero + known.direction * turned) % 360.0
 
 
@@ -310,6 +312,7 @@ def _unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         if entry.companion_of is None
         and not _claimed(entry, model)
         and not _by_law(entry, doubt)
+        and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
 
@@ -327,6 +330,12 @@ def _by_law(entry: Entry, deflection: float) -> bool:
     """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent."""
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
     return size < BY_LAWS.get(entry.kind, OTHERS_BY_LAWS) * deflection
+
+
+def _by_grade(entry: Entry, form: float) -> bool:
+    """Whether an entry is the same at every mesh and below the ``form`` in um that a grade leaves open."""
+    size = entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um
+    return entry.kind in ("mesh_order", "mesh_phase") and abs(size or 0.0) < form
 
 
 def _claimed(entry: Entry, model: Model) -> bool:

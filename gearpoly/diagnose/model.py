@@ -37,6 +37,7 @@ class Model:
 
     ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
+    ``phased``: the alignment placed the teeth within their pitch; else ``offset`` in rad of driven rotation does.
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones);
     ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
@@ -51,6 +52,8 @@ class Model:
     scale: float = 1.0
     shift: float = 0.0
     law: tuple[str, str] | None = None
+    phased: bool = True
+    offset: float = 0.0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
 
@@ -80,6 +83,22 @@ class Model:
         """Come back to a state."""
         for name, value in kept.items():
             setattr(self, name, value)
+
+    def moved(self, offset: float) -> None:
+        """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together."""
+        ratio = self.scope.gears[0].z / self.scope.gears[1].z
+        self.offset += offset
+        self.observed = [
+            replace(
+                one,
+                samples=replace(
+                    one.samples,
+                    theta_1=one.samples.theta_1 + offset / ratio,
+                    theta_2=one.samples.theta_2 + offset,
+                ),
+            )
+            for one in self.observed
+        ]
 
     def but(self, claim: Claim) -> Model:
         """The same state without a claim."""

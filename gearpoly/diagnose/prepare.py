@@ -56,6 +56,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
+        form=(_form(priors[0]), _form(priors[1])),
     )
     return Model(
         declared=declared,
@@ -65,7 +66,13 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         observed=observed,
         shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), MOST_SHIFT * pair.driven.gear.tau),
         built=np.zeros(as_built.size),
+        phased=beside.alignment.phased,
     )
+
+
+def _form(prior: GearPrior) -> float:
+    """Half the standard deviation of a graded gear's form: what is smaller on all its teeth is as it was built."""
+    return 0.5 * prior.crowning if prior.graded else 0.0
 
 
 def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:

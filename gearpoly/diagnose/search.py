@@ -41,6 +41,12 @@ LIKELY = 0.7
 BETTER = 10.0
 """Gain by which a substitute must be better than the claim: more than three standard deviations."""
 
+PHASES = 8
+"""Phases of a pitch that are tried where the curves do not place the teeth."""
+
+BETTER_PHASE = 0.995
+"""Part of the square misfit at the stated place that another phase must leave at most to take its place."""
+
 PASSES = 5
 """Most rounds of simulating and fitting again after a change."""
 
@@ -73,6 +79,12 @@ class Search:
     @staticmethod
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
         """Simulate the declared pair at all samples and fit what is open of it."""
+        if not model.phased:
+            _phase(model, foreign, step)
+        return Search._begun(model, foreign, step)
+
+    @staticmethod
+    def _begun(model: Model, foreign: list[FloatArray], step: Callable[[str], None], passes: int = PASSES) -> Search:
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes))
         nuisance = _nuisance(model, scenes, laws)
@@ -88,8 +100,9 @@ class Search:
             linear=linear,
             laws=laws,
         )
-        search.settle()
-        search.choose_law()
+        search.settle(passes)
+        if passes == PASSES:
+            search.choose_law()
         return search
 
     def run(self) -> list[Candidate]:
@@ -142,6 +155,9 @@ class Search:
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
+        physics, gear = one.claim.physics, one.claim.place.gear
+        if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
+            return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         return honest.log_chance(tests=max(self.tests, 1)) < math.log(FAMILY) and self.size(one) > self.least(one)
 
@@ -180,9 +196,9 @@ class Search:
             gained += _unseen(plain, seen, unseen) - _unseen(wider, seen, unseen)
         return gained > 0.0
 
-    def settle(self) -> None:
+    def settle(self, passes: int = PASSES) -> None:
         """Simulate, fit, and simulate again until nothing moves."""
-        for turn in range(PASSES):
+        for turn in range(passes):
             self.scenes = self.model.scenes()
             if turn == 0:
                 if self.laws is None:
@@ -306,6 +322,26 @@ class Search:
                 return
             del self.model.claims[min(weak, key=lambda k: gains[k])]
             self.settle()
+
+
+def _phase(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
+    """Place the teeth within their pitch where the declared pair's curve is too flat to do so: with the phase at which
+    teeth as they were built fit best, since every tooth hands over at the same place of its pitch."""
+    step("placing the teeth within their pitch")
+    pitch, kept = model.scope.gears[1].tau, model.kept()
+    tried: list[float] = []
+    for k in range(PHASES):
+        search = Search._begun(model, foreign, step, passes=2)
+        # Both priors and noise alike, so that the phases compare: the rms of what is left, over all recordings.
+        left = np.concatenate(search.linear.left())
+        tried.append(float(left @ left))
+        model.restore(kept)
+        model.moved(pitch / PHASES)
+        if k == PHASES - 1:
+            model.moved(-pitch)
+    best = int(np.argmin(tried))
+    if tried[best] < BETTER_PHASE * tried[0]:
+        model.moved(best * pitch / PHASES)
 
 
 def _nuisance(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:

@@ -39,6 +39,8 @@ class Scope:
     span: float
     inspected: tuple[bool, bool]
     reach: tuple[tuple[float, float], tuple[float, float]]
+    form: tuple[float, float] = (0.0, 0.0)
+    """Sizes in um of a mean tooth's form that each gear's grade leaves open; 0 where it was inspected."""
 
     @property
     def loaded(self) -> bool:

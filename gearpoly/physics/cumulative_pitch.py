@@ -19,9 +19,6 @@ HIGHEST = 8
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        # Where only a grade is known, index deviations are as-built, not missing.
-        if not scope.inspected[gear]:
-            continue
         for order in range(1, min(HIGHEST, (scope.gears[gear].z - 1) // 2) + 1):
             for flank in sorted(set(scope.flanks), reverse=True):
                 yield Place(gear=gear, order=order, flank=flank)
