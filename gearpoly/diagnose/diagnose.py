@@ -13,13 +13,10 @@ from scipy.stats import chi2
 
 from gearpoly.assemble import assemble
 from gearpoly.compare.compare import Comparison, compare
-from gearpoly.compare.entries import Entry
-from gearpoly.compare.locate import locate
-from gearpoly.compare.noise import Noise
-from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, cross_validated
+from gearpoly.diagnose.leftovers import foreign_waves, not_excluded, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import prepare
@@ -39,13 +36,6 @@ SHAPE_DOUBT = 4.0
 formulas, and another shape would put its edge elsewhere."""
 
 Step = Callable[[str], None]
-
-BY_LAWS = {"mesh_order": 0.01, "condition": 0.01, "mesh_phase": 0.03}
-"""Parts of the mean deflection below which what is left at every mesh is no news, since no law of compliance is truer:
-waves and means, and short stretches about the corners."""
-
-OTHERS_BY_LAWS = 0.006
-"""The same for single teeth and other waves, whose sharing follows the law."""
 
 
 def diagnose(
@@ -74,13 +64,13 @@ def diagnose(
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     findings = tuple(_finding(search, comparison, k, judged[k], watch) for k in order)
     watch.stage("leftovers")("looking for what is left")
-    unexplained = _unexplained(search, comparison)
+    left_over = unexplained(search, comparison)
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     status: Status = "nothing_missing"
     if findings:
-        status = "partly_explained" if unexplained else "explained"
-    elif unexplained:
+        status = "partly_explained" if left_over else "explained"
+    elif left_over:
         status = "unexplained"
     built = built_gears(search, file)
     everything = list(range(start_linear.system.size))
@@ -88,7 +78,7 @@ def diagnose(
         comparison=comparison,
         status=status,
         findings=findings,
-        unexplained=unexplained,
+        unexplained=left_over,
         built=built,
         compliance_scale=scale,
         noise=math.sqrt(float(np.mean([noise.level**2 for noise in search.noises]))),
@@ -99,7 +89,7 @@ def diagnose(
         held_out_by=_held_out_by(model),
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
-        not_excluded=_not_excluded(search, findings),
+        not_excluded=not_excluded(search, findings),
         remarks=(*comparison.remarks, *_remarks(search, file, built)),
         seconds=watch.seconds(),
     )
@@ -128,36 +118,6 @@ class _Watch:
         """Seconds spent in every stage."""
         self._close()
         return tuple(self._spent.items())
-
-
-def foreign_waves(comparison: Comparison) -> list[FloatArray]:
-    """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, or no integer order.
-
-    They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
-    """
-    out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
-    for entry in comparison.located.entries:
-        if not _is_foreign(entry):
-            continue
-        for k, one in enumerate(comparison.aligned):
-            if k not in entry.recordings and entry.kind == "time":
-                continue
-            if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
-                angle = 2.0 * math.pi * entry.hz * one.time_s
-            else:
-                angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
-            for j, mine in enumerate(out):
-                waves = np.column_stack((np.cos(angle), np.sin(angle))) if j == k else np.zeros((mine[0].shape[0], 2))
-                mine.append(waves)
-    return [np.concatenate(mine, axis=1) for mine in out]
-
-
-def _is_foreign(entry: Entry) -> bool:
-    if entry.companion_of is not None:
-        return False
-    if entry.kind == "time":
-        return bool(entry.hz)
-    return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
 
 
 def slow_places(search: Search) -> list[int]:
@@ -270,97 +230,6 @@ def _held_out_by(model: Model) -> str:
     if all(one.whole for one in model.observed):
         return "whole hunting cycles"
     return "every other of eight blocks, since a recording holds less than two hunting cycles"
-
-
-def _unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
-    """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest."""
-    model, linear, layout = search.model, search.linear, search.linear.layout
-    gears = tuple(
-        GearKnown(z=known.z, uncertainty=1e-4, zero=known.zero, direction=known.direction) for known in comparison.gears
-    )
-    # The foreign waves are put back: they are to be found again, with their size.
-    x = linear.system.solution.copy()
-    x[layout.foreign] = 0.0
-    residuals = []
-    left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
-    for one, scene, rest in zip(comparison.aligned, search.scenes, left, strict=True):
-        residuals.append(
-            AlignedResidual(
-                theta_1=scene.samples.theta_1,
-                theta_2=scene.samples.theta_2,
-                residual=rest,
-                z_2=comparison.gears[1].z,
-                time_s=one.time_s,
-                torque=one.torque,
-                speed=one.speed,
-                flank=one.flank,
-                sharing=one.template.sharing,
-                contact=one.template.sharing.contact,
-            )
-        )
-    pair = comparison.assembled.pair
-    found = locate(
-        residuals,
-        gears=(gears[0], gears[1]),
-        floor=pair.chord_noise + max(one.template.error for one in comparison.aligned),
-        numbered=comparison.alignment.numbered,
-    )
-    doubt = search.deflection / UM
-    return tuple(
-        entry
-        for entry in found.entries
-        if entry.companion_of is None
-        and not _claimed(entry, model)
-        and not _by_law(entry, doubt)
-        and not _by_grade(entry, max(model.scope.form))
-        and not _by_colour(entry, model, search.noises)
-    )
-
-
-def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
-    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves."""
-    if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
-        return False
-    if entry.order is not None and float(entry.order).is_integer():
-        return False
-    return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
-
-
-def _by_law(entry: Entry, deflection: float) -> bool:
-    """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent."""
-    size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
-    return size < BY_LAWS.get(entry.kind, OTHERS_BY_LAWS) * deflection
-
-
-def _by_grade(entry: Entry, form: float) -> bool:
-    """Whether an entry is the same at every mesh and below the ``form`` in um that a grade leaves open."""
-    size = entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um
-    return entry.kind in ("mesh_order", "mesh_phase") and abs(size or 0.0) < form
-
-
-def _claimed(entry: Entry, model: Model) -> bool:
-    """Whether a claim stands at the same tooth already: what is left of it is form, not something else."""
-    for claim in model.claims:
-        if entry.kind == "tooth" and entry.gear == claim.place.gear_name and entry.tooth == claim.place.tooth:
-            return True
-    return False
-
-
-def _not_excluded(search: Search, findings: tuple[Finding, ...]) -> tuple[str, ...]:
-    """What these recordings could not have shown, in words."""
-    scope, out = search.model.scope, []
-    if len(set(scope.torques)) == 1 and max(scope.torques) == 0.0:
-        out.append("anything that needs load (cracks, friction, misalignment, deflection): no recording is loaded")
-    elif len(set(scope.torques)) == 1:
-        out.append("mean-tooth effects that one torque cannot tell from compliance (crowning, relief, misalignment)")
-    if len(set(scope.flanks)) == 1:
-        other = "coast" if scope.flanks[0] == "drive" else "drive"
-        out.append(f"anything that shows on the {other} flank only (thickness, its pitch)")
-    if len({round(s, 3) for s in scope.speeds if s is not None}) < 2:
-        out.append("resonances: all recordings were made at one speed")
-    if not scope.counted or len(scope.torques) == 1:
-        out.append("offsets (wind-up, centre distance, wear of all flanks): a single mean compares with nothing")
-    return tuple(out)
 
 
 def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear]) -> tuple[str, ...]:

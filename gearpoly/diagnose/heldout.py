@@ -72,3 +72,12 @@ def _root(parts: list[tuple[float, int]]) -> float:
 def repeatable(rms: float, noise: float) -> float:
     """What of an rms is no noise, mm."""
     return math.sqrt(max(rms**2 - noise**2, 0.0))
+
+
+def unseen_misfit(system: System, seen: list[Mask], unseen: list[Mask]) -> float:
+    """Square misfit of the unseen samples by what the seen ones teach."""
+    x = system.at(seen).solution
+    return sum(
+        float(np.sum((y[mask] - a[mask] @ x) ** 2))
+        for a, y, mask in zip(system.white, system.target, unseen, strict=True)
+    )

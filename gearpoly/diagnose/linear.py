@@ -183,3 +183,16 @@ def linearise(
         claims=slices,
     )
     return Linear(system=system, layout=layout, columns=columns_all, target=target, noises=noises)
+
+
+def within(claim: Claim, values: FloatArray) -> tuple[float, ...]:
+    """Values within their bounds, the shape not moved by more than eight steps at once."""
+    out = []
+    for k, quantity in enumerate(claim.physics.coordinates):
+        value = float(values[k])
+        if k >= claim.physics.amplitudes:
+            value = float(np.clip(value, claim.values[k] - 8.0 * quantity.step, claim.values[k] + 8.0 * quantity.step))
+        elif claim.physics.fixed_amplitudes:
+            value = 1.0
+        out.append(float(np.clip(value, quantity.low, quantity.high)))
+    return tuple(out)

@@ -10,11 +10,11 @@ import numpy as np
 
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fidelity import FAINT
-from gearpoly.diagnose.linear import Linear, linearise
+from gearpoly.diagnose.heldout import unseen_misfit
+from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
-from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
@@ -193,7 +193,7 @@ class Search:
         plain, wider = self.linear.system, self.linear.system.with_columns(columns)
         gained = 0.0
         for seen, unseen in ((masks, others), (others, masks)):
-            gained += _unseen(plain, seen, unseen) - _unseen(wider, seen, unseen)
+            gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)
         return gained > 0.0
 
     def settle(self, passes: int = PASSES) -> None:
@@ -233,7 +233,7 @@ class Search:
         for claim, part in zip(model.claims, layout.claims, strict=True):
             a = claim.physics.amplitudes
             held = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
-            values = _within(claim, np.array(claim.values) + x[part] - held)
+            values = within(claim, np.array(claim.values) + x[part] - held)
             old[part] = claim.values
             new[part] = values
             claims.append(replace(claim, values=values))
@@ -352,25 +352,3 @@ def _nuisance(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) 
 
 def _place(search: Search, at: int) -> int:
     return -1 if search.nuisance.scale is None else at + search.nuisance.scale
-
-
-def _within(claim: Claim, values: FloatArray) -> tuple[float, ...]:
-    """Values within their bounds, the shape not moved by more than eight steps at once."""
-    out = []
-    for k, quantity in enumerate(claim.physics.coordinates):
-        value = float(values[k])
-        if k >= claim.physics.amplitudes:
-            value = float(np.clip(value, claim.values[k] - 8.0 * quantity.step, claim.values[k] + 8.0 * quantity.step))
-        elif claim.physics.fixed_amplitudes:
-            value = 1.0
-        out.append(float(np.clip(value, quantity.low, quantity.high)))
-    return tuple(out)
-
-
-def _unseen(system: System, seen: list[np.ndarray], unseen: list[np.ndarray]) -> float:
-    """Square misfit of the unseen samples by what the seen ones teach."""
-    x = system.at(seen).solution
-    return sum(
-        float(np.sum((y[mask] - a[mask] @ x) ** 2))
-        for a, y, mask in zip(system.white, system.target, unseen, strict=True)
-    )
