@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -163,17 +164,14 @@ def main() -> None:
         """us per position of 920 steps, from two steps at one place."""
         pose, start = -float(few[1]), float(starts[1])
         pairs = _candidates(turning, fixed, pair.a, pose, start)
-        run = [
-            clock(lambda k=k: all_quadrants(turning, fixed, pairs, pair.a, pose, start + k * ARCSEC))  # type: ignore[misc]
-            for k in (0, 1)
-        ]
+        run = [clock(partial(all_quadrants, turning, fixed, pairs, pair.a, pose, start + k * ARCSEC)) for k in (0, 1)]
         return statistics.mean(run) * STEPS * 1e6
 
     def every_tooth() -> float:
         """us per position of 920 steps, from three steps at one place."""
         pose, start = -float(few[1]), float(starts[1])
         flanks = [_chords(face, pose) for face in fixed]
-        run = [clock(lambda k=k: all_teeth(turning, flanks, pair.a, start + k * ARCSEC)) for k in range(3)]  # type: ignore[misc]
+        run = [clock(partial(all_teeth, turning, flanks, pair.a, start + k * ARCSEC)) for k in range(3)]
         return statistics.mean(run) * STEPS * 1e6
 
     times: dict[str, list[float]] = {}
@@ -187,11 +185,11 @@ def main() -> None:
             note("stepping", clock(stepped) / few.size * 1e6)
         for count in COUNTS:
             if count < 36_000 or repeat < 3:
-                note(f"kernel {count}", clock(lambda t=places[count]: kernel(bodies, pair, t)) / count * 1e6)  # type: ignore[misc]
+                note(f"kernel {count}", clock(partial(kernel, bodies, pair, places[count])) / count * 1e6)
             if count < 36_000:
                 note(
                     "radial gap",
-                    clock(lambda t=places[count]: exhaustive(turning, fixed, pair, t)) / count * 1e6,  # type: ignore[misc]
+                    clock(partial(exhaustive, turning, fixed, pair, places[count])) / count * 1e6,
                 )
         if repeat < 2:
             note("stepping, every tooth", every_tooth())

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -184,7 +185,7 @@ def measure(pair: GearPair) -> tuple[dict[str, float], str]:
     costs, results = {}, {}
     for name, (method, args, times) in methods.items():
         method(how(3))  # compile
-        seconds, results[name] = least(lambda method=method, args=args: method(args), times)  # type: ignore[misc]
+        seconds, results[name] = least(partial(method, args), times)
         costs[name] = seconds / args["poses"].size / UM**2
     found = results["fast path"]
     first = found.rotation[found.first()]

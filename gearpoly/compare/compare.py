@@ -151,8 +151,8 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     templates = _templates(assembled, [one.recording.flank for one in cleaned], torques, speeds)
     cycle = Cycle(z_1=z_1, z_2=z_2, per_mesh=templates[0].per_mesh, r_b2=pair.r_b2)
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
-    drifts = (*drifts, *((),) * len(cleaned))
-    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts))  # noqa: B905
+    drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
+    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
     step("laying the recordings on the simulation")
     shafts = Shafts(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),

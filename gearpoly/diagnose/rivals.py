@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim, Physics, Place
 from gearpoly.physics.scene import Scene
 
 CLOSE = 9.0
@@ -59,7 +60,7 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
 
 
-def _possible(model: Model, claim: Claim):  # type: ignore[no-untyped-def]
+def _possible(model: Model, claim: Claim) -> Iterator[tuple[Physics, Place]]:
     """Places at which something like the claim could be: another tooth is never mistaken for a wave, nor order 61 for
     order 12."""
     taken = {one.key for one in model.claims}

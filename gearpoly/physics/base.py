@@ -204,6 +204,28 @@ def plain(*names: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
     return report
 
 
+def vector(amplitude: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
+    """A report of x and y as ``amplitude`` (its name with the unit) and ``angle_deg``."""
+
+    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+        length, angle = polar(float(values[0]), float(values[1]), covariance)
+        return {amplitude: length, "angle_deg": angle}
+
+    return report
+
+
+def phased(amplitude: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
+    """A report of cosine and sine parts as ``order``, ``amplitude`` (its name with the unit) and ``angle_deg``, the
+    phase of amplitude cos(. + angle)."""
+
+    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+        mirrored = covariance * np.array([[1, -1], [-1, 1]])
+        length, angle = polar(float(values[0]), -float(values[1]), mirrored)
+        return {"order": (float(place.order or 1), 0.0), amplitude: length, "angle_deg": angle}
+
+    return report
+
+
 def wave(x: float, y: float) -> tuple[float, float]:
     """Amplitude and phase in deg of x cos + y sin = A cos(. + phase)."""
     return math.hypot(x, y), math.degrees(math.atan2(-y, x))

@@ -8,18 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import Eccentricity, PairFile
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Reported,
-    Scope,
-    Values,
-    gear_section,
-    on_gear,
-    own_of,
-    polar,
-)
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, vector
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -52,11 +41,6 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, eccentricity=table)
 
 
-def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    amplitude, angle = polar(float(values[0]), float(values[1]), covariance)
-    return {"amplitude_um": amplitude, "angle_deg": angle}
-
-
 PHYSICS = Physics(
     name="eccentricity",
     coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
@@ -64,7 +48,7 @@ PHYSICS = Physics(
     places=_places,
     effect=_effect,
     write=_write,
-    report=_report,
+    report=vector("amplitude_um"),
     says=lambda place, v: f"The {own_of(place)} runs {math.hypot(v[0], v[1]):.1f} um off its axis.",
     equation="x = e cos(theta - phi) along the line of action, exact: the gear's centre moves round its axis",
 )

@@ -10,14 +10,13 @@ from gearpoly.physics.base import (
     Physics,
     Place,
     Quantity,
-    Reported,
     Scope,
     Values,
     changed,
     gear_section,
     on_gear,
     own_of,
-    polar,
+    vector,
 )
 from gearpoly.physics.encoder import misread
 from gearpoly.physics.scene import Scene
@@ -42,11 +41,6 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, encoder=table)
 
 
-def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    amplitude, angle = polar(float(values[0]), float(values[1]), covariance)
-    return {"amplitude_urad": amplitude, "angle_deg": angle}
-
-
 PHYSICS = Physics(
     name="encoder_eccentricity",
     coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
@@ -55,7 +49,7 @@ PHYSICS = Physics(
     effect=_effect,
     measures=True,
     write=_write,
-    report=_report,
+    report=vector("amplitude_urad"),
     says=lambda place, v: (
         f"The encoder on the {own_of(place)}'s shaft reads {math.hypot(v[0], v[1]):.0f} urad wrong "
         "once per turn: it sits off its axis."

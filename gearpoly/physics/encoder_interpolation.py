@@ -5,21 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
-
 from gearpoly.files.models import Encoder, Interpolation, PairFile
 from gearpoly.physics.base import (
     Physics,
     Place,
     Quantity,
-    Reported,
     Scope,
     Values,
     changed,
     gear_section,
     on_gear,
     own_of,
-    polar,
+    phased,
     wave,
 )
 from gearpoly.physics.encoder import misread
@@ -58,11 +55,6 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, encoder=changed(held, interpolation=(*held.interpolation, one)))
 
 
-def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    amplitude, angle = polar(float(values[0]), -float(values[1]), covariance * np.array([[1, -1], [-1, 1]]))
-    return {"order": (float(place.order or 1), 0.0), "amplitude_urad": amplitude, "angle_deg": angle}
-
-
 PHYSICS = Physics(
     name="encoder_interpolation",
     coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
@@ -72,7 +64,7 @@ PHYSICS = Physics(
     wavelike=True,
     measures=True,
     write=_write,
-    report=_report,
+    report=phased("amplitude_urad"),
     says=lambda place, v: (
         f"The encoder on the {own_of(place)}'s shaft errs by {math.hypot(v[0], v[1]):.1f} urad, "
         f"{place.order} times per turn: interpolation between its lines."

@@ -29,9 +29,10 @@ LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        if scope.section(gear).tip_relief is not None:
+        declared = scope.section(gear).tip_relief
+        if declared is not None:
             # How much is off, not where it begins: the drawing's length stays.
-            yield Place(gear=gear, shape=(scope.section(gear).tip_relief.length_mm,))  # type: ignore[union-attr]
+            yield Place(gear=gear, shape=(declared.length_mm,))
             continue
         m, room = scope.gears[gear].m, scope.gears[gear].r_a - scope.gears[gear].r_b
         for length in LENGTHS:

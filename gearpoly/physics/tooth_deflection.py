@@ -8,7 +8,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile
-from gearpoly.mesh.compliance import law_names  # noqa: F401  (the laws that the file may name)
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
 from gearpoly.units import FloatArray
 

@@ -8,19 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile, Undulation
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Reported,
-    Scope,
-    Values,
-    gear_section,
-    on_gear,
-    own_of,
-    polar,
-    wave,
-)
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, phased, wave
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -57,11 +45,6 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, undulation=(*gear_section(file, place.gear).undulation, one))
 
 
-def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    amplitude, angle = polar(float(values[0]), -float(values[1]), covariance * np.array([[1, -1], [-1, 1]]))
-    return {"order": (float(place.order or 1), 0.0), "amplitude_um": amplitude, "angle_deg": angle}
-
-
 PHYSICS = Physics(
     name="undulation",
     coordinates=(Quantity(name="cos_um"), Quantity(name="sin_um")),
@@ -70,7 +53,7 @@ PHYSICS = Physics(
     effect=_effect,
     wavelike=True,
     write=_write,
-    report=_report,
+    report=phased("amplitude_um"),
     says=lambda place, v: (
         f"The flanks of the {own_of(place)} carry a wave of {math.hypot(v[0], v[1]):.2f} um, "
         f"{place.order} times per turn (a ghost order)."

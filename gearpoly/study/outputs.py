@@ -136,7 +136,7 @@ def _plain() -> dict[str, Output]:
         for which, name in enumerate(("F_i", "f_i")):
             says = ("total", "tooth-to-tooth")[which] + f" single-flank composite deviation of the {gear} gear"
             read = _composite(k, which)
-            out[f"{name}_{gear}_um"] = Output(says=says, unit="um", read=lambda c, r=read: r(c) / UM, needs=cycle)  # type: ignore[misc]
+            out[f"{name}_{gear}_um"] = Output(says=says, unit="um", read=_in_um(read), needs=cycle)
             out[f"{name}_{gear}_grade"] = Output(
                 says=f"ISO 1328-1 grade that allows the {says}", unit="", read=_graded(k, which, read), needs=cycle
             )
@@ -149,6 +149,11 @@ def _composite(gear: int, which: int) -> Callable[[Curves], float]:
         return total_composite(curve) if which == 0 else tooth_composite(curve, per_mesh=c.per_mesh)
 
     return read
+
+
+def _in_um(read: Callable[[Curves], float]) -> Callable[[Curves], float]:
+    """What is read in mm, in um."""
+    return lambda c: read(c) / UM
 
 
 def _graded(gear: int, which: int, read: Callable[[Curves], float]) -> Callable[[Curves], float]:

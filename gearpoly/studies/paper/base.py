@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -114,9 +114,9 @@ class Recipe:
     a_error: float = 0.0
     points: int = 2000
 
-    def with_(self, **changes: object) -> Recipe:
+    def with_(self, **changes: Any) -> Recipe:
         """This recipe with some fields changed."""
-        return replace(self, **changes)  # type: ignore[arg-type]
+        return replace(self, **changes)
 
     @property
     def gears(self) -> tuple[Gear, Gear]:
