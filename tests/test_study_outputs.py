@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gearpoly import api
 from gearpoly.assemble import assemble
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.models import PairFile
@@ -208,5 +209,15 @@ def test_measured_traces_travel_with_the_plan(tmp_path: Path) -> None:
     )
     plan = plan_study(read_study(write_study(tmp_path, pair=inspected)))
     (tmp_path / "traces.csv").unlink()  # a worker elsewhere has no such file
+    row = make_row(replace(plan), 0)
+    assert row.status == "done", row.reason
+
+
+def test_an_inspection_file_travels_with_the_plan(tmp_path: Path) -> None:
+    (tmp_path / "drawn.toml").write_text(PAIR, encoding="utf-8")
+    api.load(tmp_path / "drawn.toml", seed=3).export(tmp_path / "driving.gde", which="driving")
+    inspected = PAIR.replace("grade = 6\n", 'inspection = { gde = "driving.gde" }\n', 1)
+    plan = plan_study(read_study(write_study(tmp_path, pair=inspected)))
+    (tmp_path / "driving.gde").unlink()  # a worker elsewhere has no such file
     row = make_row(replace(plan), 0)
     assert row.status == "done", row.reason

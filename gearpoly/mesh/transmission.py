@@ -8,6 +8,7 @@ coast flank.
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -27,6 +28,9 @@ only how many neighbours a user sees, never which pairs touch."""
 JAM = 1e-9
 """mm. Normal backlash below minus this is a jam: a thousand times the kernel's bracket, a thousandth of what chords
 leave."""
+
+_POLYGONS = threading.Lock()
+"""Prepared polygons build their indices on first use, which two threads must not do at once."""
 
 SAMPLES = 64
 """Positions of a fast run that the polygon kernel certifies: 20 ms, and a fault in one position of twenty cannot
@@ -92,7 +96,7 @@ def contacts(
     certified.
     """
     sense = 1.0 if flank == "drive" else -1.0
-    expected = _expected_closing(pair, flank)
+    expected = expected_closing(pair, flank)
     bodies = pair.driving.body(flank), pair.driven.body(flank)
     poses, guesses = -sense * theta_2, sense * theta_2 / pair.ratio + expected
     reach = near / pair.r_b1
@@ -111,7 +115,8 @@ def contacts(
             progress(found.positions)
     rows = _joined(parts)
     if fast:
-        spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
+        with _POLYGONS:
+            spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
@@ -121,7 +126,7 @@ def contacts(
         )
     flip = np.array([1.0, sense])
     gap = (rows.rotation - rows.rotation[first][rows.pose]) * pair.r_b1
-    touching, pairs = _touching(rows, gap, positions=theta_2.size, within=pair.chord_noise)
+    touching, pairs = touching_rows(rows, gap, positions=theta_2.size, within=pair.chord_noise)
     return FlankContacts(
         flank=flank,
         theta_2=theta_2,
@@ -142,7 +147,7 @@ def contacts(
     )
 
 
-def _expected_closing(pair: GearPair, flank: Flank) -> float:
+def expected_closing(pair: GearPair, flank: Flank) -> float:
     """Driving rotation in rad, in the sense of closing, by which contacts lie beyond those of deviation-free gears at
     tight mesh.
 
@@ -164,7 +169,7 @@ def _joined(parts: list[Closings]) -> Closings:
     )
 
 
-def _touching(
+def touching_rows(
     rows: Closings, gap: FloatArray, *, positions: int, within: float
 ) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.bool_]], IntArray]:
     """Which rows touch, and how many per position.

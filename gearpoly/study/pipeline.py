@@ -23,9 +23,7 @@ from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
-from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, mean_count
-from gearpoly.mesh.transmission import _expected_closing as expected_closing
-from gearpoly.mesh.transmission import _touching as touching_rows
+from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, expected_closing, mean_count, touching_rows
 from gearpoly.simulate import cycle_positions
 from gearpoly.study.keys import with_values
 from gearpoly.study.making import Maker, maker

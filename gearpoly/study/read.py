@@ -79,21 +79,20 @@ def check_pair(raw: dict[str, Any], *, blame: Path | str, where: str) -> PairFil
 
 
 def _with_traces(raw: dict[str, Any], pair_file: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """Measured traces taken along as text, since a worker elsewhere has no such file."""
+    """Measured traces and whole inspection files taken along as text, since a worker elsewhere has no such file."""
     traces: dict[str, str] = {}
     for gear in ("driving", "driven"):
         sheet = raw.get(gear, {}).get("inspection") if isinstance(raw.get(gear), dict) else None
-        name = sheet.get("profile_csv") if isinstance(sheet, dict) else None
-        if not isinstance(name, str):
-            continue
-        source = pair_file.parent / name
-        if not source.is_file():
-            wish = "want the path of a trace file, relative to the pair file"
-            raise InputFileError(
-                pair_file, where=f"{gear}.inspection.profile_csv", found=f"no such file, {source}", wish=wish
-            )
-        traces[f"{gear}.csv"] = read_text(source)
-        raw = with_values(raw, {f"{gear}.inspection.profile_csv": f"{gear}.csv"})
+        for key, ending in (("profile_csv", "csv"), ("gde", "gde")):
+            name = sheet.get(key) if isinstance(sheet, dict) else None
+            if not isinstance(name, str):
+                continue
+            source, where = pair_file.parent / name, f"{gear}.inspection.{key}"
+            if not source.is_file():
+                wish = "want the path of a file of measurements, relative to the pair file"
+                raise InputFileError(pair_file, where=where, found=f"no such file, {source}", wish=wish)
+            traces[f"{gear}.{ending}"] = read_text(source)
+            raw = with_values(raw, {where: f"{gear}.{ending}"})
     return raw, traces
 
 
