@@ -5,6 +5,7 @@ Heavy imports wait until a command runs, so that --help answers at once.
 
 from __future__ import annotations
 
+import os
 import pkgutil
 from importlib import import_module
 from typing import Annotated
@@ -12,6 +13,9 @@ from typing import Annotated
 import typer
 
 from gearpoly import commands
+
+# Threads share recordings here, and matrices are small: a second crew of threads would only wait for the first.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 app = typer.Typer(
     name="gearpoly",

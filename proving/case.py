@@ -12,21 +12,23 @@ import numpy as np
 from proving.chain import Chain, Condition, Motion, motion, record
 from proving.compliance import LAWS
 from proving.drawn import Known, draw, index_covariance, make_pair, pair_file, slope_covariance
-from proving.effects import RIVALS, Effect, apply, rival_effects, truth
+from proving.effects import Effect, apply, truth
 from proving.flanks import Teeth
 from proving.gears import FloatArray
 from proving.ground import Entry
 from proving.limit import Limit, sights
 from proving.recipes import Recipe, recipe
+from proving.reliefs import cancelling, mean_tooth, over_a_pitch
 from proving.rig import Rig
+from proving.rivals import rivals
 from proving.scenes import CAPS
 
-CONFUSED = 3.0
-"""A rival whose separability times the size over the limit stays below this cannot be excluded by these recordings."""
-FLOOR = 0.01
-"""um rms: two explanations closer than this differ by less than models of one pair do, however long the recording."""
-POSITIVE = ("tooth_deflection", "misalignment", "friction", "tooth_crack", "mesh_resonance")
-"""Physics that a negative size would turn into nonsense."""
+ALIKE = 1.0
+"""A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
+WEAKEST = 4.0
+"""No look-alike is made weaker than this over the limit, or there is nothing to be mistaken for anything."""
+STIFFEST = 0.0025
+"""Least (mesh frequency over natural frequency) squared of a resonance: a spring twenty times as fast as the mesh."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +67,7 @@ class Case:
             yield f"rec_{k}.csv", record(self.rig, condition, self.chain, path, rng)
 
 
-def _build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Known]]:
+def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Known]]:
     """The gears as drawn and as declared, nothing hidden yet."""
     pair = make_pair(made.pair)
     known, teeth = [], []
@@ -110,7 +112,7 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         index=(prior(index_covariance, 1), prior(index_covariance, 2)),
         slope=(prior(slope_covariance, 1), prior(slope_covariance, 2)),
         thickness=made.uncertainty if made.inspected else 4.0,
-        compliance=0.08 if made.deflect else 0.0,
+        compliance=0.08 if rig.deflect else 0.0,
     )  # fmt: skip
 
 
@@ -125,89 +127,50 @@ def _signal(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
 def _sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
     """The effect at a size over the limit: its signal may bend with size, so the guess is mended with its own slope."""
     cap, power = CAPS[effect.physics], 1.0
+    least = STIFFEST if effect.physics == "mesh_resonance" else 0.0
     last: tuple[float, float] | None = None
     for _ in range(6):
         n = limit.size_of(_signal(rig, limit, effect))
         if n <= 0.0:
             return effect.scaled(cap)
         size = abs(effect.size)
-        if abs(n / over - 1) < 0.03 or (size >= cap and n < over):
+        if abs(n / over - 1) < 0.03 or (size >= cap and n < over) or (size <= least and n > over):
             break
         if last is not None and abs(np.log(size / last[0])) > 1e-6:  # some signals grow with a power of the size
             power = float(np.clip(np.log(n / last[1]) / np.log(size / last[0]), 0.4, 3.0))
         last = (size, n)
-        effect = effect.scaled(min(size * float(np.clip((over / n) ** (1 / power), 1e-4, 1e4)), cap))
+        wanted = size * float(np.clip((over / n) ** (1 / power), 1e-4, 1e4))
+        effect = effect.scaled(max(least, min(wanted, cap)))
     return effect
 
 
-def _rivals(rig: Rig, limit: Limit, effect: Effect, over: float, loaded: bool) -> list[dict[str, Any]]:
-    """What these recordings cannot tell from the effect, and how separable each is (sine of the angle between the
-    signals)."""
-    out: list[dict[str, Any]] = []
-    s = limit.difference(apply(rig, effect))
-    for name in RIVALS.get(effect.physics, ()):
-        few = rival_effects(effect, rig, name, loaded)
-        if not few:
-            continue
-        signals = [limit.difference(apply(rig, one)) for one in few]
-        sine = limit.sine(s, s - np.stack(signals, axis=1) @ limit.fit(s, signals))
-        if sine * over < 4 * CONFUSED:
-            # Close: put the rival in at the size that it needs, since signals bend with size, and mend it twice.
-            sizes = limit.fit(s, signals) * np.array([one.size for one in few])
-            apart = np.inf
-            for _ in range(3):
-                meant = rig
-                for one, size in zip(few, sizes, strict=True):
-                    if abs(size) < 2 * CAPS[one.physics] and (size > 0 or one.physics not in POSITIVE):
-                        meant = apply(meant, replace(one, size=float(size)))
-                rest = s - limit.difference(meant)
-                sine = min(sine, limit.sine(s, rest))
-                apart = min(apart, limit.rms_um(meant, apply(rig, effect)))
-                sizes = sizes + limit.fit(rest, signals) * np.array([one.size for one in few])
-        else:
-            apart = np.inf
-        if sine * over < CONFUSED or apart < FLOOR:
-            rival: dict[str, Any] = {"physics": few[0].physics, "separability": round(sine, 4)}
-            if few[0].gear:
-                rival["gear"] = few[0].gear
-            out.append(rival)
-    return out
-
-
-def _alike(rig: Rig, limit: Limit, effect: Effect, made: Recipe) -> Effect:
-    """The effect at a size at which a rival is left: smaller, if it must be, but not below four times the limit."""
-    over = made.over
-    loaded = max(c.torque for c in made.conditions) > 0 and rig.deflect
-    while over > 4.0 and not _rivals(rig, limit, effect, over, loaded):
-        over = max(4.0, 0.7 * over)
-        effect = _sized(rig, limit, effect, over)
-    return effect
+def _alike(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
+    """The effect at a size at which its nearest rival is left: smaller, if it must be."""
+    near = min((one.separability for one in rivals(rig, limit, effect)), default=1.0)
+    wanted = max(WEAKEST, ALIKE / max(near, 1e-6))
+    return effect if wanted >= over else _sized(rig, limit, effect, wanted)
 
 
 def make(seed: int, entry: Entry) -> Case:
     """The case of one line of the plan: drawn, sized against its own limit, and described."""
     rng = np.random.default_rng([seed, entry.index])
     made = recipe(entry, rng)
-    base, known = _build(made, rng)
+    base, known = build(made, rng)
     paths = tuple(motion(base, condition, rng) for condition in made.conditions)
-    effects: list[Effect] = []
-    limit: Limit | None = None
-    if made.effects:
-        if made.scale_torque:  # an undeclared deflection is as large as the load makes it
-            limit = _limit(base, made, paths)
-            n = limit.over(apply(base, made.effects[0]))
-            top = max(c.torque for c in made.conditions)
-            factor = min(entry.over / n, 1.0)
-            weaker = tuple(
-                replace(c, torque=float(f"{max(c.torque * factor, 1e-5 * top):.4g}")) for c in made.conditions
-            )
-            made = replace(made, conditions=weaker, effects=made.effects)
-        limit = _limit(base, made, paths)
-        for effect in made.effects:
-            fixed = made.fixed or made.scale_torque
-            effects.append(effect if fixed else _sized(base, limit, effect, made.over))
-        if entry.klass == "look_alike":
-            effects = [_alike(base, limit, effects[0], made)]
+    if made.scale_torque:  # an undeclared deflection is as large as the load makes it
+        n = _limit(base, made, paths).over(apply(base, made.effects[0]))
+        top = max(c.torque for c in made.conditions)
+        factor = min(entry.over / n, 1.0)
+        weaker = tuple(replace(c, torque=float(f"{max(c.torque * factor, 1e-5 * top):.4g}")) for c in made.conditions)
+        made = replace(made, conditions=weaker)
+    effects = list(made.effects)
+    limit = _limit(base, made, paths) if effects else None
+    if limit is not None and not (made.fixed or made.scale_torque):
+        effects = [_sized(base, limit, effect, made.over) for effect in effects]
+    if limit is not None and entry.klass == "look_alike":
+        effects = [_alike(base, limit, effects[0], made.over)]
+    if made.cancels:
+        effects += cancelling(base, max(c.torque for c in made.conditions))
     rig = base
     for effect in effects:
         rig = apply(rig, effect)
@@ -216,44 +179,72 @@ def make(seed: int, entry: Entry) -> Case:
         base.pair, built, known, torque=max(c.torque for c in made.conditions),
         speed=made.conditions[0].speed, deflect=made.deflect, rng=rng,
     )  # fmt: skip
-    record_seed = (seed, entry.index, 1)
-    told = _truth(entry, made, base, rig, effects, limit)
+    told = _truth(entry, made, base, rig, effects, paths, limit)
     return Case(
         seed=seed, entry=entry, recipe=made, rig=rig, known=known, paths=paths, pair_text=text,
-        record_seed=record_seed, truth=told,
+        record_seed=(seed, entry.index, 1), truth=told,
     )  # fmt: skip
 
 
+def _items(
+    made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...], limit: Limit
+) -> list[dict[str, Any]]:
+    """Every effect as the scorer reads it: what and where, its size over the limit with the sizes of the others open,
+    and its rivals, the nearest first."""
+    # Where bending is hidden, all else is hidden in teeth that bend, by a law as little known as a declared one.
+    bends = [effect for effect in effects if effect.physics == "tooth_deflection"]
+    bent = apply(base, bends[0]) if bends else base
+    within = _limit(bent, made, paths) if bends and len(effects) > 1 else limit
+    rest = [effect for effect in effects if effect not in bends]
+    signals = [_signal(bent, within, effect) for effect in rest]
+    items: list[dict[str, Any]] = []
+    for effect in effects:
+        item = truth(rig, effect, made.chain, made.conditions)
+        before, about = (base, limit) if effect in bends else (bent, within)
+        s = _signal(before, about, effect)
+        others = [signal for one, signal in zip(rest, signals, strict=True) if one is not effect]
+        if others and effect not in bends:
+            columns, free = np.stack(others, axis=1), np.full(len(others), np.inf)
+            s = s - columns @ about.fit(s, columns, low=-free, high=free)
+        item["over_limit"] = round(about.size_of(s), 3)
+        item["rms_um"] = round(about.rms_um(apply(before, effect)), 5)
+        item["rivals"] = [one.told() for one in rivals(before, about, effect)]
+        items.append(item)
+    return items
+
+
+def _depth(made: Recipe, base: Rig, rig: Rig, limit: Limit, over: float) -> dict[str, Any]:
+    """How deep all effects together lie: beneath what hides them, beneath the noise per sample, over the limit."""
+    rms = limit.rms_um(rig)
+    hides = max(float(limit.plain.std()), made.chain.noise_um)
+    out: dict[str, Any] = {
+        "rms_um": round(rms, 5),
+        "hidden_by_rms_um": round(hides, 5),
+        "over_what_hides_it": round(rms / hides, 5),
+        "over_noise": round(rms / made.chain.noise_um, 5),
+        "over_limit": round(over, 3),
+    }
+    if made.cancels:  # what each recording shows at every mesh, and would show without the reliefs
+        bare = mean_tooth(replace(base, deflect=True))
+        plain, whole = mean_tooth(base), mean_tooth(rig)
+        for key, other in (("mesh_ripple_um", whole), ("mesh_ripple_without_relief_um", bare)):
+            out[key] = [
+                round(float((over_a_pitch(other, c.torque) - over_a_pitch(plain, c.torque)).std()), 4)
+                for c in made.conditions
+            ]
+    return out
+
+
 def _truth(
-    entry: Entry, made: Recipe, base: Rig, rig: Rig, effects: list[Effect], limit: Limit | None
-) -> dict[str, Any]:
-    """The truth file: the bench's keys first, then class, depth and what is acceptable as an answer."""
-    loaded = max(c.torque for c in made.conditions) > 0 and rig.deflect
+    entry: Entry, made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...],
+    limit: Limit | None,
+) -> dict[str, Any]:  # fmt: skip
+    """The truth file: the bench's keys first, then class, depth and what may be mistaken for it."""
     items: list[dict[str, Any]] = []
     depth: dict[str, Any] = {}
-    if effects:
-        assert limit is not None
-        single = len(effects) == 1
-        all_over = limit.size_of(_signal(base, limit, effects[0])) if single else limit.over(rig)
-        for k, effect in enumerate(effects):
-            item = truth(rig, effect, made.chain, made.conditions)
-            alone = apply(base, effect)
-            item["over_limit"] = round(limit.size_of(_signal(base, limit, effect)), 3)
-            item["rms_um"] = round(limit.rms_um(alone), 5)
-            others = base
-            for j, other in enumerate(effects):
-                others = others if j == k else apply(others, other)
-            item["acceptable"] = _rivals(base, limit, effect, item["over_limit"], loaded)
-            items.append(item)
-        rms = limit.rms_um(rig)
-        pooled = np.concatenate([v - v.mean() for v in limit.plain])
-        hides = max(float(pooled.std()), made.chain.noise_um)
-        depth = {
-            "rms_um": round(rms, 5),
-            "hidden_by_rms_um": round(hides, 5),
-            "over_what_hides_it": round(rms / hides, 5),
-            "over_limit": round(all_over, 3),
-        }
+    if limit is not None:
+        items = _items(made, base, rig, effects, paths, limit)
+        depth = _depth(made, base, rig, limit, items[0]["over_limit"] if len(items) == 1 else limit.over(rig))
     stranger = any(effect.physics == "disturbance" for effect in effects)
     return {
         "kind": "unknown" if stranger else "missing" if effects else "none",

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
 from proving.gears import DEG, UM, FloatArray
 from proving.rig import Rig, mesh
+
+FORCED = 96
+"""Points per mesh at which a resonance is forced: steps of the transmission error are rounded by a hundredth of a
+pitch."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,22 +90,34 @@ def motion(rig: Rig, condition: Condition, rng: np.random.Generator) -> Motion:
     return Motion(time=time, theta_2=plain.angle(time), span=(0.0, seconds), waves=waves, start=start, rate=rate)
 
 
-def _resonate(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> FloatArray:
-    """Transmission error (mm) behind a mass on a spring, at times in s: integrated in time, forced by the static
-    one."""
+def _rings(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> FloatArray:
+    """What a mass on a spring adds (mm) to the static transmission error, at times in s.
+
+    The static error, taken as straight between points of a grid, forces the mass; its motion is then exact, at the
+    points and between, so that a stiff spring needs no finer grid than a soft one.
+    """
     assert rig.resonance is not None
     f_n, zeta = rig.resonance
     omega = 2 * pi * f_n
     mesh_hz = condition.speed / 60.0 * rig.pair.driving.z
-    step = 1.0 / max(48 * mesh_hz, 24 * f_n)
+    step = 1.0 / (FORCED * mesh_hz)
     # Free vibration has died to 1e-4 after 9 / (zeta omega) seconds; so long it runs before the recording.
     lead = min(9 / (zeta * omega), 0.5 * path.span[1]) + 5 / mesh_hz
     grid = np.arange(path.span[0] - lead, path.span[1] + 2 / mesh_hz, step)
     force = mesh(rig, path.angle(grid), torque=condition.torque, flank=condition.flank).x
-    level = float(force.mean())
-    system = (np.array([omega * omega]), np.array([1.0, 2 * zeta * omega, omega * omega]))
-    num, den, _ = cont2discrete(system, step, method="foh")
-    return np.asarray(CubicSpline(grid, level + lfilter(num.ravel(), den, force - level))(at))
+    force = force - force.mean()
+    denominator = np.array([1.0, 2 * zeta * omega, omega * omega])
+    moved = []
+    for numerator in ([omega * omega], [omega * omega, 0.0]):  # the mass's place and its speed
+        num, den, _ = cont2discrete((np.array(numerator), denominator), step, method="foh")
+        moved.append(lfilter(num.ravel(), den, force))
+    k = np.clip(((at - grid[0]) / step).astype(int), 0, grid.size - 2)
+    gone, rise = at - grid[k], (force[k + 1] - force[k]) / step
+    lag = 2 * zeta / omega * rise  # behind a force that rises evenly
+    free = moved[0][k] - force[k] + lag
+    swing = omega * sqrt(1 - zeta * zeta)
+    turn = (moved[1][k] - rise + zeta * omega * free) / swing
+    return np.asarray(np.exp(-zeta * omega * gone) * (free * np.cos(swing * gone) + turn * np.sin(swing * gone)) - lag)
 
 
 def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = None) -> FloatArray:
@@ -110,15 +125,14 @@ def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = 
     times in s)."""
     time = path.time if at is None else at
     theta_2 = path.theta_2 if at is None else path.angle(at)
-    if rig.resonance is None:
-        x = mesh(rig, theta_2, torque=condition.torque, flank=condition.flank).x
-    else:
-        x = _resonate(rig, condition, path, time)
+    x = mesh(rig, theta_2, torque=condition.torque, flank=condition.flank).x
+    if rig.resonance is not None:
+        x = x + _rings(rig, condition, path, time)
     r_1, r_2 = rig.pair.driving.r_b, rig.pair.driven.r_b
     theta_1 = (r_2 * theta_2 - x) / r_1
-    if rig.drift:  # warms up: most of the rise in the first half
+    if rig.drift:
         gone = (time - path.span[0]) / (path.span[1] - path.span[0])
-        x = x + UM * rig.drift * (1 - np.exp(-2.5 * gone)) / (1 - np.exp(-2.5))
+        x = x + UM * rig.drift * np.expm1(-rig.drift_bend * gone) / np.expm1(-rig.drift_bend)
     for one in rig.disturbances:
         x = x + one.x(time, theta_1, theta_2, path.span)
     return np.asarray(x + r_2 * rig.encoder_2.error(theta_2) - r_1 * rig.encoder_1.error(theta_1))

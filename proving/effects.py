@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from math import atan2, cos, pi, sin, sqrt
 from typing import Any
 
@@ -73,7 +72,7 @@ def apply(rig: Rig, effect: Effect) -> Rig:
         "friction": {"friction": rig.friction + size},
         "centre_distance": {"pair": replace(rig.pair, offset=rig.pair.offset + UM * size)},
         "shaft_windup": {"windup": rig.windup + size},
-        "thermal_drift": {"drift": rig.drift + size},
+        "thermal_drift": {"drift": rig.drift + size, "drift_bend": more.get("bend", rig.drift_bend)},
     }
     if name in whole:
         return replace(rig, **whole[name])
@@ -158,74 +157,3 @@ def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[Condition, .
         reading = chain.zeros_deg[k] + chain.directions[k] * more["tooth"] * 360.0 / gear.z
         out |= {"tooth": more["tooth"], "teeth": gear.z, "encoder_deg": reading % 360.0}
     return out
-
-
-RIVALS: dict[str, tuple[str, ...]] = {
-    "eccentricity": ("cumulative_pitch", "encoder_eccentricity"),
-    "cumulative_pitch": ("eccentricity", "encoder_eccentricity", "undulation"),
-    "encoder_eccentricity": ("eccentricity", "cumulative_pitch"),
-    "tooth_pitch": ("tooth_crack", "tooth_spall"),
-    "tooth_crack": ("tooth_pitch", "tooth_spall"),
-    "tooth_spall": ("tooth_pitch", "tooth_crack"),
-    "profile_slope": ("profile_slope'", "wear", "wear'", "tip_relief", "tip_relief'", "friction"),
-    "profile_crowning": ("profile_crowning'", "wear", "wear'", "tip_relief", "tip_relief'", "tooth_deflection"),
-    "tip_relief": ("profile_slope", "profile_slope'", "profile_crowning", "profile_crowning'", "wear", "wear'"),
-    "wear": ("wear'", "profile_crowning", "profile_crowning'", "profile_slope", "tip_relief", "tip_relief'"),
-    "undulation": ("encoder_interpolation", "cumulative_pitch", "undulation'"),
-    "encoder_interpolation": ("undulation", "undulation'", "encoder_interpolation'"),
-    "tooth_deflection": ("profile_crowning", "profile_crowning'", "shaft_windup", "misalignment"),
-    "misalignment": ("shaft_windup", "centre_distance", "tooth_thickness", "thermal_drift"),
-    "friction": ("profile_slope", "profile_slope'", "shaft_windup"),
-    "centre_distance": ("tooth_thickness", "tooth_thickness'", "shaft_windup", "misalignment"),
-    "tooth_thickness": ("tooth_thickness'", "centre_distance"),
-    "shaft_windup": ("misalignment", "centre_distance", "thermal_drift"),
-    "mesh_resonance": ("profile_crowning", "tip_relief", "tip_relief'", "profile_slope"),
-    "thermal_drift": ("encoder_scale", "encoder_scale'"),
-    "encoder_scale": ("encoder_scale'", "thermal_drift"),
-}
-"""What is worth comparing with what; a dash means the other gear. Whether it is a true look-alike is computed, case
-by case."""
-
-
-def rival_effects(effect: Effect, rig: Rig, name: str, loaded: bool) -> list[Effect]:
-    """Small effects that together span one rival of an effect; empty where the rival cannot be."""
-    other = name.endswith("'")
-    name = name.rstrip("'")
-    mine = effect.gear or 1
-    gear = 3 - mine if other else mine
-    more, pair = effect.more, rig.pair
-    if name in ("tooth_crack", "tooth_deflection", "friction", "misalignment", "shaft_windup") and not loaded:
-        return []
-    if name == "tooth_deflection" and rig.deflect:
-        return []
-    order = more.get("order", 1)
-    if other and name in ("undulation", "encoder_interpolation"):
-        ratio = order * pair.gear(gear).z / pair.gear(mine).z
-        if abs(ratio - round(ratio)) > 1e-9:
-            return []
-        order = round(ratio)
-    if name in ("eccentricity", "encoder_eccentricity") and order != 1:
-        return []
-    if name == "cumulative_pitch" and order > pair.gear(gear).z // 2:
-        return []
-    size = 1.0 if name not in ("friction", "tooth_crack", "encoder_scale") else 0.02
-    size = {"encoder_eccentricity": 20.0, "encoder_interpolation": 20.0, "encoder_scale": 1e-7}.get(name, size)
-    two = [{"angle_deg": a, "phase": a * DEG, "order": order} for a in (0.0, 90.0)]
-    if name in ("eccentricity", "cumulative_pitch", "encoder_eccentricity", "undulation", "encoder_interpolation"):
-        return [Effect(physics=name, gear=gear, size=size, more=m) for m in two]
-    if name == "tooth_spall":
-        # One pit wherever it may be: the whole contact of the tooth in four parts.
-        g = pair.gear(gear)
-        rolls = np.linspace(pair.l_start(gear), g.l_tip, 5)
-        radii = np.sqrt(g.r_b**2 + rolls**2)
-        ends = pairwise(radii.tolist())
-        return [
-            Effect(physics=name, gear=gear, size=2.0, more={"tooth": more["tooth"], "from_mm": a, "to_mm": b})
-            for a, b in ends
-        ]
-    if name == "tip_relief":
-        deep = pair.gear(gear).m
-        return [Effect(physics=name, gear=gear, more={"length_mm": f * deep}) for f in (0.25, 0.5)]
-    whole = ("friction", "misalignment", "shaft_windup", "centre_distance", "thermal_drift", "tooth_deflection")
-    keep = {"tooth": more["tooth"]} if "tooth" in more else {}
-    return [Effect(physics=name, gear=0 if name in whole else gear, size=size, more=keep)]

@@ -7,6 +7,7 @@ derived here."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import acos, cos, pi, sin, sqrt, tan
 
 import numpy as np
@@ -110,7 +111,7 @@ class Pair:
     driven: Gear
     offset: float = 0.0
 
-    @property
+    @cached_property
     def alpha_w(self) -> float:
         """Working pressure angle in rad at the tight-mesh centre distance."""
         g, h = self.driving, self.driven

@@ -5,10 +5,7 @@ A case depends on (seed, index) only, so any number of workers in any order writ
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -19,32 +16,43 @@ SIZES_OVER_LIMIT = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.5, 10.0, 14.0, 20.
 """From half to thirty times the theoretical limit; each case moves its own by up to 12 %."""
 
 COUNTS = {
-    "healthy": 80, "single": 110, "two": 24, "masked": 30, "one_flank": 12, "look_alike": 24, "stranger": 24, "short":
-    16,
-    "false_alarm": 120,
+    "healthy": 84, "single": 110, "two": 24, "masked": 24, "cancelling": 8, "one_flank": 12, "look_alike": 28,
+    "stranger": 25, "short": 16, "smallest": 12, "false_alarm": 144,
 }  # fmt: skip
-"""Cases of the full ground by class. The first eight are the mix (a quarter healthy); the last brings the healthy
-ones to 200."""
+"""Cases of the full ground by class. All but the last are the mix (a quarter of it healthy); the last brings the
+healthy ones beneath 60 um of eccentricity and in coloured noise to 200."""
 
 QUICK = {
-    "healthy": 6, "single": 8, "two": 2, "masked": 3, "one_flank": 1, "look_alike": 2, "stranger": 1, "short": 1,
+    "healthy": 4, "single": 6, "two": 1, "masked": 1, "cancelling": 1, "one_flank": 1, "look_alike": 1, "stranger": 1,
+    "short": 1, "smallest": 1,
 }  # fmt: skip
-"""The same classes for everyday use: 24 cases."""
+"""The same classes for everyday use: 18 cases."""
 
-MASKED = ("relief_under_eccentricity", "relief_cancels_deflection", "crack_under_pitch", "spall_under_pitch")
+CONCEALED = {
+    "healthy": "nothing is hidden",
+    "single": "beneath the noise per sample",
+    "two": "each by the other",
+    "masked": "by something larger",
+    "cancelling": "by each other at the design torque",
+    "one_flank": "on one flank, or told by the other only",
+    "look_alike": "by its likeness to something else",
+    "stranger": "outside the catalogue",
+    "short": "in less than two hunting cycles",
+    "smallest": "by being small: the least tooth pitch error and order line",
+    "false_alarm": "nothing is hidden under 60 um of eccentricity",
+}
+"""What conceals the effects of a class."""
+
+MASKED = ("relief_under_eccentricity", "crack_under_pitch", "spall_under_pitch")
 ONE_FLANK = (
-    "tooth_thickness",
-    "tooth_spall",
-    "eccentricity",
-    "encoder_eccentricity",
-    "centre_distance",
-    "cumulative_pitch",
-)
+    "tooth_thickness", "tooth_spall", "eccentricity", "encoder_eccentricity", "centre_distance", "cumulative_pitch",
+)  # fmt: skip
 LOOK_ALIKES = (
     "eccentricity", "encoder_eccentricity", "profile_slope", "wear", "undulation", "centre_distance",
-    "cumulative_pitch",
-    "encoder_interpolation", "encoder_scale", "profile_crowning", "thermal_drift", "tooth_thickness",
+    "cumulative_pitch", "encoder_interpolation", "encoder_scale", "profile_crowning", "thermal_drift",
+    "tooth_thickness", "shaft_windup", "tooth_crack",
 )  # fmt: skip
+SMALLEST = ("tooth_pitch", "undulation")
 TWO = (
     ("eccentricity", "tooth_spall"), ("tip_relief", "tooth_pitch"), ("undulation", "eccentricity"),
     ("encoder_interpolation", "tooth_pitch"), ("tooth_crack", "shaft_windup"), ("thermal_drift", "cumulative_pitch"),
@@ -75,38 +83,44 @@ class Entry:
         return f"case_{self.index:03d}"
 
 
+def _concealed(klass: str, v: int) -> tuple[tuple[str, ...], float]:
+    """What the case v of a class conceals, and its size over the limit (0: fixed)."""
+    steps = len(SIZES_OVER_LIMIT)
+    if klass in ("healthy", "false_alarm"):
+        return (), 0.0
+    if klass == "single":
+        lap = v // len(CATALOGUE)
+        return (CATALOGUE[v % len(CATALOGUE)],), SIZES_OVER_LIMIT[(5 * v + 4 * lap) % steps]
+    if klass == "two":
+        return TWO[v % len(TWO)], (7.0, 10.0, 14.0, 20.0, 30.0)[v % 5]
+    if klass == "masked":
+        return (MASKED[v % len(MASKED)],), 0.0
+    if klass == "cancelling":
+        return ("relief_cancels_deflection",), 0.0
+    if klass == "smallest":
+        return (SMALLEST[v % len(SMALLEST)],), 0.0
+    if klass == "one_flank":
+        return (ONE_FLANK[v % len(ONE_FLANK)],), (3.0, 5.0, 10.0, 20.0)[v % 4]
+    if klass == "look_alike":
+        return (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (5.0, 8.0, 14.0, 25.0)[(v + v // len(LOOK_ALIKES)) % 4]
+    if klass == "stranger":
+        return ("disturbance",), (5.0, 8.0, 14.0, 25.0, 30.0)[(v + v // 5) % 5]
+    what = SHORT[v % len(SHORT)]
+    if what == "healthy":
+        return (), 0.0
+    return (what,), max(SIZES_OVER_LIMIT[(5 * v + v // steps) % steps], 3.0)
+
+
 def plan(seed: int, *, quick: bool = False) -> list[Entry]:
     """All cases of a ground, in an order that tells nothing (the block of further healthy cases comes last)."""
     rng = np.random.default_rng([seed, 0x9A0])
-    counts = QUICK if quick else COUNTS
+    turn = int(rng.integers(1000)) if quick else 0  # so that quick grounds of other seeds show other physics
     rows: list[tuple[str, tuple[str, ...], float, int]] = []
     tail: list[tuple[str, tuple[str, ...], float, int]] = []
-    turn = int(rng.integers(1000)) if quick else 0  # so that quick grounds of other seeds show other physics
-    for klass, count in counts.items():
-        for k in range(count):
-            v = k + turn
-            over = SIZES_OVER_LIMIT[(5 * v + v // len(SIZES_OVER_LIMIT)) % len(SIZES_OVER_LIMIT)]
-            row: tuple[str, tuple[str, ...], float, int]
-            if klass in ("healthy", "false_alarm"):
-                row = (klass, (), 0.0, v)
-            elif klass == "single":
-                lap = v // len(CATALOGUE)
-                n = SIZES_OVER_LIMIT[(5 * v + 4 * lap) % len(SIZES_OVER_LIMIT)]
-                row = (klass, (CATALOGUE[v % len(CATALOGUE)],), n, v)
-            elif klass == "two":
-                row = (klass, TWO[v % len(TWO)], (7.0, 10.0, 14.0, 20.0, 30.0)[v % 5], v)
-            elif klass == "masked":
-                row = (klass, (MASKED[v % len(MASKED)],), 0.0, v)
-            elif klass == "one_flank":
-                row = (klass, (ONE_FLANK[v % len(ONE_FLANK)],), (3.0, 5.0, 10.0, 20.0)[v % 4], v)
-            elif klass == "look_alike":
-                row = (klass, (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (5.0, 8.0, 14.0, 25.0)[v % 4], v)
-            elif klass == "stranger":
-                row = (klass, ("disturbance",), (5.0, 8.0, 14.0, 25.0, 30.0)[(v + v // 5) % 5], v)
-            else:
-                what = SHORT[v % len(SHORT)]
-                row = (klass, () if what == "healthy" else (what,), 0.0 if what == "healthy" else max(over, 3.0), v)
-            (tail if klass == "false_alarm" else rows).append(row)
+    for klass, count in (QUICK if quick else COUNTS).items():
+        for v in range(turn, turn + count):
+            physics, over = _concealed(klass, v)
+            (tail if klass == "false_alarm" else rows).append((klass, physics, over, v))
     order = rng.permutation(len(rows))
     mixed = [rows[k] for k in order] + tail
     return [
@@ -115,11 +129,26 @@ def plan(seed: int, *, quick: bool = False) -> list[Entry]:
     ]
 
 
+def counts() -> str:
+    """Cases of every class as a table in Markdown, the full ground beside the quick one."""
+    lines = ["| class | what conceals it | cases | quick | what is concealed |", "| --- | --- | --- | --- | --- |"]
+    kinds = {
+        "single": ("every physics of the catalogue",), "two": tuple(" and ".join(two) for two in TWO), "masked": MASKED,
+        "cancelling": ("deflection and both reliefs",), "one_flank": ONE_FLANK, "look_alike": LOOK_ALIKES,
+        "stranger": ("a bearing's order", "hum", "a jump", "a pulse", "a wave that swells"),
+        "short": tuple(dict.fromkeys(SHORT)), "smallest": SMALLEST,
+    }  # fmt: skip
+    for klass, count in COUNTS.items():
+        what = ", ".join(kinds.get(klass, ("nothing",))).replace("_", " ")
+        lines.append(f"| {klass} | {CONCEALED[klass]} | {count} | {QUICK.get(klass, 0)} | {what} |")
+    lines.append(f"| all | | {sum(COUNTS.values())} | {sum(QUICK.values())} | |")
+    return "\n".join(lines)
+
+
 def write_case(seed: int, index: int, folder: Path, *, truths: Path | None = None, quick: bool = False) -> str:
     """Write NAME/pair.toml and NAME/rec_K.csv under folder, NAME.truth.json under truths (default: folder).
 
-    Returns the sha256 of the truth file's bytes. The truth is written first, and everything under its final name only
-    when whole."""
+    Returns the sha256 of the truth file's bytes. The truth comes last, and whole: where it is, the case is."""
     from proving.case import make
 
     entry = plan(seed, quick=quick)[index]
@@ -135,36 +164,6 @@ def write_case(seed: int, index: int, folder: Path, *, truths: Path | None = Non
     aside.write_bytes(sealed)
     aside.replace(apart / f"{entry.name}.truth.json")
     return hashlib.sha256(sealed).hexdigest()
-
-
-def _work(job: tuple[int, int, str, str | None, bool]) -> tuple[int, str]:
-    seed, index, folder, truths, quick = job
-    return index, write_case(seed, index, Path(folder), truths=None if truths is None else Path(truths), quick=quick)
-
-
-def write_ground(
-    seed: int, folder: Path, *, truths: Path | None = None, quick: bool = False, workers: int = 1,
-    indices: list[int] | None = None, done: Callable[[str, str], None] | None = None,
-) -> dict[str, str]:  # fmt: skip
-    """Write every case of a ground (or those of indices); returns name to sha256 of its truth, in the order of the
-    plan."""
-    entries = plan(seed, quick=quick)
-    chosen = range(len(entries)) if indices is None else indices
-    jobs = [(seed, i, str(folder), None if truths is None else str(truths), quick) for i in chosen]
-    hashes: dict[str, str] = {}
-
-    def collect(results: Iterator[tuple[int, str]]) -> None:
-        for index, digest in results:
-            hashes[entries[index].name] = digest
-            if done is not None:
-                done(entries[index].name, digest)
-
-    if workers <= 1:
-        collect(map(_work, jobs))
-    else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            collect(iter(pool.map(_work, jobs)))
-    return hashes
 
 
 def seal(hashes: dict[str, str]) -> str:

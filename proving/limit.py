@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import lsq_linear
 
 from proving.chain import Chain, Condition, Motion, te
 from proving.contact import SLOTS
@@ -20,6 +21,8 @@ from proving.rig import Rig, mesh
 
 POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
+RUN = 9
+"""Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
 LAW = 5
 """Columns for what a compliance law leaves open: its scale, three shapes over the path of contact, a power of the
 load."""
@@ -29,50 +32,52 @@ LOOSE = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Sight:
-    """The samples looked at in one recording: times in s (with the sample before each where the noise has a colour)."""
+    """The samples looked at in one recording: times in s (n,), in runs of ``run`` samples one after the other; where
+    the noise has a colour the first of a run only tells what the noise of the second goes on from."""
 
     condition: Condition
     path: Motion
     time: FloatArray
-    before: FloatArray | None
+    run: int
     share: float
 
 
 def sights(conditions: tuple[Condition, ...], paths: tuple[Motion, ...], chain: Chain) -> tuple[Sight, ...]:
     """Where to look at a set of recordings."""
     total = sum(path.time.size for path in paths)
-    stride = max(1, -(-total // POINTS))
+    run, told = (RUN, RUN - 1) if chain.colour else (1, 1)
+    stride = max(run, -(-total * told // POINTS))
     out = []
     for condition, path in zip(conditions, paths, strict=True):
-        at = np.arange(1, path.time.size, stride)
-        before = path.time[at - 1] if chain.colour else None
-        out.append(
-            Sight(condition=condition, path=path, time=path.time[at], before=before, share=path.time.size / at.size)
-        )
+        first = np.arange(0, path.time.size - run + 1, stride)
+        at = (first[:, None] + np.arange(run)).ravel()
+        share = path.time.size / (first.size * told)
+        out.append(Sight(condition=condition, path=path, time=path.time[at], run=run, share=share))
     return tuple(out)
 
 
-def _whiten(sight: Sight, chain: Chain, now: FloatArray, then: FloatArray | None) -> FloatArray:
+def _whiten(sight: Sight, chain: Chain, values: FloatArray) -> FloatArray:
+    """Values (n, ...) at a sight's samples in units of the noise, of which every one is then new."""
     scale = sqrt(sight.share) / (chain.noise_um * sqrt(1 - chain.colour**2))
-    return np.asarray(scale * (now if then is None else now - chain.colour * then))
+    if sight.run == 1:
+        return np.asarray(scale * values)
+    runs = values.reshape(-1, sight.run, *values.shape[1:])
+    fresh = runs[:, 1:] - chain.colour * runs[:, :-1]
+    return np.asarray(scale * fresh.reshape(-1, *values.shape[1:]))
 
 
 def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain) -> FloatArray:
     """The rig's transmission error in um over all recordings, whitened to unit noise."""
-    parts = []
-    for sight in look:
-        now = te(rig, sight.condition, sight.path, at=sight.time) / UM
-        then = None if sight.before is None else te(rig, sight.condition, sight.path, at=sight.before) / UM
-        parts.append(_whiten(sight, chain, now, then))
-    return np.concatenate(parts)
+    return np.concatenate([_whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / UM) for one in look])
 
 
-def _columns(rig: Rig, sight: Sight, time: FloatArray, full_torque: float) -> FloatArray:
+def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     """Nuisance columns in um per um: index of every tooth, slope of every tooth, mean, thickness, compliance."""
     pair = rig.pair
     drive = sight.condition.flank == "drive"
-    got = mesh(rig, sight.path.angle(time), torque=sight.condition.torque, flank=sight.condition.flank)
-    n, rows = time.size, np.arange(time.size)
+    got = mesh(rig, sight.path.angle(sight.time), torque=sight.condition.torque, flank=sight.condition.flank)
+    n = sight.time.size
+    rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
     out = np.zeros((n, 2 * (z_1 + z_2) + 3 + LAW))
     side = 1.0 if drive else -1.0
@@ -110,16 +115,11 @@ class Limit:
         self, rig: Rig, look: tuple[Sight, ...], chain: Chain, *, index: tuple[FloatArray, FloatArray],
         slope: tuple[FloatArray, FloatArray], thickness: float, compliance: float,
     ) -> None:  # fmt: skip
-        self.look, self.chain, self.base = look, chain, signal(rig, look, chain)
+        self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self.z_1 = rig.pair.driving.z
-        self.plain = [te(rig, one.condition, one.path, at=one.time) / UM for one in look]
-        parts = []
+        self.plain = self.seen(rig)
         top = max(one.condition.torque for one in look)
-        for sight in look:
-            now = _columns(rig, sight, sight.time, top)
-            then = None if sight.before is None else _columns(rig, sight, sight.before, top)
-            parts.append(_whiten(sight, chain, now, then))
-        self.N = np.concatenate(parts)
+        self.N = np.concatenate([_whiten(one, chain, _columns(rig, one, top)) for one in look])
         k = self.N.shape[1]
         inverse = np.zeros((k, k))
         place = 0
@@ -155,25 +155,27 @@ class Limit:
         """Size over limit of a whitened signal."""
         return sqrt(max(float(s @ self.perp(s)), 0.0))
 
-    def rms_um(self, rig: Rig, other: Rig | None = None) -> float:
-        """Rms in um about the mean of all recordings of what a rig has beyond another (default: the limit's own)."""
-        parts = []
-        for one, old in zip(self.look, self.plain, strict=True):
-            base = old if other is None else te(other, one.condition, one.path, at=one.time) / UM
-            parts.append(te(rig, one.condition, one.path, at=one.time) / UM - base)
-        return float(np.concatenate(parts).std())
+    def seen(self, rig: Rig) -> FloatArray:
+        """A rig's transmission error in um at all samples that are looked at."""
+        return np.concatenate([te(rig, one.condition, one.path, at=one.time) / UM for one in self.look])
+
+    def rms_um(self, rig: Rig) -> float:
+        """Rms in um about the mean of all recordings of what a rig has beyond the one the limit was built with."""
+        return float((self.seen(rig) - self.plain).std())
 
     def difference(self, rig: Rig) -> FloatArray:
         """Whitened signal of a rig less that of the one the limit was built with."""
         return np.asarray(signal(rig, self.look, self.chain) - self.base)
 
-    def fit(self, s: FloatArray, rivals: list[FloatArray]) -> FloatArray:
-        """How much of each rival's signal comes closest to a signal, nuisances taken out of both."""
-        R = np.stack(rivals, axis=1)
-        R_p = np.stack([self.perp(r) for r in rivals], axis=1)
-        gram = R.T @ R_p
-        gram += (1e-9 * np.trace(gram) + 1e-12) * np.eye(len(rivals))
-        return np.asarray(np.linalg.solve(gram, R_p.T @ s))
+    def fit(self, s: FloatArray, columns: FloatArray, *, low: FloatArray, high: FloatArray) -> FloatArray:
+        """How much of each column (n, k), between low and high (k,), comes closest to a signal, nuisances taken out of
+        both."""
+        gram = columns.T @ np.stack([self.perp(column) for column in columns.T], axis=1)
+        gram += (1e-9 * np.diag(np.diag(gram))) + 1e-30 * np.eye(low.size)
+        scale = 1 / np.sqrt(np.diag(gram))
+        root = np.linalg.cholesky(gram * np.outer(scale, scale))
+        wanted = solve_triangular(root, scale * (columns.T @ self.perp(s)), lower=True)
+        return np.asarray(scale * lsq_linear(root.T, wanted, bounds=(low / scale, high / scale), method="bvls").x)
 
     def sine(self, s: FloatArray, rest: FloatArray) -> float:
         """Sine of the angle between a signal and its best rival, rest being what the rival leaves of it."""

@@ -80,7 +80,8 @@ class Rig:
     """Everything that is true of one set-up. Lengths of errors in um, angles in deg, torques in N.m, frequencies in Hz.
 
     eccentric_1, eccentric_2: amplitude and angle of the gear's own centre off its axis, as the contract counts it.
-    lead: gap across the face width. drift: rise from start to end of each recording.
+    lead: gap across the face width. drift: rise from start to end of each recording, drift_bend of which time constants
+    of warming up fit into it.
     """
 
     pair: Pair
@@ -96,6 +97,7 @@ class Rig:
     windup: float = 0.0
     resonance: tuple[float, float] | None = None
     drift: float = 0.0
+    drift_bend: float = 2.5
     encoder_1: Encoder = field(default_factory=Encoder)
     encoder_2: Encoder = field(default_factory=Encoder)
     disturbances: tuple[Disturbance, ...] = ()

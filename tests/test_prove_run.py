@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +23,14 @@ from gearpoly.errors import GearpolyError, InputFileError
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.physics.scene import Samples
+from gearpoly.prove import pool, work
 from gearpoly.prove import run as proving_run
-from gearpoly.prove import work
 from gearpoly.prove.arms import arms
 from gearpoly.prove.board import board_json
 from gearpoly.prove.diagnoser import How, wrong
 from gearpoly.prove.page import board_text, draw, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
+from gearpoly.study import progress
 from proving.ground import plan
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
 
@@ -124,6 +126,129 @@ def test_a_killed_run_goes_on(bench: Path, tmp_path: Path) -> None:
     assert board(proof) == board(prove_folder(bench, out=tmp_path / "fresh", diagnoser=slow, say=quiet))
 
 
+STUCK = """
+import sys
+from functools import partial
+from gearpoly import __main__
+from gearpoly.prove import run
+from tests.made_prove import stuck
+if __name__ == "__main__":
+    run.prove_folder = partial(run.prove_folder, diagnoser=stuck)
+    __main__.main()
+"""
+
+
+@pytest.fixture
+def begun(bench: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    """The command with two workers, both of them busy for an hour with what is left; two cases are finished."""
+    script = tmp_path / "stuck.py"
+    script.write_text(STUCK)
+    root = Path(__file__).resolve().parents[1]
+    place = tmp_path / "out" / "verdicts" / "plain"
+    command = [sys.executable, str(script), "prove", "--on", str(bench), "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(
+        [*command, "--workers", "2"], cwd=root, env={**os.environ, "PYTHONPATH": str(root)}, text=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+    marks = [tmp_path / "beta.begun", tmp_path / "gamma.begun", place / "alpha.json", place / "delta.json"]
+    deadline = time.monotonic() + 120.0  # two starts of Python on a busy machine
+    while not all(mark.exists() for mark in marks) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert process.poll() is None
+    yield process
+    if process.poll() is None:
+        process.kill()
+
+
+def workers_of(process: subprocess.Popen[str]) -> list[int]:
+    listed = subprocess.run(["ps", "--ppid", str(process.pid), "-o", "pid,args"], capture_output=True, text=True)
+    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
+
+
+def gone(pid: int) -> bool:
+    """Whether a process has ended; one that nobody has asked for yet has, too."""
+    status = Path("/proc") / str(pid) / "status"
+    return not status.exists() or "State:\tZ" in status.read_text()
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("how", ["a worker is killed", "the command is interrupted"])
+def test_workers_that_die_leave_what_is_finished(
+    begun: subprocess.Popen[str], bench: Path, tmp_path: Path, how: str
+) -> None:
+    workers = workers_of(begun)
+    assert len(workers) == 2
+    if how == "a worker is killed":
+        os.kill(workers[0], signal.SIGKILL)
+    else:  # only the command: what is under way would go on for an hour
+        os.kill(begun.pid, signal.SIGINT)
+    _, said = begun.communicate(timeout=60.0)  # it takes a second; an hour if it waited
+    assert all(gone(pid) for pid in workers)
+    assert "Traceback" not in said
+    if how == "a worker is killed":
+        assert begun.returncode == 2
+        assert "a worker process died at beta or gamma (killed, or out of memory?)" in said
+        assert "what is finished is kept" in said
+    else:
+        assert begun.returncode == 130
+        assert "interrupted; what is finished is kept" in said
+    kept = verdicts(tmp_path / "out")
+    assert set(kept) == {"alpha.json", "delta.json"}
+    # The same again, by a diagnoser that comes to an end, makes what is left.
+    place = tmp_path / "out" / "verdicts" / "plain"
+    before = {name: (place / name).stat().st_mtime_ns for name in kept}
+    code = json.loads(kept["alpha.json"])["key"].split()[1]
+    left = [job for job in ("beta", "gamma") if not (place / f"{job}.json").exists()]
+    assert left == ["beta", "gamma"]
+    again = subprocess.run(
+        [sys.executable, "-c", AGAIN.format(bench=str(bench), out=str(tmp_path / "out"))],
+        cwd=Path(__file__).resolve().parents[1], capture_output=True, text=True,
+    )  # fmt: skip
+    assert "2 of 4 diagnoses are there from a run before" in again.stdout
+    assert all((place / name).stat().st_mtime_ns == when for name, when in before.items())
+    assert json.loads((place / "beta.json").read_text())["key"].split()[1] == code
+    assert len(verdicts(tmp_path / "out")) == len(BENCH)
+
+
+AGAIN = """
+import time
+time.sleep = lambda seconds: None
+from pathlib import Path
+from gearpoly.prove.run import prove_folder
+from tests.made_prove import stuck
+prove_folder(Path({bench!r}), out=Path({out!r}), diagnoser=stuck)
+"""
+
+
+def nap(seconds: float) -> None:
+    """A job that takes its time."""
+    time.sleep(seconds)
+
+
+def refuse(what: str) -> None:
+    """A job that a full disk stops."""
+    raise InputFileError("verdict.json", found="No space left on device", wish=what)
+
+
+def test_what_takes_long_is_named_in_the_progress(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pool, "TICK", 0.05)
+    monkeypatch.setattr(pool, "SLOW", 0.2)
+    monkeypatch.setattr(progress, "EVERY", 0.0)
+    pool.each(nap, [0.0, 0.01, 1.5], workers=2, what="naps", name=lambda job: f"nap {job:g}")
+    said = capsys.readouterr().err
+    assert "gearpoly prove: 2 of 3 naps" in said
+    assert "nap 1.5 for" in said
+    assert "3 of 3 naps" in said
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_a_worker_refuses_is_told_as_it_is(workers: int) -> None:
+    with pytest.raises(GearpolyError, match="No space left on device; check space"):
+        pool.each(refuse, ["check space"], workers=workers, what="cases", name=str)
+
+
 def test_other_recordings_and_other_code_are_diagnosed_again(bench: Path, tmp_path: Path) -> None:
     def runs() -> int:
         return len((tmp_path / "runs.txt").read_text().split())
@@ -153,6 +278,17 @@ def test_a_diagnosis_without_an_end_is_a_failed_case(
     assert {one.name: one.error for one in proof.scores if one.error} == {
         "beta": "TooLongError: not done after 0.2 s of processor time"
     }
+
+
+def test_two_processes_write_the_same_ground(tmp_path: Path) -> None:
+    few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:2]
+    how: dict[str, Any] = {"quick": True, "indices": few, "diagnoser": silent, "say": quiet}
+    one = prove_ground(6, out=tmp_path / "one", workers=1, **how)
+    two = prove_ground(6, out=tmp_path / "two", workers=2, **how)
+    assert one.truths == two.truths
+    files = sorted(path.relative_to(tmp_path / "one") for path in (tmp_path / "one" / "cases").rglob("*.*"))
+    assert len(files) >= 2 * len(few)
+    assert all((tmp_path / "one" / path).read_bytes() == (tmp_path / "two" / path).read_bytes() for path in files)
 
 
 def test_the_ground_is_written_apart_from_its_truths(tmp_path: Path) -> None:

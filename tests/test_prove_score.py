@@ -76,8 +76,8 @@ def test_an_order_is_part_of_the_name(tmp_path: Path) -> None:
 
 def test_rivals_named_and_look_alikes_named_singly(tmp_path: Path) -> None:
     item = {
-        "physics": "encoder_eccentricity", "gear": 1, "amplitude_urad": 40.0, "over_limit": 20.0,
-        "acceptable": [{"physics": "eccentricity", "gear": 1, "separability": 0.05}],
+        "physics": "encoder_eccentricity", "gear": 1, "amplitude_urad": 40.0, "over_limit": 18.0,
+        "rivals": [{"physics": "eccentricity", "gear": 1, "separability": 0.05}],
     }  # fmt: skip
     told = truth(tmp_path, item)
     mine = claim("encoder_eccentricity", "driving", amplitude_urad=(41.0, 1.0))
@@ -94,9 +94,61 @@ def test_rivals_named_and_look_alikes_named_singly(tmp_path: Path) -> None:
     found = row([alone, other, ranged], "look_alikes_named_singly")
     assert found.cases == ("a", "b")
     assert found.reached is False
-    # Naming a look-alike is no failure to name first: size times separability is only 1.
+    # Naming a look-alike is no failure to name first: size times separability is only 0.9.
     assert row([other], "named_first").share == Share(hits=0, of=0)
     assert row([other], "named_first").reached is None
+
+
+def eccentric(tmp_path: Path, over: float, *rivals: dict[str, Any]) -> Truth:
+    item = {"physics": "encoder_eccentricity", "gear": 1, "amplitude_urad": 40.0, "over_limit": over}
+    return truth(tmp_path, {**item, "rivals": list(rivals)})
+
+
+@pytest.mark.parametrize(
+    ("separability", "first", "false", "singly"),
+    [
+        (0.04, None, False, True),  # 0.8 standard deviations: to name either alone is more than the recordings say
+        (0.10, None, False, False),  # 2.0: either may be named, and one may well be excluded by chance
+        (0.20, None, True, False),  # 4.0: the rival is excluded, but by no more than chance can undo
+        (0.26, False, True, False),  # 5.2: the effect has to be named, and first
+    ],
+)
+def test_the_nearest_rival_decides_what_has_to_be_named(
+    tmp_path: Path, separability: float, first: bool | None, false: bool, singly: bool
+) -> None:
+    far = {"physics": "cumulative_pitch", "gear": 1, "separability": 0.9}
+    told = eccentric(tmp_path, 20.0, {"physics": "eccentricity", "gear": 1, "separability": separability}, far)
+    other = score("a", verdict(claim("eccentricity", "driving", amplitude_um=(0.7, 0.1))), told, LIMITS)
+    assert row([other], "named_first").reached is first
+    assert (other.extras == 1) is false
+    assert other.items[0].singly is singly
+    right = score("b", verdict(claim("encoder_eccentricity", "driving", amplitude_urad=(41.0, 1.0))), told, LIMITS)
+    assert row([right], "named_first").reached is (None if first is None else True)
+
+
+def test_two_signals_closer_than_models_agree_are_not_told_apart(tmp_path: Path) -> None:
+    """However long the recording, and however far apart in standard deviations."""
+    near = {"physics": "eccentricity", "gear": 1, "separability": 0.3, "apart_um": 0.009}
+    other = claim("eccentricity", "driving", amplitude_um=(0.7, 0.1))
+    close = score("a", verdict(other), eccentric(tmp_path, 20.0, near), LIMITS)
+    apart = score("b", verdict(other), eccentric(tmp_path, 20.0, {**near, "apart_um": 0.011}), LIMITS)
+    assert row([close], "named_first").reached is None
+    assert close.extras == 0
+    assert not close.items[0].singly  # nobody has to report it either
+    assert row([apart], "named_first").reached is False
+    assert apart.extras == 1
+
+
+def test_without_a_size_an_effect_is_large(tmp_path: Path) -> None:
+    item = {"physics": "eccentricity", "gear": 1, "amplitude_um": 4.0}
+    same = {"physics": "encoder_eccentricity", "gear": 1, "separability": 0.0}
+    said = verdict(claim("encoder_eccentricity", "driving", amplitude_urad=(200.0, 1.0)))
+    unlike = score("a", said, truth(tmp_path, {**item, "rivals": [{**same, "separability": 0.01}]}), LIMITS)
+    alike = score("b", said, truth(tmp_path, {**item, "rivals": [same]}), LIMITS)
+    assert row([unlike], "named_first").reached is False
+    assert unlike.extras == 1
+    assert row([alike], "named_first").reached is None
+    assert alike.items[0].singly
 
 
 def test_false_alarms_named_or_only_located(tmp_path: Path) -> None:
@@ -212,17 +264,20 @@ def test_wilson_at_the_ends_and_in_the_middle() -> None:
     assert math.isnan(Share(hits=0, of=0).rate)
 
 
-def test_the_smallest_that_was_named_is_reported_with_the_largest_that_was_not(tmp_path: Path) -> None:
-    def pitch(size: float, said: bool) -> CaseScore:
+def test_the_smallest_is_the_size_from_which_on_all_are_named(tmp_path: Path) -> None:
+    def pitch(size: float, said: bool, klass: str = "smallest") -> CaseScore:
         item = {**CRACK, "physics": "tooth_pitch", "deviation_um": -size}
         named = claim("tooth_pitch", "driven", encoder_deg=350.0, deviation_um=(-size, 0.1))
-        return score(f"{size}", verdict(named) if said else verdict(), truth(tmp_path, item), LIMITS)
+        told = truth(tmp_path, item, **{"class": klass})
+        return score(f"{size}", verdict(named) if said else verdict(), told, LIMITS)
 
-    found = row([pitch(0.3, True), pitch(0.5, False), pitch(2.0, True)], "smallest_tooth_pitch_um")
-    assert found.value == pytest.approx(0.3)
+    lucky = [pitch(0.2, True), pitch(0.3, False), pitch(0.4, True), pitch(0.8, True), pitch(5.0, False, "single")]
+    found = row(lucky, "smallest_tooth_pitch_um")
+    assert found.value == pytest.approx(0.4)
     assert found.reached is True
-    assert "0.50 um" in found.note
-    assert row([pitch(0.3, False)], "smallest_tooth_pitch_um").reached is False
+    assert found.cases == ("0.3",)
+    assert "3 of 4" in found.note
+    assert row([pitch(0.3, True), pitch(0.8, False)], "smallest_tooth_pitch_um").reached is False
     assert row([], "smallest_tooth_pitch_um").reached is None
 
 

@@ -39,3 +39,4 @@ def test_encoder_or_gear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert found["of a gear it would be, deg"] == pytest.approx(40.0, abs=0.5)
     assert "eccentricity" in found["drive flank alone"][0].split("Or else")[1]
     assert found["both flanks"][0].startswith("The encoder")
+    assert "Or else" not in found["both flanks"][0]

@@ -10,11 +10,12 @@ transmission error tells those.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.curve import Curve, Cycle, Misfit, folded, without_ramp
+from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
 from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
@@ -31,8 +32,21 @@ COARSE = 40_000
 SLACK = 0.6
 """Tooth pitches by which a stated zero may be wrong; the contract's half, and a tenth for eccentricity in the mean."""
 
+STATED = 0.25
+"""Tooth pitches, one sigma, by which a stated zero is wrong."""
+
 PHASED = 0.1
 """Pitches. A zero known worse than this is not told from the data: evenly spread over a pitch would be 0.29."""
+
+DIPS = 16
+"""Places within a pitch from which the best is refined; dips are a tenth of a pitch wide, as corners are."""
+
+WARY = 12
+"""Mesh orders in doubt where the standard error is asked for. Corners place the teeth, and where laws of compliance put
+them differs by as much as these orders can tell."""
+
+STRETCHES = 32
+"""Of a mesh, within each of which the simulation misses the mean tooth alike: half a wave of what ``WARY`` leaves."""
 
 PROBES = (-0.25, 0.25, 0.5)
 """Pitches beside the place found at which the curves must fit worse; the standard error only knows how sharp the
@@ -40,6 +54,12 @@ place itself is."""
 
 SURE = 2.5
 """Standard errors by which those must fit worse: they are few, and not chosen by their fit."""
+
+SHARP = 5.0
+"""Standard errors of a turn that a pitch has to hold for the tooth to be told: half a tooth is then 2.5 of them."""
+
+GAUGE = 0.2 * UM
+"""mm. No tooth is known better, whatever its file says: the uncertainty of a good gauge."""
 
 QUIET = 0.02 * UM
 """mm. Misfit is never taken to be less than what the template itself misses; a perfect curve would have no scale."""
@@ -50,18 +70,19 @@ class Laid:
     """The place found, with its doubt and rivals.
 
     ``std`` in rad of ``best.shift``, inf where the curves say nothing; ``offset_std`` in mm of ``best.offset``.
-    ``rivals`` fit nearly as well, best first; ``contradicted`` is a place that fits much better but lies outside what
-    the stated zeros allow. ``phased``: the place within a pitch comes from the data, ``rough``: at least its place in
-    the turn does; ``numbered``: so does the tooth, given what is stated, and ``certain``: without anything stated.
+    ``spread`` (driving, driven) in rad is how far the turns of both shafts scatter over all places by how likely each
+    is, given what is stated. ``rivals`` fit nearly as well, best first; ``contradicted`` is a place that fits much
+    better but lies outside what the stated zeros allow. ``phased``: the place within a pitch comes from the data;
+    ``numbered``: so does the tooth, given what is stated, and ``certain``: without anything stated.
     """
 
     best: Place
     std: float
     offset_std: float
+    spread: tuple[float, float]
     rivals: tuple[Place, ...]
     contradicted: Place | None
     phased: bool
-    rough: bool
     numbered: bool
     certain: bool
 
@@ -82,7 +103,9 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
     flat = [_level(curve) for curve in curves]
     coarse = tuple(folded(curve, cycle, places=COARSE) for curve in flat)
     apart = _turns_apart(coarse, cycle)
-    fits = _fits(coarse, cycle, sigma=None)
+    left = [_left(curve, cycle) for curve in coarse]
+    # Which tooth is which is asked of the teeth, not of their samples.
+    fits = [_misfit(curve, cycle, of_teeth) for curve, (_, of_teeth) in zip(coarse, left, strict=True)]
     total, turns = _total(fits, cycle, apart)
     allowed = _allowed(fits[0], cycle, stated)
     within = _peaks(np.where(allowed, total, np.inf), cycle)
@@ -91,14 +114,22 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
     further = turns.astype(np.float64) * cycle.step
     tries = [Attempt.make(fits, cycle, h * cycle.step, further[:, h]) for h in starts.tolist()]
     tries.sort(key=lambda one: one.misfit)
-    mine = [one for one in tries if _off(one, fits[0], cycle, stated) <= SLACK + 2.0 / cycle.per_mesh] or tries
+
+    def is_mine(one: Attempt) -> bool:
+        return _off(one, fits[0], cycle, stated) <= SLACK + 2.0 / cycle.per_mesh
+
+    mine = [one for one in tries if is_mine(one)] or tries
     best, outside = mine[0], tries[0]
     level = [best]
     for one in mine[1:]:
         if all(are_apart(one, other, cycle) for other in level) and not is_worse(one, best, cycle):
             level.append(one)
+
+    def unlikely(one: Attempt) -> float:
+        return one.misfit / len(fits) + (_off(one, fits[0], cycle, stated) / STATED) ** 2
+
     # Where the curves do not choose, the stated zeros do.
-    best = min(level, key=lambda one: _off(one, fits[0], cycle, stated))
+    best = min(level, key=unlikely)
     rivals = [one for one in level if one is not best]
     others = [one for one in tries if are_apart(one, best, cycle)]
     certain = outside is best and all(is_worse(one, best, cycle) for one in others)
@@ -106,25 +137,30 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
     if outside is not best and are_apart(outside, best, cycle) and is_worse(best, outside, cycle):
         contradicted = outside.place()
 
-    fine = _fits(tuple(folded(curve, cycle) for curve in flat), cycle, sigma=[fit.sigma for fit in fits])
-    final = Attempt.make(fine, cycle, best.shift, best.turns).polished()
-    std, offset_std = final.errors()
+    fine = [_misfit(folded(curve, cycle), cycle, of_samples) for curve, (of_samples, _) in zip(flat, left, strict=True)]
+    final = _within(fine, cycle, best, is_mine)
+    wary = [_misfit(fit.curve, cycle, of_samples, WARY) for fit, (of_samples, _) in zip(fits, left, strict=True)]
+    doubted = replace(final, fits=wary)
+    scattered, offset_std = doubted.errors()
+    std = math.hypot(scattered, _common(doubted))
 
     def told(*parts: float) -> bool:
         return all(is_worse(final.moved(part * cycle.pitch), final, cycle, sigmas=SURE) for part in parts)
 
     phased = std < PHASED * cycle.pitch and told(*PROBES)
-    half_turns = (0.5 * cycle.z_1, -0.5 * cycle.z_1, 0.5 * cycle.z_2)
+    spread = _spread(np.where(allowed, total, np.inf) / len(fits), cycle, best.shift)
+    pitches = cycle.pitch / cycle.ratio, cycle.pitch
+    sharp = phased or all(turn < pitch / SHARP for turn, pitch in zip(spread, pitches, strict=True))
     return Laid(
-        best=final.place(),
+        best=(final if phased else best).place(),
         std=std,
         offset_std=offset_std,
+        spread=spread,
         rivals=tuple(one.place() for one in rivals),
         contradicted=contradicted,
         phased=phased,
-        rough=phased or told(*half_turns),
-        numbered=phased and not rivals,
-        certain=phased and certain,
+        numbered=sharp and not rivals,
+        certain=sharp and certain,
     )
 
 
@@ -137,18 +173,65 @@ def _level(curve: Curve) -> Curve:
     )  # fmt: skip
 
 
-def _fits(curves: tuple[Curve, ...], cycle: Cycle, *, sigma: list[float] | None) -> list[Misfit]:
-    """Misfits of all curves; ``sigma`` unless given is what the best place on the grid leaves."""
+def _misfit(curve: Curve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
+    in_time = bool(np.all(curve.weight == 1.0))
+    return Misfit(curve, cycle, sigma=sigma, in_time=in_time, mesh_orders=mesh_orders)
+
+
+def _left(curve: Curve, cycle: Cycle) -> tuple[float, float]:
+    """What the best place on the grid leaves of a curve in mm: rms by samples, and by teeth.
+
+    Teeth that nobody inspected leave the same in every turn, and a thousand samples of one tooth are one. So the
+    second is the variance of sums over a tooth, of both gears, per sample in them.
+    """
+    fit = _misfit(curve, cycle, QUIET)
+    misfit = fit.over_all_shifts()
+    best = int(np.argmin(misfit))
+    of_samples = max(float(misfit[best]) / fit.count, QUIET**2)
+    r = fit.residual(best * cycle.step)
+    left = curve.weight * (r - fit.drawn(fit.explained(r)))
+    _, *teeth = fit.labels(best * cycle.step)
+    sums = sum(float(np.sum(np.bincount(tooth, weights=left) ** 2)) for tooth in teeth)
+    of_teeth = max(sums / fit.count - of_samples, of_samples, GAUGE**2 * fit.count / (cycle.z_1 + cycle.z_2))
+    return math.sqrt(of_samples), math.sqrt(of_teeth)
+
+
+def _within(fits: list[Misfit], cycle: Cycle, best: Attempt, is_mine: Callable[[Attempt], bool]) -> Attempt:
+    """The place that fits best within half a pitch of ``best``, by ``fits`` that take every sample for its own: what
+    the mean tooth looks like is seen by all of them."""
+    here = Attempt.make(fits, cycle, best.shift, best.turns)
+    beside = [here.moved(n * cycle.pitch / DIPS) for n in range(-DIPS // 2, DIPS // 2)]
+    dip = min((one for one in (here, *beside) if one is here or is_mine(one)), key=lambda one: one.misfit)
+    return Attempt.make(fits, cycle, dip.shift, dip.turns).polished()
+
+
+def _common(one: Attempt) -> float:
+    """Standard error of the shift in rad that no number of teeth averages out: what the simulation lacks of the mean
+    tooth, independent from stretch to stretch of the mesh, less what single meshes scatter there."""
+    curvature, places = 0.0, one.cycle.meshes * STRETCHES
+    cells = np.zeros(places)
+    for fit, more in zip(one.fits, one.turns.tolist(), strict=True):
+        r, t = fit.residual(one.shift + more), fit.slope(one.shift + more)
+        left, rest = (x - fit.drawn(fit.explained(x)) for x in (r, t))
+        score = fit.curve.weight * rest / fit.sigma**2
+        curvature += float(score @ t)
+        place = np.floor((fit.curve.theta_2 - one.shift - more) * (STRETCHES / one.cycle.pitch))
+        cells += np.bincount(np.mod(place, places).astype(np.int64), score * left, places)
+    stretches = cells.reshape(-1, STRETCHES).sum(axis=0)
+    spread = max(float(stretches @ stretches - cells @ cells), 0.0)
+    return math.sqrt(spread) / curvature if curvature > 0.0 else math.inf
+
+
+def _spread(misfit: FloatArray, cycle: Cycle, best: float) -> tuple[float, float]:
+    """How far the turns of the driving and the driven shaft scatter about ``best`` in rad, rms in rad, over places that
+    are as likely as their ``misfit`` (size,) in sigmas squared says."""
+    likely = np.exp(-0.5 * (misfit - np.min(misfit)))
+    off = np.arange(cycle.size) * cycle.step - best
     out = []
-    for k, curve in enumerate(curves):
-        in_time = bool(np.all(curve.weight == 1.0))
-        if sigma is not None:
-            out.append(Misfit(curve, cycle, sigma=sigma[k], in_time=in_time))
-            continue
-        free = Misfit(curve, cycle, sigma=QUIET, in_time=in_time)
-        left = math.sqrt(float(np.min(free.over_all_shifts())) / free.count)
-        out.append(Misfit(curve, cycle, sigma=max(left, QUIET), in_time=in_time))
-    return out
+    for angle in (off / cycle.ratio, off):
+        apart = np.remainder(angle + math.pi, 2.0 * math.pi) - math.pi
+        out.append(math.sqrt(float(likely @ apart**2) / float(np.sum(likely))))
+    return out[0], out[1]
 
 
 def _turns_apart(curves: tuple[Curve, ...], cycle: Cycle) -> IntArray:

@@ -9,7 +9,10 @@ from typing import Protocol
 import numpy as np
 
 from gearpoly.compare.sharing import Carried
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+Rows = slice | IntArray
+"""Some samples."""
 
 
 class Part(Protocol):
@@ -25,8 +28,11 @@ class Part(Protocol):
     def adjoint(self, values: FloatArray) -> FloatArray:
         """Columns' products (m,) with ``values`` (n,)."""
 
-    def block(self, low: int, high: int) -> FloatArray:
-        """Rows low ... high - 1 of the columns: (high - low, m)."""
+    def rows(self, at: Rows) -> FloatArray:
+        """The columns at some samples: (k, m)."""
+
+    def changed(self, before: Part) -> BoolArray:
+        """At which samples (n,) the columns are not those of ``before``."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,8 +51,16 @@ class Dense:
     def adjoint(self, values: FloatArray) -> FloatArray:
         return self.columns.T @ values
 
-    def block(self, low: int, high: int) -> FloatArray:
-        return self.columns[low:high]
+    def rows(self, at: Rows) -> FloatArray:
+        return np.asarray(self.columns[at])
+
+    def changed(self, before: Part) -> BoolArray:
+        everywhere = np.ones(len(self.columns), dtype=np.bool_)
+        if not isinstance(before, Dense) or self.columns.shape != before.columns.shape:
+            return everywhere
+        if self.columns is before.columns:
+            return ~everywhere
+        return np.asarray(np.any(self.columns != before.columns, axis=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,12 +89,16 @@ class Waves:
             out[2 * j + 1] = np.sin(angle) @ values
         return out
 
-    def block(self, low: int, high: int) -> FloatArray:
-        angle = 2.0 * np.pi * np.outer(self.x[low:high], self.frequency)
-        out = np.empty((high - low, self.size))
+    def rows(self, at: Rows) -> FloatArray:
+        angle = 2.0 * np.pi * np.outer(self.x[at], self.frequency)
+        out = np.empty((len(angle), self.size))
         out[:, 0::2] = np.cos(angle)
         out[:, 1::2] = np.sin(angle)
         return out
+
+    def changed(self, before: Part) -> BoolArray:
+        same = isinstance(before, Waves) and self.x is before.x and np.array_equal(self.frequency, before.frequency)
+        return np.full(self.x.size, not same)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,13 +122,19 @@ class Scattered:
             out += np.bincount(index, weights=value * values, minlength=self.columns)
         return out
 
-    def block(self, low: int, high: int) -> FloatArray:
-        out = np.zeros((high - low, self.columns))
-        rows = np.arange(high - low)
-        for index, value in zip(self.index[:, low:high], self.value[:, low:high], strict=True):
+    def rows(self, at: Rows) -> FloatArray:
+        indices, values = self.index[:, at], self.value[:, at]
+        rows = np.arange(indices.shape[1])
+        out = np.zeros((rows.size, self.columns))
+        for index, value in zip(indices, values, strict=True):
             # One entry of a slot per row, so this adds without collisions.
             out[rows, index] += value
         return out
+
+    def changed(self, before: Part) -> BoolArray:
+        if not isinstance(before, Scattered) or self.index.shape != before.index.shape:
+            return np.ones(self.index.shape[1], dtype=np.bool_)
+        return np.asarray(np.any((self.index != before.index) | (self.value != before.value), axis=0))
 
 
 def tooth_numbers(carried: Carried, *, gear: int, coast: bool) -> IntArray:

@@ -11,9 +11,10 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
-from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.noise import slow_curves
+from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.template import Found, Template, make_template
@@ -25,7 +26,7 @@ from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import recorded_torque
-from gearpoly.units import DEG, NM, RPM, UM, FloatArray, read_only
+from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64
 """Samples from which a noise spectrum can be estimated at all."""
@@ -43,23 +44,33 @@ class Aligned:
 
     ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
     difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
-    shaft in rad/s where known, ``template`` the simulation over a hunting cycle.
+    shaft in rad/s where known, ``template`` the simulation over a hunting cycle. Arrays are taken over, and sealed;
+    what follows from others is worked out when asked for, since recordings are long.
     """
 
     cleaned: Cleaned
-    theta_1: FloatArray
     theta_2: FloatArray
     recorded: FloatArray
-    simulated: FloatArray
     residual: FloatArray
+    r_b2: float
     flank: Flank
     torque: float
     speed: float | None
     template: Template
 
     def __post_init__(self) -> None:
-        for name in ("theta_1", "theta_2", "recorded", "simulated", "residual"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
+        for values in (self.theta_2, self.recorded, self.residual):
+            values.setflags(write=False)
+
+    @property
+    def theta_1(self) -> FloatArray:
+        """Driving rotation (n,) in rad."""
+        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
+
+    @property
+    def simulated(self) -> FloatArray:
+        """Simulated transmission error (n,) in mm."""
+        return np.asarray(self.recorded - self.residual)
 
     @property
     def time_s(self) -> FloatArray | None:
@@ -119,7 +130,8 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
     step("weighing the difference against its noise")
     pair = beside.assembled.pair
     located = locate(
-        [_residual(one, pair, beside.alignment) for one in beside.aligned],
+        (_residual(one, pair, beside.alignment) for one in beside.aligned),
+        recordings=len(beside.aligned),
         gears=beside.gears,
         floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
         numbered=beside.alignment.numbered,
@@ -149,7 +161,13 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     step("turning the gears through a hunting cycle")
     speeds = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
     templates = _templates(assembled, [one.recording.flank for one in cleaned], torques, speeds)
-    cycle = Cycle(z_1=z_1, z_2=z_2, per_mesh=templates[0].per_mesh, r_b2=pair.r_b2)
+    cycle = Cycle(
+        z_1=z_1,
+        z_2=z_2,
+        per_mesh=templates[0].per_mesh,
+        r_b2=pair.r_b2,
+        pitch_waves=(_pitch_wave(file.driving, file), _pitch_wave(file.driven, file)),
+    )
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
     drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
     curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
@@ -233,24 +251,25 @@ def _aligned(
 ) -> Aligned:
     theta_2 = curve.theta_2 - alignment.shift[k]
     recorded = curve.te - alignment.offset[k]
-    theta_1 = (theta_2 - recorded / cycle.r_b2) / cycle.ratio
-    simulated = curve.template.at(theta_2)
+    residual = np.empty(theta_2.size)
+    for here in pieces(theta_2.size):
+        residual[here] = recorded[here] - curve.template.at(theta_2[here])
     speed = one.recording.speed_rpm
     if speed is not None:
         speed *= RPM
     elif one.speed_rpm is not None and np.isfinite(one.speed_rpm).any():
         speed = float(np.nanmean(one.speed_rpm)) * RPM
     elif one.time_s is not None and one.time_s[-1] > one.time_s[0]:
-        speed = float((theta_1[-1] - theta_1[0]) / (one.time_s[-1] - one.time_s[0]))
+        travel = (theta_2[-1] - theta_2[0]) - (recorded[-1] - recorded[0]) / cycle.r_b2
+        speed = float(travel / cycle.ratio / (one.time_s[-1] - one.time_s[0]))
     elif default_speed is not None:
         speed = default_speed * RPM
     return Aligned(
         cleaned=one,
-        theta_1=theta_1,
         theta_2=theta_2,
         recorded=recorded,
-        simulated=simulated,
-        residual=recorded - simulated,
+        residual=residual,
+        r_b2=cycle.r_b2,
         flank=one.recording.flank,
         torque=torque,
         speed=speed,
@@ -260,14 +279,22 @@ def _aligned(
 
 def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResidual:
     """As ``locate`` wants it, with what is not known exactly: the zero, and the compliance."""
-    columns = []
-    if alignment.phased:
-        columns.append(one.template.slope(one.theta_2) * alignment.std_driven)
-    bend = one.template.deflection(one.theta_2)
-    if bend is not None:
+    template = one.template
+    mean = 0.0
+    if template.rigid is not None:
         # Laws differ in how a pair's compliance runs along its path too, so the mean does not follow from the ripple.
-        mean = float(np.mean(bend))
-        columns += [(bend - mean) * COMPLIANCE_DOUBT, np.full(bend.size, mean * COMPLIANCE_DOUBT)]
+        bends = (template.deflection(one.theta_2[here]) for here in pieces(one.theta_2.size))
+        mean = sum(float(np.sum(bend)) for bend in bends if bend is not None) / one.theta_2.size
+
+    def changes(theta_2: FloatArray) -> FloatArray:
+        columns = []
+        if alignment.phased:
+            columns.append(template.slope(theta_2) * alignment.std_driven)
+        bend = template.deflection(theta_2)
+        if bend is not None:
+            columns += [(bend - mean) * COMPLIANCE_DOUBT, np.full(bend.size, mean * COMPLIANCE_DOUBT)]
+        return np.column_stack(columns)
+
     return AlignedResidual(
         theta_1=one.theta_1,
         theta_2=one.theta_2,
@@ -279,8 +306,7 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
         flank=one.flank,
         sharing=one.template.sharing,
         contact=one.template.sharing.contact,
-        nuisance=np.column_stack(columns) if columns else None,
-        nuisance_std=np.ones(len(columns)) if columns else None,
+        changes=changes if alignment.phased or template.rigid is not None else None,
         # The length of the path between the base circles is sqrt(a^2 - (r_b1 + r_b2)^2).
         ends_per_mm=1.0 / (math.sin(pair.alpha_w) * pair.driving.gear.p_b),
     )
@@ -305,6 +331,11 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
         zero=zero,
         direction=direction,
     )
+
+
+def _pitch_wave(section: GearSection, file: PairFile) -> float:
+    """First order of a gear's index deviations that nobody inspected, mm."""
+    return PITCH_WAVE * (_known(section, file, None, 1).F_pT or 0.0)
 
 
 def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, base: Base) -> list[str]:
@@ -333,9 +364,12 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
             f"{' and '.join(places)}, more than half a tooth from what is stated; check the stated zeros"
         )
     if not alignment.phased and alignment.rough:
+        to = [
+            f"the {name} shaft to {std / DEG:.{1 if std < 10.0 * DEG else 0}f} deg"
+            for name, std in (("driving", alignment.std_driving), ("driven", alignment.std_driven))
+        ]
         out.append(
-            f"the curves place the teeth to {alignment.std / DEG:.1f} deg only, since a coupling or encoder off its "
-            "axis would look alike"
+            f"the curves place {' and '.join(to)} only, since a coupling or encoder off its axis would look alike"
         )
     elif not alignment.phased:
         kept = base.driving is not None or base.driven is not None

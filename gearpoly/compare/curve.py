@@ -18,14 +18,19 @@ from gearpoly.units import UM, FloatArray, IntArray, read_only
 
 ComplexArray = npt.NDArray[np.complex128]
 
-SHAFT_DOUBT = (10.0 * UM, 4.0 * UM)
-"""mm. Undeclared first and second order of either shaft, one sigma: runouts of ordinary gears and couplings."""
+SHAFT_DOUBT = (6.0 * UM, 4.0 * UM)
+"""mm. Undeclared first and second order of either shaft, one sigma: runouts of ordinary couplings and encoders, and
+what a declared runout is off by."""
 
 MESH_DOUBT = 2.0 * UM
 """mm. Undeclared first mesh order, one sigma, falling with the order: mean slopes, reliefs, errors of compliance."""
 
 MESH_ORDERS = 6
 """Mesh orders in doubt; from there on the doubt is less than what teeth differ by."""
+
+PITCH_WAVE = 0.25
+"""Part of a grade's F_p that the cosine and the sine of the first order of index deviations have, one sigma: at two, a
+wave alone takes up all of F_p."""
 
 DRIFT_DOUBT = 10.0 * UM
 """mm. Slow terms (half and whole waves over the recording), one sigma. A ramp is quite free: the ratio may be off."""
@@ -39,12 +44,14 @@ FOLDED = 200_000
 
 @dataclass(frozen=True, kw_only=True)
 class Cycle:
-    """The hunting cycle of a pair as an even grid of ``per_mesh`` places per pitch; ``r_b2`` in mm."""
+    """The hunting cycle of a pair as an even grid of ``per_mesh`` places per pitch; ``r_b2`` in mm. ``pitch_waves`` in
+    mm: first order of the index deviations of the driving and the driven gear that nobody inspected, one sigma."""
 
     z_1: int
     z_2: int
     per_mesh: int
     r_b2: float
+    pitch_waves: tuple[float, float] = (0.0, 0.0)
 
     @property
     def meshes(self) -> int:
@@ -134,21 +141,25 @@ def without_ramp(theta_2: FloatArray, te: FloatArray) -> tuple[FloatArray, float
     return te - slope * x, slope
 
 
-def doubts(theta_2: FloatArray, *, z_1: int, z_2: int, waves: bool = True) -> tuple[FloatArray, FloatArray]:
+def doubts(
+    theta_2: FloatArray, cycle: Cycle, *, in_time: bool, mesh_orders: int = MESH_ORDERS
+) -> tuple[FloatArray, FloatArray]:
     """Columns (p, n) of what may be wrong with the simulation at ``theta_2`` (n,) in rad, the mean first, and their
-    prior sizes (p,) in mm. ``waves`` adds slow terms over the recording, for angles in the order of time."""
+    prior sizes (p,) in mm. ``in_time`` adds slow terms over the recording, for angles in the order of time."""
     span = float(np.ptp(theta_2)) or 1.0
     place = (theta_2 - np.min(theta_2)) / span
     columns, sizes = [np.ones_like(theta_2)], [FREE]
-    for order, size in enumerate(SHAFT_DOUBT, 1):
+    first, second = SHAFT_DOUBT
+    of_gears = [(math.hypot(first, wave), second) for wave in cycle.pitch_waves]
+    for order in (1, 2):
         for wave in (np.cos, np.sin):
-            columns += [wave(order * theta_2), wave(order * theta_2 * (z_2 / z_1))]
-            sizes += [size, size]
-    for order in range(1, MESH_ORDERS + 1):
+            columns += [wave(order * theta_2 / cycle.ratio), wave(order * theta_2)]
+            sizes += [of_gear[order - 1] for of_gear in of_gears]
+    for order in range(1, mesh_orders + 1):
         for wave in (np.cos, np.sin):
-            columns.append(wave(order * z_2 * theta_2))
+            columns.append(wave(order * cycle.z_2 * theta_2))
             sizes.append(MESH_DOUBT / order)
-    if waves:
+    if in_time:
         columns.append(place - 0.5)
         sizes.append(FREE)
         for order in (1, 2, 3):
@@ -161,9 +172,11 @@ class Misfit:
     """What is left of a curve once the simulation, shifted, and the doubts are taken off; ``sigma`` in mm is what the
     doubts are weighed against (the rms of what cannot be explained)."""
 
-    def __init__(self, curve: Curve, cycle: Cycle, *, sigma: float, in_time: bool) -> None:
+    def __init__(
+        self, curve: Curve, cycle: Cycle, *, sigma: float, in_time: bool, mesh_orders: int = MESH_ORDERS
+    ) -> None:
         self.curve, self.cycle, self.sigma = curve, cycle, sigma
-        self.columns, self.sizes = doubts(curve.theta_2, z_1=cycle.z_1, z_2=cycle.z_2, waves=in_time)
+        self.columns, self.sizes = doubts(curve.theta_2, cycle, in_time=in_time, mesh_orders=mesh_orders)
         self.weighted = self.columns * curve.weight
         self.prior = (sigma / self.sizes) ** 2
         self.level = float(np.average(curve.te, weights=curve.weight))

@@ -214,6 +214,8 @@ def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -
 def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
     """What the slow curve of recording ``k`` (ramp, bow, S) says beyond what the noise wanders."""
     s = search.states[k]
+    if s.jumps and not search.drifts(k, solution):
+        return None
     beta = solution.beta[search.places[k]["slow"][1:]]
     degree = np.arange(1, beta.size + 1)
     x = s.data.u if s.data.time_s is None else s.data.time_s

@@ -15,7 +15,8 @@ class Entry:
     """One place where recordings and simulation differ. Sizes in um (these go to the edge), angles in deg.
 
     ``kind`` as in the contract. ``amplitude_um`` with ``std_um``; ``rms_um`` where a shape has no single amplitude.
-    ``order`` of the shaft of ``gear``, or of the mesh; ``hz``; ``tooth``, ``encoder_deg``; ``phase`` (begin, end) in
+    ``order`` of the shaft of ``gear``, or of the mesh; ``hz``; ``time_s`` of a jump, or ``driving_turn`` since the
+    beginning where no time was recorded; ``tooth``, ``encoder_deg``; ``phase`` (begin, end) in
     pitches from the pitch point; ``recordings`` in which it was found. ``p_value`` bounds the chance that any such
     entry arises from noise anywhere in the search. ``companion_of`` the order or tooth that it comes along with;
     ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of a wave: it is amplitude cos(order theta -
@@ -30,6 +31,10 @@ class Entry:
     order_std: float | None = None
     hz: float | None = None
     hz_std: float | None = None
+    time_s: float | None = None
+    time_s_std: float | None = None
+    driving_turn: float | None = None
+    driving_turn_std: float | None = None
     amplitude_um: float | None = None
     std_um: float | None = None
     rms_um: float | None = None
@@ -43,12 +48,22 @@ class Entry:
     rivals: tuple[str, ...] = ()
     gain: float = 0.0
 
+    @property
+    def moment(self) -> str | None:
+        """When a jump happened, in words; ``None`` where the entry is none."""
+        if self.time_s is not None:
+            return f"{_figures(self.time_s, self.time_s_std)} s"
+        if self.driving_turn is not None:
+            return f"turn {_figures(self.driving_turn, self.driving_turn_std)} of the driving shaft"
+        return None
+
     def to_json(self) -> dict[str, object]:
         """The entry under the contract's keys; what does not apply is left out, but a tooth's number may be null."""
         out: dict[str, object] = {"kind": self.kind}
         names = (
-            "gear", "order", "order_std", "hz", "hz_std", "amplitude_um", "std_um", "rms_um",
-            "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase", "label", "companion_of", "p_value",
+            "gear", "order", "order_std", "hz", "hz_std", "time_s", "time_s_std", "driving_turn", "driving_turn_std",
+            "amplitude_um", "std_um", "rms_um", "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase",
+            "label", "companion_of", "p_value",
         )  # fmt: skip
         if self.kind == "tooth":
             out["gear"] = self.gear
@@ -66,13 +81,21 @@ class Entry:
         return out
 
 
+def _digits(std: float) -> int:
+    """Decimals that show one figure of a standard error, two where it begins with 1."""
+    return 2 if std <= 0.0 else max(0, min(4, -math.floor(math.log10(std)) + (1 if f"{std:e}"[0] == "1" else 0)))
+
+
+def _figures(value: float, std: float | None) -> str:
+    """A value with as many decimals as its standard error has."""
+    return f"{value:.{_digits(std or 0.0)}f}"
+
+
 def _size(entry: Entry) -> str:
     if entry.amplitude_um is None or entry.std_um is None:
         return f"{entry.rms_um:.2g} um rms"
-    std = entry.std_um
-    # One figure of the error, two where it begins with 1, and as many decimals for the value.
-    digits = 2 if std <= 0.0 else max(0, min(4, -math.floor(math.log10(std)) + (1 if f"{std:e}"[0] == "1" else 0)))
-    return f"{abs(entry.amplitude_um):.{digits}f} +- {std:.{digits}f} um"
+    digits = _digits(entry.std_um)
+    return f"{abs(entry.amplitude_um):.{digits}f} +- {entry.std_um:.{digits}f} um"
 
 
 def _side(phase: tuple[float, float]) -> str:
@@ -89,6 +112,8 @@ def named(entry: Entry) -> str:
     if entry.kind == "tooth":
         return f"a tooth of the {entry.gear} gear" if entry.tooth is None else f"{entry.gear} tooth {entry.tooth}"
     if entry.kind == "time":
+        if entry.moment is not None:
+            return f"the jump at {entry.moment}"
         return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
     if entry.kind == "condition":
         return f"the change of condition in recording {entry.recordings[0]}"
@@ -123,6 +148,10 @@ def says(entry: Entry) -> str:
     if entry.kind == "mesh_order":
         return f"mesh order {entry.order:.0f}, {size}{extra}"
     if entry.kind == "time":
+        if entry.moment is not None:
+            sign = "-" if (entry.amplitude_um or 0.0) < 0.0 else "+"
+            extra = extra.removeprefix(f" ({entry.label})")
+            return f"a jump by {sign}{size} at {entry.moment} of recording {entry.recordings[0]}{extra}"
         if entry.hz == 0.0:
             return f"a slow drift over the recording, {size}{extra}"
         return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"

@@ -22,15 +22,16 @@ class Shares:
 
     orders: float = 0.006
     between: float = 0.006
-    time: float = 0.005
+    time: float = 0.004
     teeth: float = 0.006
     drift: float = 0.003
-    condition: float = 0.004
+    condition: float = 0.003
+    jump: float = 0.002
 
     @property
     def total(self) -> float:
         """The family's chance."""
-        return self.orders + self.between + self.time + self.teeth + self.drift + self.condition
+        return self.orders + self.between + self.time + self.teeth + self.drift + self.condition + self.jump
 
 
 SHARES = Shares()

@@ -6,7 +6,7 @@ Means over neighbours would show them as slow waves where there are none.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE, LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
-from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.units import UM, FloatArray
 
 BELOW = 0.8
@@ -24,44 +23,61 @@ is slower as well."""
 REPEATS = 0.4
 """Independent lines within which a wave may repeat with the pair: a fine shape of the teeth."""
 
-
 ROUNDS, TOGETHER = 8, 0.5
 """Most rounds, and the part of the strongest wave's gain from which others are taken in its round."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fast:
-    """A recording without its fast waves, the ``entries`` these make, and the ``noise`` of all its samples."""
+    """What a recording's ``residual`` (n,) in mm is without its fast waves, the ``entries`` these make, and the
+    ``noise`` of all its samples."""
 
-    data: AlignedResidual
+    residual: FloatArray
     entries: tuple[Entry, ...]
     noise: Noise
 
 
 def without_fast_waves(
-    data: AlignedResidual, *, k: int, spacing: float, z_1: int, z_2: int, recordings: int, floor: float
+    u: FloatArray,
+    time_s: FloatArray | None,
+    residual: FloatArray,
+    *,
+    k: int,
+    spacing: float,
+    z_1: int,
+    z_2: int,
+    recordings: int,
+    floor: float,
 ) -> Fast:
-    """Recording ``k`` of a set of ``recordings`` that is to be shortened to samples ``spacing`` meshes apart; waves
-    below ``floor`` in mm are left."""
-    estimator = NoiseEstimator(data.u, z_1=z_1, z_2=z_2)
-    noise = estimator.estimate(data.residual)
+    """The ``residual`` (n,) in mm at ``u`` (n,) meshes of recording ``k`` of a set of ``recordings``, which is to be
+    shortened to samples ``spacing`` meshes apart; waves below ``floor`` in mm are left."""
+    estimator = NoiseEstimator(u, z_1=z_1, z_2=z_2)
     kept = estimator.kept
-    rest, _ = estimator.parted(data.residual)
-    u, t = data.u[kept], None if data.time_s is None else data.time_s[kept]
-    lines = LineSearch(u=u, time=t, z_1=z_1, z_2=z_2)
+    lines = LineSearch(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
     least = BELOW * 0.5 / spacing
     taken: list[tuple[Peak, FloatArray]] = []
-    residual = data.residual
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS + 1):
+        rest, repeating = estimator.parted(residual)
+        repeats = float(np.std(repeating))
+        del repeating
+        noise = estimator.noise_in(rest, repeats=repeats)
+        if turn == ROUNDS:
+            break
+        white = noise.whitened(rest)
+        del rest  # the spectra need the room
         found = []
-        for peak in lines.peaks(noise.whitened(rest), noise, recordings=recordings):
+        for peak in lines.peaks(white, noise, recordings=recordings, least=least):
             places = lines.per_mesh(peak) * lines.period
-            repeats = abs(places - round(places)) * lines.span / lines.period < REPEATS
-            if not peak.known and lines.per_mesh(peak) >= least and (peak.domain == "time" or not repeats):
+            repeats_too = abs(places - round(places)) * lines.span / lines.period < REPEATS
+            if not peak.known and lines.per_mesh(peak) >= least and (peak.domain == "time" or not repeats_too):
                 found.append(peak)
+        del white
+        if not found:
+            break
+        rest, _ = estimator.parted(residual)
         # What is much weaker may be the strongest one's smear, over time or over angle.
         for peak in [p for p in found if p.gain >= TOGETHER * found[0].gain]:
-            whole = data.time_s if peak.domain == "time" else data.u
+            whole = time_s if peak.domain == "time" else u
             assert whole is not None  # no peaks over time without time
             waves = _waves(peak, whole)
             # What repeats was fitted first and took a part of the wave: compare like with like.
@@ -71,14 +87,12 @@ def without_fast_waves(
                 taken.append((peak, ab))
             rest = rest - seen @ ab
             residual = residual - waves @ ab
-        if not found:
-            break
-        noise = estimator.estimate(residual)
+        del seen, waves
     entries = []
     for peak, ab in taken:
         level = float(np.interp(lines.per_mesh(peak), noise.frequency, noise.density))
-        entries.append(_entry(peak, ab, math.sqrt(2.0 * level / u.size), k=k, z_1=z_1, z_2=z_2, lines=lines))
-    return Fast(data=replace(data, residual=residual), entries=tuple(entries), noise=noise)
+        entries.append(_entry(peak, ab, math.sqrt(2.0 * level / lines.u.size), k=k, z_1=z_1, z_2=z_2, lines=lines))
+    return Fast(residual=residual, entries=tuple(entries), noise=noise)
 
 
 def _waves(peak: Peak, x: FloatArray) -> FloatArray:

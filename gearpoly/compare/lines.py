@@ -15,6 +15,7 @@ import numpy as np
 
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise, spacing_of
+from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.regression import WaveSums
 from gearpoly.compare.spectrum import Grid
 from gearpoly.units import FloatArray, IntArray
@@ -25,6 +26,9 @@ APART = 1.5
 """Independent lines from a stronger peak within which a peak is its foot, not its own; what is really there shows when
 the stronger one is taken off."""
 
+FOOT = 30.0
+"""Independent lines about a wave in which its smear over the other of angle and time may stand."""
+
 SLOWEST = 1.75
 """Turns of the record below which a wave cannot be told from drift, whose curves were taken off."""
 
@@ -34,6 +38,10 @@ SLOWEST_BLIND = 6.0
 SNAP = 0.15
 """Independent lines by which a peak may miss an integer order and still be it, beside three standard errors: what a
 neighbour's foot can push it."""
+
+STRETCHES = 2048
+"""Stretches of a record whose sums and moments stand for it where a wave is placed: over half of one a wave that is a
+line off turns by 0.0015 rad, whose third power is left out."""
 
 TIE = 6.0
 """Difference in likelihood (twice its log) below which a wave may as well be fixed in time as in angle: odds of 20."""
@@ -96,19 +104,6 @@ def known_orders(z_1: int, z_2: int, *, nyquist: float, slowest: float) -> Known
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Spectra:
-    """One recording's whitened spectra: over orders (``z_order``) and over time (``z_time``), each in units of its
-    local noise, at multiples of the grids' steps; ``count`` lines the noise rests on."""
-
-    order: Grid
-    z_order: FloatArray
-    count_order: FloatArray
-    time: Grid | None
-    z_time: FloatArray | None
-    count_time: FloatArray | None
-
-
 class LineSearch:
     """The search for waves in one recording, sampled at ``u`` (n,) meshes and, where known, ``time`` (n,) s."""
 
@@ -146,62 +141,56 @@ class LineSearch:
         """Frequency of a wave in cycles per mesh, at the mean speed where it is fixed in time."""
         return peak.frequency * (self.duration / self.span if peak.domain == "time" else 1.0)
 
-    def _z(self, grid: Grid, white: FloatArray, noise: Noise, per_mesh: float) -> tuple[FloatArray, FloatArray]:
-        frequency = np.asarray(np.arange(grid.count) * (grid.step * per_mesh), dtype=np.float64)
-        rest, count = noise.rest_at(frequency)
-        return np.abs(grid.transform(white)) ** 2 / (white.size * rest), count
-
-    def spectra(self, white: FloatArray, noise: Noise) -> Spectra:
-        """Spectra of a whitened residual (n,)."""
-        z, count = self._z(self.order_grid, white, noise, 1.0)
-        if self.time_grid is None:
-            return Spectra(order=self.order_grid, z_order=z, count_order=count, time=None, z_time=None, count_time=None)
-        z_time, count_time = self._z(self.time_grid, white, noise, self.dt / self.spacing)
-        return Spectra(
-            order=self.order_grid, z_order=z, count_order=count,
-            time=self.time_grid, z_time=z_time, count_time=count_time,
-        )  # fmt: skip
-
-    def peaks(self, white: FloatArray, noise: Noise, *, recordings: int = 1, most: int = 12) -> list[Peak]:
-        """Significant waves of any frequency, strongest first, where ``recordings`` are searched alike."""
-        s = self.spectra(white, noise)
-        found: list[Peak] = []
-        frequency: FloatArray = np.asarray(np.arange(s.z_order.size) * self.order_grid.step, dtype=np.float64)
-        independent = self.nyquist * self.span
-        any_false = log_false_any(s.z_order, s.count_order, lines=independent * recordings / SHARES.between)
-        found += self._blind("order", self.u, white, frequency, s.z_order, any_false, self.span, most)
-        if s.z_time is not None and self.time_grid is not None and s.count_time is not None:
-            hertz: FloatArray = np.asarray(np.arange(s.z_time.size) * self.time_grid.step, dtype=np.float64)
-            lines = 0.5 / self.dt * self.duration
-            any_false = log_false_any(s.z_time, s.count_time, lines=lines * recordings / SHARES.time)
-            assert self.t is not None
-            found += self._blind("time", self.t, white, hertz, s.z_time, any_false, self.duration, most)
+    def peaks(
+        self, white: FloatArray, noise: Noise, *, recordings: int = 1, most: int = 12, least: float = 0.0
+    ) -> list[Peak]:
+        """Significant waves of any frequency in a whitened residual (n,), strongest first, where ``recordings`` are
+        searched alike. Waves below ``least`` cycles per mesh are placed to the nearest line only."""
+        lines = self.nyquist * self.span * recordings / SHARES.between
+        found = self._blind("order", white, noise, lines=lines, most=most, least=least)
+        if self.time_grid is not None:
+            lines = 0.5 / self.dt * self.duration * recordings / SHARES.time
+            found += self._blind("time", white, noise, lines=lines, most=most, least=least)
         return self._sorted_out(found)
 
     def _blind(
-        self, domain: Domain, x: FloatArray, white: FloatArray, frequency: FloatArray, z: FloatArray,
-        log_false: FloatArray, span: float, most: int,
-    ) -> list[Peak]:  # fmt: skip
-        top = (log_false < 0.0) & (frequency > SLOWEST_BLIND / span)
-        top[1:] &= z[1:] >= z[:-1]
-        top[:-1] &= z[:-1] >= z[1:]
-        places = np.flatnonzero(top)
-        places = places[np.argsort(-z[places])][: 3 * most]
+        self, domain: Domain, white: FloatArray, noise: Noise, *, lines: float, most: int, least: float
+    ) -> list[Peak]:
+        """The strongest waves over angle or over time, ``lines`` independent ones sharing the chance of a false
+        find."""
+        x, grid, span, per_mesh = self.u, self.order_grid, self.span, 1.0
+        if domain == "time":
+            assert self.t is not None
+            assert self.time_grid is not None
+            x, grid, span, per_mesh = self.t, self.time_grid, self.duration, self.dt / self.spacing
+        z = grid.power(white)
+        held, false = [], []
+        for here in pieces(z.size):
+            frequency = np.arange(here.start, here.stop) * grid.step
+            rest, count = noise.rest_at(frequency * per_mesh)
+            z[here] /= white.size * rest
+            log_false = log_false_any(z[here], count, lines=lines)
+            top = np.flatnonzero((log_false < 0.0) & (frequency > SLOWEST_BLIND / span))
+            held.append(here.start + top)
+            false.append(log_false[top])
+        places, log_false = np.concatenate(held), np.concatenate(false)
+        peaked = (z[places] >= z[places - 1]) & (z[places] >= z[np.minimum(places + 1, z.size - 1)])
+        places, log_false = places[peaked], log_false[peaked]
+        order = np.argsort(-z[places])[: 3 * most]
         out: list[Peak] = []
-        for place in places:
-            if any(abs(frequency[place] - p.frequency) * span < APART for p in out):
+        for place, log_p in zip(places[order].tolist(), log_false[order].tolist(), strict=True):
+            best, here_z = place * grid.step, float(z[place])
+            if any(abs(best - p.frequency) * span < APART for p in out):
                 continue
-            if len(out) == most or z[place] < 0.02 * z[places[0]]:
+            if len(out) == most or here_z < 0.02 * z[places[order[0]]]:
                 break
-            best, higher = _refined(x, white, float(frequency[place]), span)
-            here = float(z[place]) * max(higher, 1.0)
+            if best * per_mesh > least - FOOT / self.span:
+                best, higher = _refined(x, white, best, span)
+                here_z *= max(higher, 1.0)
             # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
-            std = 0.551 / span / math.sqrt(2.0 * here)
+            std = 0.551 / span / math.sqrt(2.0 * here_z)
             out.append(
-                Peak(
-                    domain=domain, frequency=best, std=std, gain=2.0 * here,
-                    log_false=float(log_false[place]), known=False,
-                )
+                Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
             )  # fmt: skip
         return out
 
@@ -223,7 +212,7 @@ class LineSearch:
             for j, kept in enumerate(out):
                 there = kept.frequency if kept.domain == "order" else kept.frequency * scale
                 apart = abs(here - there) * self.span
-                if apart < APART or (peak.gain < 0.3 * kept.gain and apart < 30.0 and peak.domain != kept.domain):
+                if apart < APART or (peak.gain < 0.3 * kept.gain and apart < FOOT and peak.domain != kept.domain):
                     foot = True
                     if kept.domain != peak.domain and apart < APART and peak.gain > kept.rival:
                         rival = True
@@ -256,15 +245,31 @@ def _refined(x: FloatArray, white: FloatArray, frequency: float, span: float) ->
 
     Newton on the log power; the middle of the record as origin keeps the steps small.
     """
-    y = x - 0.5 * (x[0] + x[-1])
+    # The frequency moves by less than a line, so neighbours stay nearly in step: sums over them and their first moments
+    # stand for them.
+    group = max(1, x.size // STRETCHES)
+    middle = 0.5 * (x[0] + x[-1])
+    held = []
+    for here in pieces(x.size, size=group * max(1, PIECE // group)):
+        y = x[here] - middle
+        begin = np.arange(0, y.size, group)
+        wave = white[here] * np.exp((-2j * np.pi * frequency) * y)
+        size = np.diff(begin, append=y.size)
+        mean = np.add.reduceat(y, begin) / size
+        y = y - np.repeat(mean, size)
+        held.append([mean, *(np.add.reduceat(wave * y**k, begin) for k in (0, 1, 2))])
+    along, sums, moments, squares = (np.concatenate(part) for part in zip(*held, strict=True))
     start = 0.0
-    f = frequency
+    off = 0.0
     power = 0.0
     for step in range(4):
-        wave = white * np.exp(-2j * np.pi * f * y)
+        turn = -2j * np.pi * off
+        turned = np.exp(turn * along)
+        wave = turned * (sums + turn * (moments + 0.5 * turn * squares))
+        beside = turned * (moments + turn * squares)
         total = complex(np.sum(wave))
-        first = complex(np.sum(y * wave)) * (-2j * np.pi)
-        second = complex(np.sum(y * y * wave)) * (-2j * np.pi) ** 2
+        first = complex(np.sum(along * wave + beside)) * (-2j * np.pi)
+        second = complex(np.sum(along * (along * wave + 2.0 * beside) + turned * squares)) * (-2j * np.pi) ** 2
         power = abs(total) ** 2
         if step == 0:
             start = power
@@ -273,7 +278,7 @@ def _refined(x: FloatArray, white: FloatArray, frequency: float, span: float) ->
         if bend >= 0.0:
             break
         # Not further than a quarter of a line at once: beyond, the parabola is no guide.
-        f += float(np.clip(-slope / bend, -0.25 / span, 0.25 / span))
-    if abs(f - frequency) > 0.75 / span:
+        off += float(np.clip(-slope / bend, -0.25 / span, 0.25 / span))
+    if abs(off) > 0.75 / span:
         return frequency, 1.0
-    return f, power / start if start > 0.0 else 1.0
+    return frequency + off, power / start if start > 0.0 else 1.0

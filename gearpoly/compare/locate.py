@@ -1,4 +1,4 @@
-"""Where recordings and simulation differ: waves, single teeth, mesh phases, times and conditions, against the noise.
+"""Where recordings and simulation differ: waves, single teeth, mesh phases, times, jumps and conditions, in the noise.
 
 What an inspection or a grade leaves open of each tooth (pitch and slope) is fitted first, with its prior, together with
 slow curves and whatever the caller knows to be uncertain (zeros, compliance). Then the strongest find of all searches
@@ -9,18 +9,20 @@ search.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
+from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.fast import without_fast_waves
+from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
-from gearpoly.compare.reduce import reduced, spacing_after
+from gearpoly.compare.reduce import shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import FloatArray, read_only
@@ -46,30 +48,50 @@ class Located:
 
 
 def locate(
-    residuals: Sequence[AlignedResidual],
+    residuals: Iterable[AlignedResidual],
     *,
     gears: tuple[GearKnown, GearKnown],
+    recordings: int | None = None,
     floor: float = 0.0,
     numbered: bool = True,
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
-    ``gears`` driving and driven; ``floor`` in mm, below which the simulation itself is not true (chords,
-    interpolation): smaller finds are left out; ``numbered``: whether zeros or inspection fix the tooth numbering. The
-    result does not depend on any random number. Raises ``ValueError`` where a residual is too short for a noise
-    estimate.
+    ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
+    below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
+    whether zeros or inspection fix the tooth numbering. The result does not depend on any random number. Raises
+    ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
+    if recordings is None:
+        residuals = list(residuals)
+        recordings = len(residuals)
     entries: list[Entry] = []
     all_samples: dict[int, Noise] = {}
-    short = []
+    short, sizes, squares = [], [], []
     for k, r in enumerate(residuals):
-        spacing = spacing_after(r)
-        if spacing is not None:
-            fast = without_fast_waves(r, k=k, spacing=spacing, z_1=z_1, z_2=z_2, recordings=len(residuals), floor=floor)
+        sizes.append(r.residual.size)
+        squares.append(float(np.var(r.residual)) * r.residual.size)
+        r, jumps = without_jumps(r, k=k, gears=gears, floor=floor)
+        entries += jumps
+        u, time_s, residual = r.u, r.time_s, r.residual
+        cut = shortening(u, z_1=z_1, z_2=z_2)
+        one = cut.of(r)
+        # The searches need the room that a long one takes.
+        del r
+        if cut.group > 1:
+            spacing = cut.group * cut.spacing
+            fast = without_fast_waves(
+                u, time_s, residual, k=k, spacing=spacing, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor
+            )
             entries += fast.entries
-            all_samples[k] = fast.noise
-        short.append(reduced(r if spacing is None else fast.data, z_1=z_1, z_2=z_2))
+            all_samples[k] = fast.noise.thinned()
+            one = replace(one, residual=cut.means(fast.residual))
+            del fast
+        elif cut.size < u.size:
+            all_samples[k] = estimate_noise(u, residual, z_1=z_1, z_2=z_2).thinned()
+        del u, time_s, residual
+        short.append(one)
     search = Search(short, gears, floor)
     solution = search.run()
     states = search.states
@@ -82,6 +104,7 @@ def locate(
             entry = wave_entry(search, solution, k, peak)
             if entry is not None:
                 entries.append(entry)
+        entries += jump_entries(search, solution, k)
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)
@@ -94,17 +117,8 @@ def locate(
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
         maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
     # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
-    whole = [r is s.data for r, s in zip(residuals, states, strict=True)]
-    raw = [
-        all_samples[k]
-        if k in all_samples
-        else s.estimator.estimate(r.residual)
-        if whole[k]
-        else estimate_noise(r.u, r.residual, z_1=z_1, z_2=z_2)
-        for k, (r, s) in enumerate(zip(residuals, states, strict=True))
-    ]
-    noises = tuple(s.noise if same else n for n, s, same in zip(raw, states, whole, strict=True))
-    sizes = [r.u.size for r in residuals]
+    noises = tuple(all_samples.get(k, s.noise) for k, s in enumerate(states))
+    raw = [all_samples[k] if k in all_samples else s.estimator.estimate(s.data.residual) for k, s in enumerate(states)]
     repeats = [n.repeatable for n in raw if n.repeatable is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
@@ -115,8 +129,6 @@ def locate(
         as_built=read_only(solution.beta[: search.tooth_parameters]),
         as_built_std=read_only(std[: search.tooth_parameters]),
         left=tuple(read_only(left) for left in solution.left),
-        residual_rms=math.sqrt(
-            sum(float(np.sum((r.residual - np.mean(r.residual)) ** 2)) for r in residuals) / sum(sizes)
-        ),
+        residual_rms=math.sqrt(sum(squares) / sum(sizes)),
         repeatable_rms=math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(states) else None,
     )

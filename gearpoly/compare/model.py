@@ -17,6 +17,7 @@ from gearpoly.compare.columns import (
     shape_entries,
     shape_part,
 )
+from gearpoly.compare.jumps import Jump
 from gearpoly.compare.lines import LineSearch, Peak
 from gearpoly.compare.noise import SLOW, Noise, NoiseEstimator, slow_curves
 from gearpoly.compare.regression import Solution, Stack, solve
@@ -86,6 +87,7 @@ class State:
     flank_at: int
     orders: list[Peak] = field(default_factory=list)
     times: list[Peak] = field(default_factory=list)
+    jumps: list[Jump] = field(default_factory=list)
     teeth: list[Tooth] = field(default_factory=list)
     wander: dict[int, Wander] = field(default_factory=dict)
 
@@ -130,9 +132,12 @@ class JointModel:
 
     def fit(self, *, passes: int = 2) -> Solution:
         """Fit everything found so far; twice, since an unloaded pair that deviates may hand over elsewhere."""
+        self.stacks: list[Stack] = []  # their columns take much room
+        before: list[Stack] | None = None
         for _ in range(passes):
             stacks, precision = self._stacks()
-            solution = solve(stacks, precision=precision)
+            solution = solve(stacks, precision=precision, before=before)
+            before = stacks
             self.beta_built = solution.beta[: self.beta_built.size]
             for s, places in zip(self.states, self.places, strict=True):
                 for tooth in s.teeth:
@@ -183,14 +188,17 @@ class JointModel:
 
             u, t = s.data.u, s.data.time_s
             own_parts: list[tuple[str, Part, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
-            if s.data.nuisance is not None and s.data.nuisance_std is not None:
-                own_parts.append(("nuisance", Dense(columns=s.data.nuisance), s.data.nuisance_std**-2.0))
+            if s.data.nuisance is not None:
+                own_parts.append(("nuisance", Dense(columns=s.data.nuisance), np.ones(s.data.nuisance.shape[1])))
             for z, columns in ends.items():
                 own_parts.append((f"ends {z}", Dense(columns=columns), np.full(4, s.wander[z].std ** -2.0)))
             for name, x, peaks in (("orders", u, s.orders), ("times", t, s.times)):
                 if peaks and x is not None:
                     waves = Waves(x=x, frequency=np.array([p.frequency for p in peaks]))
                     own_parts.append((name, waves, np.zeros(waves.size)))
+            if s.jumps:
+                steps = np.stack([jump.column(u.size) for jump in s.jumps], axis=1)
+                own_parts.append(("jumps", Dense(columns=steps), np.zeros(len(s.jumps))))
             for shape, tooth in zip(shapes, s.teeth, strict=True):
                 if tooth.find.recording is None and tooth.name in common:
                     # One tooth, one shape: what all recordings show alike has one set of heights.

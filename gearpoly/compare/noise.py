@@ -12,14 +12,16 @@ between the shaft orders of both gears, and ``basis`` says so.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
-from scipy.linalg import solve_toeplitz
 
+from gearpoly.compare.noise_spectrum import AR_ORDER as AR_ORDER
+from gearpoly.compare.noise_spectrum import ar_model, smooth_spectrum
+from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
-from gearpoly.units import BoolArray, FloatArray, read_only
+from gearpoly.units import BoolArray, FloatArray, IntArray, read_only
 
 WHOLE = 0.003
 """Share of a cycle that may be missing at the ends of a record that is meant to hold whole cycles. The gap it leaves
@@ -27,13 +29,6 @@ blurs the repeating frequencies by as little as this share of their spacing."""
 
 SLOW = 4
 """Terms of the slow curve (mean, ramp, bow, S) that is taken off first: drift, which is no noise of this kind."""
-
-AR_ORDER = 24
-"""Longest memory of the noise in samples; the shortest that does as well is taken."""
-
-CUT = 7.0
-"""A line this often above the middle of its neighbours (in power) is no noise: one in e^7 = 1100 of honest ones is
-cut, and the mean of the others is corrected for it."""
 
 FEWEST = 64
 """Samples from which on a spectrum says anything."""
@@ -44,11 +39,16 @@ HIGHEST = 24.0
 SPARSE = 0.1
 """Terms per sample below which the fit of what repeats takes nothing worth correcting from the lines between."""
 
-LOWEST = 24
-"""Slowest lines whose power law is drawn on to zero frequency."""
+PHASES = 32
+"""Phases of the mesh at which what does not repeat is compared: a hand-over takes one or two of them, and of 18 000
+samples 560 fall on each."""
 
-_CUT_MEAN = 1.0 - CUT * math.exp(-CUT) / (1.0 - math.exp(-CUT))
-"""Mean of an exponential of mean 1 cut at CUT."""
+UNUSUAL = 4.0
+"""Standard errors by which a phase has to hold more than the middle of all: by chance three records in a thousand have
+one."""
+
+THIN = 20_000
+"""Lines of a spectrum that are kept for good: of a million samples every 25th, when each is a mean over 400."""
 
 SHORT_BIAS = 0.10
 """Relative one-sigma doubt about the level where only the model stands for repetition: sums of shaft orders and side
@@ -83,19 +83,48 @@ class Noise:
     def whitened(self, values: FloatArray) -> FloatArray:
         """Values (n,) or columns (n, m) with this noise made white, of variance 1; the first samples, which have no
         past, are 0."""
-        out = values / self.innovation
-        for k, a in enumerate(self.ar, start=1):
-            out[k:] -= (a / self.innovation) * values[:-k]
+        out = np.empty(values.shape)
+        for here in _rows(values):
+            piece = np.divide(values[here], self.innovation, out=out[here])
+            for k, a in enumerate(self.ar, start=1):
+                low = max(here.start, k)
+                if low < here.stop:
+                    piece[low - here.start :] -= (a / self.innovation) * values[low - k : here.stop - k]
         out[: self.ar.size] = 0.0
         return out
+
+    def whitened_at(self, values: FloatArray, where: IntArray) -> FloatArray:
+        """What ``whitened`` makes of columns (n, m) that are 0 but at the samples ``where`` (r,), at the samples (s,)
+        where it is not 0."""
+        reach = np.unique(where[:, None] + np.arange(self.ar.size + 1))
+        reach = reach[(reach >= self.ar.size) & (reach < values.shape[0])]
+        out = values[reach] / self.innovation
+        for k, a in enumerate(self.ar, start=1):
+            out -= (a / self.innovation) * values[reach - k]
+        return np.asarray(out)
 
     def score(self, whitened: FloatArray) -> FloatArray:
         """The whitening of ``whitened`` (n,) run backward: its product with any column, (n,) or (n, m), is that
         column's score."""
-        out = whitened / self.innovation
-        for k, a in enumerate(self.ar, start=1):
-            out[:-k] -= (a / self.innovation) * whitened[k:]
+        out = np.empty(whitened.shape)
+        for here in _rows(whitened):
+            piece = np.divide(whitened[here], self.innovation, out=out[here])
+            for k, a in enumerate(self.ar, start=1):
+                later = whitened[here.start + k : here.stop + k]
+                piece[: len(later)] -= (a / self.innovation) * later
         return out
+
+    def thinned(self) -> Noise:
+        """The same with every so-many-th line of a long record: neighbours were estimated from the same lines."""
+        step = max(1, self.frequency.size // THIN)
+        at = np.unique(np.append(np.arange(0, self.frequency.size, step), self.frequency.size - 1))
+        return replace(
+            self,
+            frequency=read_only(self.frequency[at]),
+            density=read_only(self.density[at]),
+            rest=read_only(self.rest[at]),
+            count=read_only(self.count[at]),
+        )
 
     def rest_at(self, frequency: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Whitened spectrum at ``frequency`` (cycles per mesh), and the number of lines it was estimated from."""
@@ -107,13 +136,25 @@ class Noise:
     def gain(self, frequency: FloatArray, *, spacing: float) -> ComplexArray:
         """Factor by which the whitening turns and enlarges a wave of ``frequency`` (cycles per mesh) at samples
         ``spacing`` meshes apart."""
-        angle = 2.0 * np.pi * np.outer(np.asarray(frequency) * spacing, 1.0 + np.arange(self.ar.size))
-        return np.asarray((1.0 - np.exp(-1j * angle) @ self.ar) / self.innovation)
+        out: ComplexArray = np.empty(frequency.shape, dtype=np.complex128)
+        for here in pieces(frequency.size):
+            late = np.exp((-2j * np.pi * spacing) * frequency[here])
+            remembered = np.zeros_like(late)
+            for a in self.ar[::-1]:
+                remembered = (remembered + a) * late
+            out[here] = (1.0 - remembered) / self.innovation
+        return out
 
 
-def slow_curves(x: FloatArray, terms: int = SLOW) -> FloatArray:
-    """Legendre polynomials (n, terms) over the span of ``x`` (n,)."""
-    low, high = float(np.min(x)), float(np.max(x))
+def _rows(values: FloatArray) -> Iterator[slice]:
+    """Pieces of ``values`` (n,) or (n, m) that fit into a cache."""
+    return pieces(len(values), size=max(PIECE // max(1, math.prod(values.shape[1:])), 256))
+
+
+def slow_curves(x: FloatArray, terms: int = SLOW, *, span: tuple[float, float] | None = None) -> FloatArray:
+    """Legendre polynomials (n, terms) over the span of ``x`` (n,), or over ``span`` (low, high) of which ``x`` is a
+    part."""
+    low, high = (float(np.min(x)), float(np.max(x))) if span is None else span
     along = (2.0 * x - low - high) / max(high - low, 1e-300)
     return np.asarray(np.polynomial.legendre.legvander(along, terms - 1), dtype=np.float64)
 
@@ -127,79 +168,6 @@ def whole_cycles(u: FloatArray, period: float) -> int:
     """Whole hunting cycles of ``period`` meshes in the record ``u``."""
     span = float(u[-1] - u[0]) + spacing_of(u)
     return math.floor(span / period + WHOLE)
-
-
-def windows(count: int, *, least: int = 12, most: int = 400) -> tuple[FloatArray, FloatArray]:
-    """Bounds [low, high) of the neighbourhood from which the noise at each of ``count`` lines is estimated: two thirds
-    to one and a half of its frequency, at least ``least`` and at most ``most`` lines."""
-    k = np.arange(count, dtype=np.float64)
-    half = np.clip(0.4 * (k + 1.0), 0.5 * least, 0.5 * most)
-    low = np.clip(np.floor(k - half), 0.0, max(0.0, count - least))
-    high = np.clip(np.ceil(k + half) + 1.0, min(least, count), count)
-    return low, high
-
-
-def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Level (m,) of a noise spectrum from its independent lines ``power`` (m,), blind to narrow peaks, and the number
-    of lines (m,) each value rests on.
-
-    Middle of the neighbours first; then the mean of those that are below CUT of it.
-    """
-    m = power.size
-    low, high = windows(m)
-    # Medians where the neighbourhood has grown by a tenth, drawn through in between.
-    at = np.unique(
-        np.minimum(m - 1, np.concatenate([np.arange(min(m, 40)), np.geomspace(40, max(m, 41), 160)]).astype(int))
-    )
-    at = np.unique(np.concatenate([at, np.arange(0, m, 100)]))
-    middle = np.empty(at.size)
-    width = np.asarray(high[at] - low[at], dtype=np.int64)
-    for same in np.unique(width).tolist():
-        here = np.flatnonzero(width == same)
-        middle[here] = np.median(sliding_window_view(power, same)[low[at[here]].astype(int)], axis=1)
-    middle /= math.log(2.0)
-    middle = np.maximum(middle, 1e-300)
-    level = np.exp(np.interp(np.arange(m), at, np.log(middle)))
-    for _ in range(2):
-        kept = power <= CUT * level
-        total = np.concatenate([[0.0], np.cumsum(np.where(kept, power / level, 0.0))])
-        number = np.concatenate([[0.0], np.cumsum(kept)])
-        lo, hi = low.astype(int), high.astype(int)
-        n = np.maximum(number[hi] - number[lo], 1.0)
-        level = level * np.maximum((total[hi] - total[lo]) / n / _CUT_MEAN, 1e-6)
-    # Wandering rises towards the slowest lines faster than any mean follows: there the power law of the first few dozen
-    # lines goes on, of which it takes at least as much as the means.
-    few = min(LOWEST, m)
-    if few >= 12:
-        x = np.log(np.arange(1.0, few + 1.0))
-        y = np.log(np.maximum(power[:few], 1e-300)) + np.euler_gamma
-        # A peak among them must not draw the law upward: clip at CUT above the first level.
-        y = np.minimum(y, np.log(CUT * level[:few]))
-        slope, start = np.polyfit(x, y, 1)
-        law = np.exp(start + min(slope, 0.0) * x + (0.0 if slope < 0.0 else slope * float(np.mean(x))))
-        near = x < np.log(0.5 * few)
-        level[:few] = np.where(near, np.maximum(level[:few], law), level[:few])
-        n[:few] = np.where(near, np.minimum(n[:few], 0.5 * few), n[:few])
-    return level, n
-
-
-def _model(frequency: FloatArray, density: FloatArray, *, nyquist: float, samples: int) -> tuple[FloatArray, float]:
-    """Autoregressive coefficients and innovation rms of a spectrum ``density`` over ``frequency`` up to ``nyquist``."""
-    even = np.interp(np.linspace(0.0, nyquist, 4097), frequency, density)
-    covariance = np.fft.irfft(even)
-    best: tuple[float, FloatArray, float] | None = None
-    for order in range(min(AR_ORDER, samples // 20) + 1):
-        if order == 0:
-            ar, left = np.empty(0), float(covariance[0])
-        else:
-            ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
-            left = float(covariance[0] - ar @ covariance[1 : order + 1])
-        # Hannan and Quinn's criterion: a longer memory has to pay for its coefficient, and white noise stays white.
-        price = samples * math.log(max(left, 1e-300)) + 2.0 * math.log(math.log(samples)) * order
-        if best is None or price < best[0] - 1e-9:
-            best = (price, ar, math.sqrt(max(left, 1e-300)))
-    assert best is not None
-    return best[1], best[2]
 
 
 def _between_orders(frequency: FloatArray, *, z_1: int, z_2: int, spacing: float) -> BoolArray:
@@ -233,6 +201,44 @@ def _kept_part(u: FloatArray, *, period: float, grid: Grid, repeating: Repeating
     return out
 
 
+class Slow:
+    """Slow curves over samples at ``u`` (n,), fitted beside what repeats and not before it: of a strong order 1 they
+    would take a part, and leave it as what does not repeat. What is level repeats."""
+
+    def __init__(self, u: FloatArray, *, repeating: Repeating | None) -> None:
+        self._u, self._repeating = u, repeating
+        self._span = float(np.min(u)), float(np.max(u))
+        first = 0 if repeating is None else 1
+        self._first = first
+        alone = slow_curves(u)[:, first:]
+        if repeating is not None:
+            # Curves and what of them repeats, as sums and amplitudes of the harmonics, which are few.
+            self._sums = np.stack([repeating.grid.transform(curve) for curve in alone.T])
+            self._amplitudes = np.stack([repeating.fitted(sums) for sums in self._sums])
+            for curve, amplitudes in zip(alone.T, self._amplitudes, strict=True):
+                curve -= repeating.grid.wave(amplitudes)
+        self._square = alone.T @ alone
+
+    def _curves(self, here: slice) -> FloatArray:
+        return slow_curves(self._u[here], span=self._span)[:, self._first :]
+
+    def parted(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What of ``values`` (n,) is neither slow nor repeats, and what repeats."""
+        product = np.sum([self._curves(here).T @ values[here] for here in pieces(values.size)], axis=0)
+        if self._repeating is None:
+            rest, repeating = values.copy(), np.zeros(1)
+        else:
+            sums = self._repeating.grid.transform(values)
+            product = product - (self._amplitudes @ np.conj(sums)).real
+        beta = np.linalg.lstsq(self._square, product, rcond=None)[0]
+        if self._repeating is not None:
+            repeating = self._repeating.grid.wave(self._repeating.fitted(sums - beta @ self._sums))
+            rest = values - repeating
+        for here in pieces(values.size):
+            rest[here] -= self._curves(here) @ beta
+        return rest, repeating
+
+
 class NoiseEstimator:
     """Estimates noise at samples ``u`` (n,), meshes of driven rotation (increasing), of a pair of ``z_1`` and ``z_2``
     teeth, as often as the residual there changes.
@@ -247,60 +253,79 @@ class NoiseEstimator:
         self._spacing = spacing_of(u)
         cycles = whole_cycles(u, period)
         self._cycles = cycles if cycles >= 2 else 0
-        self.kept = u - u[0] < (self._cycles * period if self._cycles else math.inf)
-        u = u[self.kept]
-        self._u = u
+        beyond = np.flatnonzero(u - u[0] >= self._cycles * period) if self._cycles else np.empty(0)
+        self.kept = slice(0, int(beyond[0]) if beyond.size else u.size)
+        self._u = u = u[self.kept]
         self._nyquist = 0.5 / self._spacing
-        self._curves = self._alone = slow_curves(u)
+        span = self._cycles * period if self._cycles else float(u[-1] - u[0]) + self._spacing
+        count = int(self._nyquist * span)
+        self._grid = Grid(u, step=1.0 / span, count=count)
+        self._harmonics = 0
         self._repeating: Repeating | None = None
+        self._kept_part: FloatArray | None = None
         if self._cycles:
-            span = self._cycles * period
-            count = int(self._nyquist * span)
-            self._grid = Grid(u, step=1.0 / span, count=count)
             free = np.arange(count) % self._cycles != 0
             free[0] = False
             self._harmonics = max(2, int(min(self._nyquist, HIGHEST) * period))
             self._repeating = Repeating(u, period=period, count=self._harmonics)
-            # Slow curves are fitted beside what repeats, not before it: of a strong order 1 they would take a part, and
-            # leave it as what does not repeat. What is level repeats.
-            self._curves = self._curves[:, 1:]
-            self._alone = np.column_stack([curve - self._repeating.part(curve) for curve in self._curves.T])
             self.basis = f"what does not repeat over {self._cycles} whole hunting cycles"
-            kept_part = np.ones(count)
             if 2 * self._harmonics > SPARSE * u.size:
-                kept_part = _kept_part(u, period=period, grid=self._grid, repeating=self._repeating)
+                kept = _kept_part(u, period=period, grid=self._grid, repeating=self._repeating)
+                self._kept_part = kept[free]
         else:
-            span = float(u[-1] - u[0]) + self._spacing
-            count = int(self._nyquist * span)
-            self._grid = Grid(u, step=1.0 / span, count=count)
             free = _between_orders(np.arange(count) / span, z_1=z_1, z_2=z_2, spacing=1.0 / span)
             free[:2] = False
-            self._harmonics = 0
             self.basis = (
                 "a smooth spectrum through what lies between the shaft orders, since the recording holds only "
                 f"{span / period:.2g} hunting cycles and nothing repeats"
             )
-            kept_part = np.ones(count)
         self._free = free
-        self._kept_part = kept_part[free]
         self._frequency = np.flatnonzero(free) / span
+        self._frequency.setflags(write=False)
+        self._slow = Slow(u, repeating=self._repeating)
 
     def _lines(self, values: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(self._grid.transform(values)[self._free]) ** 2 / values.size / self._kept_part)
+        power = self._grid.power(values)[self._free]
+        power /= values.size
+        return power if self._kept_part is None else np.asarray(power / self._kept_part)
 
     def parted(self, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
         """What of ``residual`` (n,) in mm does not repeat and is not slow, over the whole cycles (m,), and what
         repeats."""
-        residual = residual[self.kept]
-        rest = residual - self._curves @ np.linalg.lstsq(self._alone, residual, rcond=None)[0]
-        if self._repeating is None:
-            return rest, np.zeros(1)
-        repeating = self._repeating.part(rest)
-        return rest - repeating, repeating
+        return self._slow.parted(residual[self.kept])
+
+    def _evened(self, rest: FloatArray) -> FloatArray:
+        """``rest`` (n,), less than it was at phases of the mesh where more is left than at most.
+
+        Noise does not know the teeth. Where pairs hand over, what repeats bends faster than samples follow, and its
+        finest part is left over as if it did not repeat.
+        """
+        cell = np.empty(rest.size, dtype=np.int8)
+        count, power = np.zeros(PHASES), np.zeros(PHASES)
+        for here in pieces(rest.size):
+            u = self._u[here]
+            cell[here] = np.minimum((u - np.floor(u)) * PHASES, PHASES - 1)
+            count += np.bincount(cell[here], minlength=PHASES)
+            power += np.bincount(cell[here], weights=rest[here] ** 2, minlength=PHASES)
+        mean = power / np.maximum(count, 1.0)
+        # Samples of one visit to a phase are neighbours in the noise, so visits count.
+        visits = np.minimum(count, self._u[-1] - self._u[0])
+        scatter = np.sqrt(2.0 / np.maximum(visits, 1.0))
+        usual = mean <= float(np.median(mean[count > 0])) * (1.0 + UNUSUAL * scatter)
+        if usual.all():
+            return rest
+        level = float(np.sum(power[usual]) / np.sum(count[usual]))
+        return rest * np.where(usual, 1.0, np.sqrt(level / np.where(usual, 1.0, mean)))[cell]
 
     def estimate(self, residual: FloatArray) -> Noise:
         """The noise in ``residual`` (n,) in mm."""
         rest, repeating = self.parted(residual)
+        return self.noise_in(rest, repeats=float(np.std(repeating)))
+
+    def noise_in(self, rest: FloatArray, *, repeats: float) -> Noise:
+        """The noise in ``rest`` (m,) in mm, as ``parted`` from what repeats, whose rms is ``repeats``."""
+        if self._cycles:
+            rest = self._evened(rest)
         frequency, nyquist, n = self._frequency, self._nyquist, rest.size
         density, number = smooth_spectrum(self._lines(rest))
         noise = Noise(
@@ -308,7 +333,7 @@ class NoiseEstimator:
             level_std=0.0,
             ar=np.empty(0),
             innovation=1.0,
-            frequency=read_only(frequency),
+            frequency=frequency,
             density=density,
             rest=density,
             count=number,
@@ -317,7 +342,7 @@ class NoiseEstimator:
             repeatable=None,
         )
         for _ in range(2):
-            ar, innovation = _model(frequency, density, nyquist=nyquist, samples=n)
+            ar, innovation = ar_model(frequency, density, nyquist=nyquist, samples=n)
             noise = replace(noise, ar=read_only(ar), innovation=innovation)
             # Steep spectra spill over the whole record; whitened ones do not, so the second look is the true one.
             left, number = smooth_spectrum(self._lines(noise.whitened(rest)))
@@ -331,7 +356,7 @@ class NoiseEstimator:
         if self._cycles:
             # A fit of 2 K terms takes along 2 K / n of white noise.
             taken = level**2 * 2.0 * self._harmonics / n
-            repeatable = math.sqrt(max(0.0, float(np.var(repeating)) - taken))
+            repeatable = math.sqrt(max(0.0, repeats**2 - taken))
         else:
             level_std = math.hypot(level_std, SHORT_BIAS * level)
         return replace(

@@ -7,11 +7,12 @@ searched as fit. The noise level is always taken from every sample.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.noise import spacing_of, whole_cycles
+from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.units import FloatArray
 
@@ -24,57 +25,60 @@ SAMPLES = 40960
 to come from all of them (teeth imitate the first orders of their shaft to a thousandth), so they decide the time."""
 
 
-def spacing_after(data: AlignedResidual) -> float | None:
-    """Meshes from sample to sample once ``data`` is shortened; ``None`` where its samples stay as they are."""
-    group = _group(data)
-    return None if group == 1 else group * spacing_of(data.u)
+@dataclass(frozen=True, kw_only=True)
+class Shortening:
+    """How one recording is shortened: means of ``group`` neighbours each, ``size`` of them from its beginning; the
+    samples it has now are ``spacing`` meshes apart."""
+
+    group: int
+    size: int
+    spacing: float
+
+    def means(self, values: FloatArray) -> FloatArray:
+        """What stands for ``values`` (n, ...): (size, ...)."""
+        return np.array(_means(values[: self.size * self.group], self.group))
+
+    def of(self, data: AlignedResidual) -> AlignedResidual:
+        """The recording shortened, with the columns of what its simulation does not know exactly."""
+        nuisance = None
+        if data.changes is not None:
+            theta_2 = data.theta_2[: self.size * self.group]
+            parts = pieces(theta_2.size, size=self.group * PIECE)
+            nuisance = np.concatenate([_means(data.changes(theta_2[here]), self.group) for here in parts])
+        return replace(
+            data,
+            averaged=0.0 if self.group == 1 else self.group * self.spacing,
+            theta_1=self.means(data.theta_1),
+            theta_2=self.means(data.theta_2),
+            residual=self.means(data.residual),
+            time_s=None if data.time_s is None else self.means(data.time_s),
+            nuisance=nuisance,
+        )
 
 
-def _group(data: AlignedResidual) -> int:
-    return 1 if data.u.size <= SAMPLES else max(1, int(1.0 / (spacing_of(data.u) * PER_MESH)))
-
-
-def reduced(data: AlignedResidual, *, z_1: int, z_2: int) -> AlignedResidual:
-    """``data``, or a shorter one: means of neighbouring samples, then whole hunting cycles from its beginning."""
-    n = data.u.size
-    if n <= SAMPLES:
-        return data
-    group = _group(data)
-    out = data if group == 1 else _averaged(data, group)
-    if out.u.size <= SAMPLES:
-        return out
+def shortening(u: FloatArray, *, z_1: int, z_2: int) -> Shortening:
+    """How a recording at ``u`` (n,) meshes is shortened: not at all, or by means over neighbours, and where these are
+    too many still, to whole hunting cycles."""
+    spacing = spacing_of(u)
+    if u.size <= SAMPLES:
+        return Shortening(group=1, size=u.size, spacing=spacing)
+    group = max(1, int(1.0 / (spacing * PER_MESH)))
+    u = _means(u, group)
+    if u.size <= SAMPLES:
+        return Shortening(group=group, size=u.size, spacing=spacing)
     period = float(math.lcm(z_1, z_2))
-    cycles = whole_cycles(out.u[:SAMPLES], period)
+    cycles = whole_cycles(u[:SAMPLES], period)
     # Fewer than two whole cycles do not repeat: rather search a longer stretch then.
-    if cycles < 2 and whole_cycles(out.u, period) >= 2:
+    if cycles < 2 and whole_cycles(u, period) >= 2:
         cycles = 2
-    end = int(np.searchsorted(out.u, out.u[0] + cycles * period)) if cycles >= 2 else SAMPLES
-    return _cut(out, end)
+    size = int(np.searchsorted(u, u[0] + cycles * period)) if cycles >= 2 else SAMPLES
+    return Shortening(group=group, size=size, spacing=spacing)
 
 
-def _averaged(data: AlignedResidual, group: int) -> AlignedResidual:
-    size = data.u.size // group
-
-    def mean(values: FloatArray) -> FloatArray:
-        return np.asarray(values[: size * group].reshape(size, group, *values.shape[1:]).mean(axis=1), dtype=np.float64)
-
-    return replace(
-        data,
-        averaged=group * spacing_of(data.u),
-        theta_1=mean(data.theta_1),
-        theta_2=mean(data.theta_2),
-        residual=mean(data.residual),
-        time_s=None if data.time_s is None else mean(data.time_s),
-        nuisance=None if data.nuisance is None else mean(data.nuisance),
-    )
-
-
-def _cut(data: AlignedResidual, end: int) -> AlignedResidual:
-    return replace(
-        data,
-        theta_1=data.theta_1[:end],
-        theta_2=data.theta_2[:end],
-        residual=data.residual[:end],
-        time_s=None if data.time_s is None else data.time_s[:end],
-        nuisance=None if data.nuisance is None else data.nuisance[:end],
-    )
+def _means(values: FloatArray, group: int) -> FloatArray:
+    """Means (n // group, ...) of ``group`` neighbours of ``values`` (n, ...) each."""
+    if group == 1:
+        return values
+    size = len(values) // group
+    whole = values[: size * group].reshape(size, group, *values.shape[1:])
+    return np.asarray(whole.mean(axis=1), dtype=np.float64)

@@ -14,15 +14,22 @@ from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.compare.columns import Part
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import ComplexArray, Grid
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 BLOCK = 8192
-"""Rows of a dense block: some MB for some hundred columns."""
+"""Rows of a stretch from which normal matrices are taken."""
+
+ROWS = 1024
+"""Rows of a dense block: a MB for some hundred columns."""
 
 DENSE_SAMPLES = 65536
 """Samples from which the normal matrix is taken. More would change it by less than 1/2 % (their sampling is random);
 the steps below make up for it."""
+
+WORTH = 0.5
+"""Part of the rows below which whitening those that changed costs less than whitening all."""
 
 MOST_MEMORY = 64
 """Samples at the beginning of a recording that a noise model may ask for before it whitens."""
@@ -34,12 +41,14 @@ STEPS = 4
 @dataclass
 class Stack:
     """One recording in the fit: ``values`` (n,) in mm, its ``noise``, and ``parts`` with the places (m,) of their
-    columns among all parameters. ``white`` (rows, m), the whitened columns, is left by ``normal``."""
+    columns among all parameters. ``white`` (rows, m), the whitened columns, and ``square`` (m, m), their products, are
+    left by ``normal``."""
 
     values: FloatArray
     noise: Noise
     parts: list[tuple[Part, IntArray]] = field(default_factory=list)
     white: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
+    square: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
 
     def apply(self, beta: FloatArray) -> FloatArray:
         """Modelled values (n,)."""
@@ -57,21 +66,66 @@ class Stack:
             np.add.at(out, places, part.adjoint(score))
         return out
 
-    def normal(self, parameters: int) -> FloatArray:
-        """Normal matrix of the whitened columns."""
-        n, memory = self.values.size, self.noise.ar.size
+    def normal(self, parameters: int, *, before: Stack | None = None) -> FloatArray:
+        """Normal matrix of the whitened columns. ``before``: the same with columns that differ at some samples only,
+        which gives up what it has whitened."""
         places = np.concatenate([where for _, where in self.parts])
-        blocks = []
-        for start, high in stretches(n):
-            low = max(0, start - memory)
-            block = np.concatenate([part.block(low, high) for part, _ in self.parts], axis=1)
-            # Rows without a past come out as 0: at the very beginning they stay, elsewhere they are the block before.
-            blocks.append(self.noise.whitened(block)[start - low :])
-        self.white = np.concatenate(blocks)
-        out = self.white.T @ self.white * (n / self.white.shape[0])
+        rows = None if before is None else self._changed(before)
+        if before is None or rows is None:
+            self._whiten(places.size)
+            self.square = self.white.T @ self.white * (self.values.size / self.white.shape[0])
+        else:
+            self._whiten_again(before, rows)
         full = np.zeros((parameters, parameters))
-        np.add.at(full, (places[:, None], places[None, :]), out)
+        np.add.at(full, (places[:, None], places[None, :]), self.square)
         return full
+
+    def _whiten(self, size: int) -> None:
+        """Whiten all columns, ``size`` of them."""
+        n, memory = self.values.size, self.noise.ar.size
+        seen = stretches(n)
+        self.white = np.empty((sum(high - start for start, high in seen), size))
+        block = np.empty((ROWS + memory, size))
+        at = 0
+        for start, high in seen:
+            for here in pieces(high - start, size=ROWS):
+                first, end = start + here.start, start + here.stop
+                low = max(0, first - memory)
+                column = 0
+                for part, where in self.parts:
+                    block[: end - low, column : column + where.size] = part.rows(slice(low, end))
+                    column += where.size
+                # Rows without a past come out as 0: at the very beginning they stay, elsewhere they are rows before.
+                self.white[at : at + end - first] = self.noise.whitened(block[: end - low])[first - low :]
+                at += end - first
+
+    def _changed(self, before: Stack) -> IntArray | None:
+        """Rows whose whitened columns differ from those ``before``; ``None`` where that is of no help."""
+        if self.noise is not before.noise or len(before.white) != self.values.size:
+            return None
+        if [where.tolist() for _, where in self.parts] != [where.tolist() for _, where in before.parts]:
+            return None
+        pairs = zip(self.parts, before.parts, strict=True)
+        changed = np.any([part.changed(other) for (part, _), (other, _) in pairs], axis=0)
+        rows = _spread(changed, self.noise.ar.size)
+        rows[: self.noise.ar.size] = False
+        return np.flatnonzero(rows) if np.count_nonzero(rows) < WORTH * rows.size else None
+
+    def _whiten_again(self, before: Stack, rows: IntArray) -> None:
+        """Whiten the columns at ``rows``, and take the others from ``before``."""
+        needed = np.zeros(self.values.size, dtype=np.bool_)
+        needed[rows] = True
+        needed = _spread(needed[::-1], self.noise.ar.size)[::-1]
+        at = np.cumsum(needed) - 1
+        raw = np.concatenate([part.rows(np.flatnonzero(needed)) for part, _ in self.parts], axis=1)
+        new = raw[at[rows]]
+        for k, a in enumerate(self.noise.ar, start=1):
+            new -= a * raw[at[rows - k]]
+        new /= self.noise.innovation
+        old = before.white[rows]
+        self.square = before.square + new.T @ new - old.T @ old
+        self.white, before.white = before.white, self.white
+        self.white[rows] = new
 
     def against(self, waves: WaveSums, gain: ComplexArray, parameters: int) -> tuple[FloatArray, FloatArray]:
         """Products of the whitened columns, as ``normal`` left them, with whitened ``waves``, and the waves' own.
@@ -92,6 +146,14 @@ class Stack:
         full = np.zeros((parameters, gain.size, 2))
         np.add.at(full, places, np.stack([cross.real, cross.imag], axis=2))
         return full, own
+
+
+def _spread(rows: BoolArray, memory: int) -> BoolArray:
+    """``rows`` (n,) and up to ``memory`` that follow each."""
+    out = rows.copy()
+    for k in range(1, memory + 1):
+        out[k:] |= rows[:-k]
+    return out
 
 
 def stretches(n: int) -> list[tuple[int, int]]:
@@ -122,7 +184,7 @@ class WaveSums:
 
     def of(self, columns: FloatArray) -> ComplexArray:
         """Sums (k, m) of ``columns`` (rows, m) times exp(2 pi i f x)."""
-        return np.conj(self._grid.transforms(columns)[self._place])
+        return np.conj(self._grid.transforms(columns, at=self._place))
 
     def own(self, memory: int) -> tuple[int, ComplexArray]:
         """Rows, and sums (k,) of exp(2 pi i 2 f x) over them, without the first ``memory`` of the recording."""
@@ -141,15 +203,16 @@ class Solution:
     misfit: float
 
 
-def solve(stacks: list[Stack], *, precision: FloatArray) -> Solution:
+def solve(stacks: list[Stack], *, precision: FloatArray, before: list[Stack] | None = None) -> Solution:
     """The most likely parameters under prior ``precision`` (m,) in 1/mm^2 about zero (0: nothing known).
 
-    Directions that neither data nor prior fix stay at zero, by a precision a billionth of the largest information.
+    ``before``: the stacks of a fit just made, whose columns may be much the same; they are used up. Directions that
+    neither data nor prior fix stay at zero, by a precision a billionth of the largest information.
     """
     m = precision.size
     normal = np.diag(precision).astype(np.float64)
-    for stack in stacks:
-        normal += stack.normal(m)
+    for k, stack in enumerate(stacks):
+        normal += stack.normal(m, before=None if before is None else before[k])
     # A column that no sample meets (a tooth's shape beyond its contact) stays at zero, as wide as a tooth.
     empty = np.diag(normal) == 0.0
     normal[empty, empty] = 1.0

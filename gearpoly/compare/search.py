@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.families import SHARES, log_tail_line
+from gearpoly.compare.jump_search import JumpSearch
 from gearpoly.compare.lines import APART, TIE, Peak
-from gearpoly.compare.model import JointModel, State
+from gearpoly.compare.model import State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 
@@ -43,8 +44,8 @@ not constant): a wave's amplitude over the rms, and the rms over one tooth's con
 follow, a grade much."""
 
 
-class Search(JointModel):
-    """Looks for waves and teeth in what the joint model leaves."""
+class Search(JumpSearch):
+    """Looks for waves, teeth and jumps in what the joint model leaves."""
 
     def order_candidates(self, k: int, solution: Solution) -> list[Peak]:
         """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
@@ -139,16 +140,20 @@ class Search(JointModel):
             solution = self.fit(passes=1)
         largest = 0.0
         for turn in range(ROUNDS):
-            if len(self.finds) + max(len(s.orders) + len(s.times) for s in self.states) > MOST:
+            if len(self.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in self.states) > MOST:
                 break
             waves = [self.wave_candidates(k, solution) for k in range(len(self.states))]
             teeth = self.tooth_candidates(solution)
             best_wave = max((w[0].gain for w in waves if w), default=0.0)
             best_tooth = teeth[0].gain if teeth else 0.0
             best = max(best_wave, best_tooth)
+            solution, jumped = self.jump(solution, least=best)
+            if jumped:
+                continue
             largest = max(largest, best)
             if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
                 break
+            self.refused = []
             if self._tooth_first(waves, best_wave, teeth):
                 for _ in range(1 if turn < ONE_BY_ONE else 4):
                     if teeth:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from gearpoly.compare.sharing import Carried, Flank, Sharing, nominal_carried
-from gearpoly.units import FloatArray, read_only
+from gearpoly.units import FloatArray
 
 IDEAL = 1e-5
 """mm. Prior standard deviation of pitch and slope where the file declares an ideal gear: hardly any."""
@@ -58,10 +59,11 @@ class AlignedResidual:
     """One recording minus its simulation. ``theta_1``, ``theta_2`` (n,) in rad, continuous, increasing, 0 at the
     contract's zero; ``residual`` (n,) in mm along the line of action; ``time_s`` (n,) or ``None``; ``torque`` in N.mm,
     ``speed`` in rad/s, ``flank`` the condition. ``sharing`` from the simulation; without it each pair counts alike over
-    ``contact`` (begin, end in pitches about the pitch point). ``nuisance`` (n, m) in mm: how the simulation changes
-    with what is not known exactly (zeros, compliance), per standard deviation times ``nuisance_std`` (m,).
-    ``averaged`` meshes over which each sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the
-    ends of contact move when an axis moves by 1 mm.
+    ``contact`` (begin, end in pitches about the pitch point). ``changes``: how the simulation changes at ``theta_2``
+    (k,) with what is not known exactly (zeros, compliance), (k, m) in mm per standard deviation; ``nuisance`` (n, m)
+    the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over which each
+    sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the ends of contact move when an axis
+    moves by 1 mm.
     """
 
     theta_1: FloatArray
@@ -74,8 +76,8 @@ class AlignedResidual:
     flank: Flank = "drive"
     sharing: Sharing | None = None
     contact: tuple[float, float] = (-0.8, 0.8)
+    changes: Callable[[FloatArray], FloatArray] | None = None
     nuisance: FloatArray | None = None
-    nuisance_std: FloatArray | None = None
     averaged: float = 0.0
     ends_per_mm: float = 0.0
 
@@ -91,7 +93,9 @@ class AlignedResidual:
     @cached_property
     def u(self) -> FloatArray:
         """Meshes (n,) since the contract's zero."""
-        return read_only(self.theta_2 * (self.z_2 / (2.0 * np.pi)))
+        u = self.theta_2 * (self.z_2 / (2.0 * np.pi))
+        u.setflags(write=False)
+        return u
 
     def carried(self, z_1: int, z_2: int) -> Carried:
         """The pairs at every sample."""

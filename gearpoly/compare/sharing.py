@@ -141,7 +141,9 @@ class Carried:
     def change(self, deviation: FloatArray) -> FloatArray:
         """Change (n,) in mm of the transmission error by deviations (P, n) of the pairs."""
         if self.stiffness is not None:
-            return _balanced(deviation - self.gap, self.stiffness) - _balanced(-self.gap, self.stiffness)
+            if "declared" not in self.known:
+                self.known["declared"] = _balanced(-self.gap, self.stiffness)
+            return np.asarray(_balanced(deviation - self.gap, self.stiffness) - self.known["declared"])
         if self.share is not None:
             return np.asarray(np.sum(self.share * deviation, axis=0))
         return np.asarray(np.max(deviation - self.gap, axis=0) - np.max(-self.gap, axis=0))
@@ -150,13 +152,17 @@ class Carried:
 def _balanced(height: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Place x (n,) in mm at which pairs of ``height`` (P, n), pressed by ``stiffness`` (P, n) in 1/mm, carry force 1.
 
-    The more pairs carry, the further forward x stands until a pair would have to pull: x is the largest of the places
-    that the highest pair, the two highest, and so on would give.
+    Where all pairs were held they would pull as well as press; let go of those that pull, and x moves forward until no
+    more do: each step is one of Newton's, from below, on the force, which bends one way only.
     """
-    order = np.argsort(-height, axis=0)
-    h, k = np.take_along_axis(height, order, 0), np.take_along_axis(stiffness, order, 0)
-    x = (np.cumsum(k * h, axis=0) - 1.0) / np.cumsum(k, axis=0)
-    return np.asarray(np.max(x, axis=0))
+    pressed = stiffness
+    for _ in range(len(height)):
+        x = (np.sum(pressed * height, axis=0) - 1.0) / np.sum(pressed, axis=0)
+        held = np.where(height > x, stiffness, 0.0)
+        if np.array_equal(held, pressed):
+            break
+        pressed = held
+    return np.asarray(x)
 
 
 def nominal_carried(

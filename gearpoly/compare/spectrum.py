@@ -7,15 +7,18 @@ transform is divided out (Dutt and Rokhlin 1993; the bell is the one of Barnett,
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import hfft, ihfft, irfft, next_fast_len, rfft
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
-from gearpoly.units import FloatArray
+from gearpoly.compare.pieces import PIECE, pieces
+from gearpoly.units import FloatArray, IntArray
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -25,26 +28,81 @@ WIDTH = 7
 KEEP = 100_000
 """Samples up to which the bells are kept for further transforms; of longer records they would fill the memory."""
 
+WHOLE = 1 << 18
+"""Places up to which a grid is transformed at once; of a larger one an FFT would ask for three times its memory."""
+
+STRANDS = 4
+"""Equal parts in which a larger grid is held and transformed: every eighth place."""
+
+SPREAD = 4
+"""Lengths of the grid that a piece of the samples may cover before they are folded into it one by one."""
+
+COLUMNS = 16
+"""Columns that are transformed at a time: a few MB."""
+
 _BETA = 2.30 * WIDTH
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
 def _bell(z: FloatArray) -> FloatArray:
     """The bell at ``z`` in [-1, 1]."""
-    return np.exp(_BETA * (np.sqrt(np.maximum(0.0, 1.0 - z * z)) - 1.0))
+    out = 1.0 - z * z
+    np.maximum(out, 0.0, out=out)
+    np.sqrt(out, out=out)
+    out -= 1.0
+    out *= _BETA
+    return np.exp(out, out=out)
 
 
-def _bell_transform(count: int, size: int) -> FloatArray:
-    """Transform of the bell at frequencies 0 ... count - 1 of a grid of ``size`` places (it is even, hence real)."""
+def _bell_transform(k: FloatArray, size: int) -> FloatArray:
+    """Transform of the bell at frequencies ``k`` of a grid of ``size`` places (it is even, hence real)."""
     half = 0.5 * WIDTH
-    # Smooth and of one bend, so a thousand places of it make a spline good to 1e-12.
-    k = np.linspace(0.0, count - 1.0, min(count, 1025)) if count > 1 else np.zeros(1)
     total = np.zeros(k.size)
-    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-        total += weight * float(_bell(np.asarray(node))) * np.cos(2.0 * np.pi * k * half * node / size)
-    if k.size < count:
-        total = np.asarray(CubicSpline(k, total)(np.arange(count)))
+    for node, weight in zip(_NODES, _WEIGHTS * _bell(_NODES), strict=True):
+        total += weight * np.cos(2.0 * np.pi * k * half * node / size)
     return total * half
+
+
+@dataclass(frozen=True, eq=False)
+class _Spread:
+    """Samples ``here`` under the bell: ``first`` (m,) of the grid's places for each, counted from ``low`` on, and
+    ``weights`` (WIDTH, m) at that and the following ones; ``reach`` places from ``low`` on hold all of them."""
+
+    here: slice
+    low: int
+    reach: int
+    first: IntArray
+    weights: FloatArray
+
+    def onto(self, strands: list[FloatArray], values: FloatArray) -> None:
+        """Add the samples' ``values`` (m,) to a periodic grid, whose places stand in ``strands`` by turns."""
+        local = np.zeros(self.reach)
+        for j, weight in enumerate(self.weights):
+            local[j:] += np.bincount(self.first, weight * values, self.reach - j)
+        many = len(strands)
+        for there, part in self._turns(many * strands[0].size):
+            for j, strand in enumerate(strands):
+                late = (j - there.start) % many
+                mine = local[part][late::many]
+                begin = (there.start + late) // many
+                strand[begin : begin + mine.size] += mine
+
+    def taken(self, grid: FloatArray) -> FloatArray:
+        """What the bells (m,) see of the periodic ``grid``."""
+        local = np.concatenate([grid[there] for there, _ in self._turns(grid.size)])
+        out = np.zeros(self.first.size)
+        for j, weight in enumerate(self.weights):
+            out += weight * local[j:][self.first]
+        return out
+
+    def _turns(self, size: int) -> Iterator[tuple[slice, slice]]:
+        """Where on a grid of ``size`` places the stretch from ``low`` on lies, and which part of it that is."""
+        done = 0
+        while done < self.reach:
+            at = (self.low + done) % size
+            step = min(self.reach - done, size - at)
+            yield slice(at, at + step), slice(done, done + step)
+            done += step
 
 
 class Grid:
@@ -56,51 +114,118 @@ class Grid:
     def __init__(self, x: FloatArray, *, step: float, count: int) -> None:
         self.step = step
         self.count = count
+        self._x = x
         # Twice the places that the highest frequency needs: the bell's transform stays far from zero.
-        self._size = next_fast_len(max(4 * count, 4 * WIDTH), real=True)
-        place = np.mod(x * step, 1.0) * self._size
-        self._first = np.ceil(place - 0.5 * WIDTH).astype(np.int64)
-        self._offset = self._first - place
-        self._gain = _bell_transform(count, self._size)
+        size = max(4 * count, 4 * WIDTH)
+        self._strands = 1 if size <= WHOLE else STRANDS
+        self._size = 2 * self._strands * next_fast_len(math.ceil(0.5 * size / self._strands), real=True)
+        # Smooth and of one bend, so a thousand places of it make a spline good to 1e-12.
+        k = np.linspace(0.0, max(count - 1.0, 1.0), 1025)
+        self._gain = CubicSpline(k, _bell_transform(k, self._size))
         self._spreader: csr_array | None = None
-        self._kept = [self._place(j) for j in range(WIDTH)] if x.size <= KEEP else None
+        self._kept = list(self._spreads()) if x.size <= KEEP else None
 
-    def _place(self, j: int) -> tuple[npt.NDArray[np.int64], FloatArray]:
-        return np.mod(self._first + j, self._size), _bell((self._offset + j) * (2.0 / WIDTH))
+    def _spreads(self) -> Iterator[_Spread]:
+        turns = math.floor(self._x[0] * self.step) if self._x.size else 0
+        for here in pieces(self._x.size):
+            place = (self._x[here] * self.step - turns) * self._size
+            first = np.ceil(place - 0.5 * WIDTH)
+            place -= first
+            weights = np.stack([_bell((j - place) * (2.0 / WIDTH)) for j in range(WIDTH)])
+            low = int(np.min(first))
+            if np.max(first) - low > SPREAD * self._size:
+                first, low = np.mod(first, self._size), 0
+            first = first.astype(np.int64) - low
+            yield _Spread(here, low, int(np.max(first)) + WIDTH, first, weights)
 
-    def _spread(self) -> Iterable[tuple[npt.NDArray[np.int64], FloatArray]]:
-        return self._kept if self._kept is not None else (self._place(j) for j in range(WIDTH))
+    def _spread(self) -> Iterator[_Spread]:
+        return iter(self._kept) if self._kept is not None else self._spreads()
+
+    def _sums(self, values: FloatArray) -> Iterator[tuple[slice, ComplexArray]]:
+        """Stretches of the frequencies with their sums over the samples."""
+        for here, sums in self._transformed(values):
+            yield here, sums / self._gain(np.arange(here.start, here.stop))
+
+    def _transformed(self, values: FloatArray) -> Iterator[tuple[slice, ComplexArray]]:
+        """The same with the bell's transform still in them."""
+        strands = [np.zeros(self._size // self._strands) for _ in range(self._strands)]
+        for spread in self._spread():
+            spread.onto(strands, values[spread.here])
+        if self._strands == 1:
+            yield slice(0, self.count), np.asarray(rfft(strands[0]))[: self.count]
+            return
+        # Each strand makes a small transform, and each frequency is the sum of these, turned (decimation in time,
+        # Cooley and Tukey 1965). It is kept where its strand stood; its first and last sums are real and share a place.
+        half = strands[0].size // 2
+        turns = np.exp((-2j * np.pi / self._size) * np.arange(min(half, PIECE)))
+        packed = [strand.reshape(half, 2) for strand in strands]
+        for strand in packed:
+            small = np.asarray(rfft(strand.ravel()))
+            strand[:, 0], strand[:, 1] = small[:-1].real, small[:-1].imag
+            strand[0, 1] = small[-1].real
+        for begin in range(0, self.count, half):
+            # A small transform goes back over itself, conjugate, from its middle on.
+            back = begin // half % 2
+            for here in pieces(min(half, self.count - begin)):
+                k = np.arange(here.start, here.stop)
+                rows = (half - k) % half if back else k
+                turn = turns[: k.size] * np.exp((-2j * np.pi / self._size) * (begin + here.start))
+                total: ComplexArray = np.zeros(k.size, dtype=np.complex128)
+                for strand in reversed(packed):
+                    real, imag = strand[rows].T
+                    if here.start == 0:
+                        real[0], imag[0] = strand[0, back], 0.0
+                    total *= turn
+                    total.real += real
+                    total.imag += -imag if back else imag
+                yield slice(begin + here.start, begin + here.stop), total
 
     def transform(self, values: FloatArray) -> ComplexArray:
         """Sums (count,) over the samples of values exp(-2 pi i f x)."""
-        grid = np.zeros(self._size)
-        for place, weight in self._spread():
-            grid += np.bincount(place, weights=weight * values, minlength=self._size)
-        out: ComplexArray = rfft(grid)[: self.count] / self._gain
+        out = np.empty(self.count, dtype=np.complex128)
+        for here, sums in self._sums(values):
+            out[here] = sums
         return out
 
-    def transforms(self, columns: FloatArray) -> ComplexArray:
-        """The same (count, m) for ``columns`` (n, m), at once."""
-        n = self._first.size
+    def power(self, values: FloatArray) -> FloatArray:
+        """Squares (count,) of the sums' sizes."""
+        out = np.empty(self.count)
+        for here, sums in self._sums(values):
+            out[here] = sums.real**2 + sums.imag**2
+        return out
+
+    def transforms(self, columns: FloatArray, *, at: IntArray) -> ComplexArray:
+        """The sums (k, m) for ``columns`` (n, m) at the frequencies ``at`` (k,)."""
         if self._spreader is None:
-            rows, weights = zip(*self._spread(), strict=True)
-            samples = np.tile(np.arange(n), len(rows))
-            entries = (np.concatenate(weights), (np.concatenate(rows), samples))
-            self._spreader = csr_array(entries, shape=(self._size, n))
-        grid = np.asarray(self._spreader @ columns)
-        turned = np.asarray(rfft(grid, axis=0), dtype=np.complex128)
-        return turned[: self.count] / self._gain[:, None]
+            self._spreader = self._matrix()
+        out = np.empty((at.size, columns.shape[1]), dtype=np.complex128)
+        gain = self._gain(at)
+        for here in pieces(columns.shape[1], size=COLUMNS):
+            grid = np.asarray(self._spreader @ columns[:, here])
+            out[:, here] = np.asarray(rfft(grid, axis=0))[at] / gain[:, None]
+        return out
+
+    def _matrix(self) -> csr_array:
+        """The bells as a sparse matrix (size, n)."""
+        n = self._x.size
+        rows, weights = np.empty((WIDTH, n), dtype=np.int32), np.empty((WIDTH, n))
+        for spread in self._spread():
+            weights[:, spread.here] = spread.weights
+            for j in range(WIDTH):
+                rows[j, spread.here] = (spread.first + (spread.low + j)) % self._size
+        samples = np.tile(np.arange(n, dtype=np.int32), WIDTH)
+        return csr_array((weights.ravel(), (rows.ravel(), samples)), shape=(self._size, n))
 
     def wave(self, amplitudes: ComplexArray) -> FloatArray:
         """Real wave (n,) at the samples, Re sum of amplitudes exp(2 pi i f x) over the frequencies."""
         half = np.zeros(self._size // 2 + 1, dtype=np.complex128)
-        half[: self.count] = amplitudes / self._gain
+        half[: self.count] = amplitudes / self._gain(np.arange(self.count))
         # irfft counts each frequency above zero twice, once for its mirror image.
         half[1:] *= 0.5
         grid = irfft(half, self._size) * self._size
-        out = np.zeros(self._first.size)
-        for place, weight in self._spread():
-            out += weight * grid[place]
+        out = np.empty(self._x.size)
+        for spread in self._spread():
+            out[spread.here] = spread.taken(grid)
         return out
 
 
@@ -113,40 +238,44 @@ class Repeating:
     """
 
     def __init__(self, x: FloatArray, *, period: float, count: int, rounds: int = 12) -> None:
-        self._grid = Grid(x, step=1.0 / period, count=count)
-        self._count, self._rounds = count, rounds
+        self.grid = Grid(x, step=1.0 / period, count=count)
+        self._rounds = rounds
         kernel = Grid(x, step=1.0 / period, count=2 * count - 1).transform(np.ones(x.size))
-        self._size = next_fast_len(4 * count)
-        row = np.zeros(self._size, dtype=np.complex128)
-        row[: 2 * count - 1] = kernel
-        row[self._size - (2 * count - 2) :] = np.conj(kernel[:0:-1])
-        self._gain = np.fft.fft(row)
+        # Coefficients of real waves are conjugate on both sides of zero: half of them do, and transforms are real.
+        self._size = next_fast_len(4 * count, real=True)
+        self._gain = np.asarray(hfft(kernel, self._size))
 
     def _apply(self, c: ComplexArray) -> ComplexArray:
-        padded = np.zeros(self._size, dtype=np.complex128)
-        padded[: c.size] = c
-        return np.fft.ifft(np.fft.fft(padded) * self._gain)[: c.size]
+        product: ComplexArray = ihfft(hfft(c, self._size) * self._gain)[: c.size]
+        return product
 
     def part(self, values: FloatArray) -> FloatArray:
         """What of ``values`` (n,) repeats, (n,)."""
-        positive = self._grid.transform(values)
-        b = np.concatenate([np.conj(positive[:0:-1]), positive])
-        c = np.zeros_like(b)
-        r = b.copy()
+        return self.grid.wave(self.fitted(self.grid.transform(values)))
+
+    def fitted(self, sums: ComplexArray) -> ComplexArray:
+        """Amplitudes (count,) of the harmonics, for ``grid.wave``, from the values' ``sums`` (count,) over the
+        samples."""
+        c = np.zeros_like(sums)
+        r = sums.copy()
         p = r.copy()
-        power = float(np.vdot(r, r).real)
+        power = _product(r, r)
         start = power
         for _ in range(self._rounds):
             # 1e-14 in power: a ten millionth of the content, far below any noise.
             if power <= 1e-14 * start or power == 0.0:
                 break
             q = self._apply(p)
-            alpha = power / float(np.vdot(p, q).real)
+            alpha = power / _product(p, q)
             c += alpha * p
             r -= alpha * q
-            new = float(np.vdot(r, r).real)
+            new = _product(r, r)
             p = r + (new / power) * p
             power = new
-        amplitudes: ComplexArray = np.asarray(2.0 * c[self._count - 1 :], dtype=np.complex128)
-        amplitudes[0] *= 0.5
-        return self._grid.wave(amplitudes)
+        c[1:] *= 2.0
+        return c
+
+
+def _product(a: ComplexArray, b: ComplexArray) -> float:
+    """Inner product of coefficients on both sides of zero, of which ``a`` and ``b`` (k,) are one."""
+    return float(2.0 * np.vdot(a, b).real - (np.conj(a[0]) * b[0]).real)

@@ -22,6 +22,9 @@ TURN = 2.0 * math.pi
 EVEN = 1.0 / math.sqrt(12.0)
 """Standard deviation of what lies anywhere within 1."""
 
+ROUGH = 0.5 * EVEN * TURN
+"""rad. A turn that the curves know to half of what anywhere would be is worth more than none."""
+
 Numbering = Literal["curves", "stated", "open"]
 
 
@@ -92,8 +95,19 @@ class Alignment:
 def base_zeros(recordings: Sequence[Recording], *, z_1: int, z_2: int) -> Base:
     """The middle of all stated zeros, per shaft.
 
-    Raises ``InputFileError`` where two of them differ by more than half a tooth.
+    Raises ``InputFileError`` where two of them differ by more than half a tooth, or an encoder counts both ways.
     """
+    for shaft in ("driving", "driven"):
+        read = [r for r in recordings if getattr(r, f"{shaft}_angle_rad") is not None]
+        ways = [int(getattr(r, f"{shaft}_direction")) for r in read]
+        for other, way in zip(read, ways, strict=True):
+            if way != ways[0]:
+                raise InputFileError(
+                    other.source,
+                    where=f"{shaft}_direction",
+                    found=f"{way}, but {ways[0]} in {read[0].source}",
+                    wish="want one direction per encoder, since recordings of one set share it; or compare one by one",
+                )
     return Base(driving=_base(recordings, "driving", z_1), driven=_base(recordings, "driven", z_2))
 
 
@@ -137,41 +151,45 @@ class Shafts:
 def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment:
     """Make zeros of a place on the cycle, or keep what is stated where the curves have nothing to say."""
     anchor = _anchor(shafts)
-    stands = laid.phased or (laid.rough and base.driving is None and base.driven is None)
-    best = laid.best if stands else _kept(laid.best, cycle, base, shafts, anchor)
+    both = shafts.driving and shafts.driven
+    # Two counted turns leave nothing open but the place within half a tooth, of which a flat curve knows less.
+    whole = shafts.counted[anchor] and base.driving is not None and base.driven is not None
+
+    def placed(one: Place) -> Place:
+        if laid.phased:
+            return one
+        return _kept(one, cycle, anchor) if whole else _held(one, cycle, base, shafts, anchor)
+
+    best = placed(laid.best)
     rate = cycle.pitch * cycle.r_b2
     offset = np.empty(best.offset.size)
     for k, counted in enumerate(shafts.counted):
         # A transmission error that the rig computed has its own zero, which is not that of the encoders.
         origin = anchor if counted else shafts.counted.index(False)
         offset[k] = best.offset[origin] + round((best.offset[k] - best.offset[origin]) / rate) * rate
-    both = shafts.driving and shafts.driven
-    driven_pitch, driving_pitch = cycle.pitch, TURN / cycle.z_1
     if laid.phased:
         std_2 = laid.std
         std_1 = math.hypot(laid.std, laid.offset_std / cycle.r_b2 if both else 0.0) / cycle.ratio
-    elif stands:
-        std_2 = max(laid.std, EVEN * driven_pitch)
-        std_1 = std_2 / cycle.ratio
     else:
-        std_2 = EVEN * (driven_pitch if base.driven is not None else TURN)
-        std_1 = EVEN * (driving_pitch if base.driving is not None else TURN)
+        std_1 = laid.spread[0] if base.driving is None else EVEN * TURN / cycle.z_1
+        std_2 = laid.spread[1] if base.driven is None else EVEN * TURN / cycle.z_2
     stated = base.driving is not None if not shafts.driven else base.driven is not None
     if both:
         stated = stated and base.driving is not None
+    rough = laid.phased or (not whole and min(laid.spread) < ROUGH)
     numbering: Numbering = "open"
     if laid.certain or (laid.numbered and not stated):
         numbering = "curves"
-    elif stated and (not laid.phased or not laid.rivals):
+    elif stated and ((whole and not laid.phased) or not laid.rivals):
         numbering = "stated"
     return Alignment(
         zeros=_zeros(best, cycle, base, shafts, anchor),
         std_driving=std_1,
         std_driven=std_2,
-        rivals=tuple(_zeros(one, cycle, base, shafts, anchor) for one in laid.rivals) if laid.phased else (),
+        rivals=tuple(_zeros(placed(one), cycle, base, shafts, anchor) for one in laid.rivals) if rough else (),
         contradicted=None if laid.contradicted is None else _zeros(laid.contradicted, cycle, base, shafts, anchor),
         phased=laid.phased,
-        rough=stands,
+        rough=rough,
         numbering=numbering,
         shift=best.shifts,
         offset=offset,
@@ -188,35 +206,42 @@ def _anchor(shafts: Shafts) -> int:
     return order[0]
 
 
-def _kept(best: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Place:
-    """The place that the stated zeros give where the curve is too flat to say: driven rotation as stated, and what the
+def _held(one: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Place:
+    """A place that the curves know to a few degrees only, moved to where the one zero that is stated has it."""
+    driving, driven = _late(one, cycle, shafts, anchor)
+    by = 0.0
+    if base.driven is not None:
+        by = -math.remainder(driven, TURN)
+    elif base.driving is not None:
+        by = -math.remainder(driving, TURN) * cycle.ratio
+    return Place(shift=one.shift + by, shifts=one.shifts + by, offset=one.offset, rms=one.rms)
+
+
+def _kept(best: Place, cycle: Cycle, anchor: int) -> Place:
+    """The place that two stated zeros give where the curve is too flat to say: driven rotation as stated, and what the
     mean transmission error adds to it."""
-    if shafts.counted[anchor]:
-        rate = cycle.pitch
-        total = float(best.offset[anchor]) / cycle.r_b2
-        g = math.gcd(cycle.z_1, cycle.z_2)
-        pitches = g * round(total / (g * rate))
-        rest = total - pitches * rate
-        # rest = late_2 - ratio late_1. Both stated zeros are rough alike, so the doubt is shared by least squares.
-        late = 0.0
-        if base.driving is not None:
-            late = rest / (1.0 + cycle.ratio**2) if base.driven is not None else rest
-        period = cycle.z_1 // g
-        inverse = pow(cycle.z_2 // g, -1, period) if period > 1 else 0
-        shift = late + (pitches // g * inverse % period) * TURN
-    else:
-        shift = 0.0
+    total = float(best.offset[anchor]) / cycle.r_b2
+    g = math.gcd(cycle.z_1, cycle.z_2)
+    pitches = g * round(total / (g * cycle.pitch))
+    # What is left is late_2 - ratio late_1. Both zeros are rough alike, so the doubt is shared by least squares.
+    late = (total - pitches * cycle.pitch) / (1.0 + cycle.ratio**2)
+    period = cycle.z_1 // g
+    inverse = pow(cycle.z_2 // g, -1, period) if period > 1 else 0
+    shift = late + (pitches // g * inverse % period) * TURN
     moved = (shift - float(best.shifts[anchor])) % cycle.span
     return Place(shift=best.shift + moved, shifts=best.shifts + moved, offset=best.offset, rms=best.rms)
 
 
+def _late(place: Place, cycle: Cycle, shafts: Shafts, anchor: int) -> tuple[float, float]:
+    """By how much the present zeros of the driving and the driven shaft are late, rad."""
+    driven = float(place.shifts[anchor])
+    mean = float(place.offset[anchor]) / cycle.r_b2 if shafts.counted[anchor] else 0.0
+    return (driven - mean) / cycle.ratio, driven
+
+
 def _zeros(place: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Zeros:
     """The readings that a place means."""
-    late_2 = float(place.shifts[anchor])
-    if shafts.counted[anchor]:
-        late_1 = (late_2 - float(place.offset[anchor]) / cycle.r_b2) / cycle.ratio
-    else:
-        late_1 = late_2 / cycle.ratio
+    late_1, late_2 = _late(place, cycle, shafts, anchor)
     driving = ((base.driving or 0.0) + shafts.direction_1 * late_1) % TURN
     driven = ((base.driven or 0.0) + shafts.direction_2 * late_2) % TURN
     return Zeros(driving=driving if shafts.driving else None, driven=driven if shafts.driven else None, rms=place.rms)

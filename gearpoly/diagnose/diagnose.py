@@ -13,10 +13,11 @@ from scipy.stats import chi2
 
 from gearpoly.assemble import assemble
 from gearpoly.compare.compare import Comparison, compare
+from gearpoly.compare.noise import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.fitted import fitted_file
-from gearpoly.diagnose.heldout import Rms, cross_validated
-from gearpoly.diagnose.leftovers import foreign_waves, not_excluded, unexplained
+from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
+from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import prepare
@@ -55,7 +56,8 @@ def diagnose(
     watch = _Watch(step)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = replace(prepare(file, comparison, path=Path(path)), method=method or Method())
-    search = Search.begin(model, foreign_waves(comparison), watch.stage("prepare"))
+    model.observed = beside_jumps(model.observed, jumps(comparison))
+    search = Search.begin(model, foreign(comparison, model), watch.stage("prepare"))
     search.step = watch.stage("search")
     start_linear = search.linear
     search.run()
@@ -86,7 +88,7 @@ def diagnose(
         before=_declared(comparison),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
         after=cross_validated(search.linear, masks, hold=slow_places(search)),
-        held_out_by=_held_out_by(model),
+        held_out_by=_held_out_by(model, jumped=any(jumps(comparison))),
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
@@ -121,9 +123,11 @@ class _Watch:
 
 
 def slow_places(search: Search) -> list[int]:
-    """Parameters of claims that go on over a whole recording and never repeat."""
+    """Parameters of what goes on over a whole recording and never repeats: slow claims, and wandering."""
     layout, claims = search.linear.layout, search.model.claims
-    return [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
+    wandering = (SLOW - 1) * sum(search.model.scope.wanders)
+    slow = [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
+    return [*range(layout.foreign.stop - wandering, layout.foreign.stop), *slow]
 
 
 def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, watch: _Watch) -> Finding:
@@ -224,9 +228,11 @@ def _mean_of(comparison: Comparison, k: int) -> float:
     )
 
 
-def _held_out_by(model: Model) -> str:
+def _held_out_by(model: Model, *, jumped: bool) -> str:
     if not all(bool(np.any(~one.fit)) for one in model.observed):
         return "nothing could be held out"
+    if jumped:
+        return "every other block between jumps, and of recordings without any, whole hunting cycles"
     if all(one.whole for one in model.observed):
         return "whole hunting cycles"
     return "every other of eight blocks, since a recording holds less than two hunting cycles"

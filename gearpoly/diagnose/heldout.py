@@ -8,8 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Observed
 from gearpoly.diagnose.system import Mask, System
 from gearpoly.units import FloatArray
+
+PARTS = 4
+"""Blocks into which every stretch between jumps is cut where a recording jumps: its level after a jump is not to be
+foretold from what was before, so both parts have samples of every stretch."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +50,17 @@ def cross_validated(
         seen.append(_square(x, columns, linear.target, fit))
         unseen.append(_square(x, columns, linear.target, rest))
     return Rms(seen=_root(seen), unseen=_root(unseen))
+
+
+def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Observed]:
+    """The recordings with their parts chosen such that both hold samples before and after every one of ``jumps``."""
+    return [replace(one, fit=_blocks(one.fit.size, at)) if at else one for one, at in zip(observed, jumps, strict=True)]
+
+
+def _blocks(size: int, jumps: list[int]) -> Mask:
+    """Every other block (size,) of each stretch between jumps."""
+    lengths = np.diff([0, *sorted(jumps), size])
+    return np.concatenate([(np.arange(n) * PARTS // max(n, 1)) % 2 == 0 for n in lengths.tolist()])
 
 
 def held(linear: Linear, places: list[int]) -> Linear:

@@ -9,7 +9,8 @@ import numpy as np
 from gearpoly.compare.compare import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
-from gearpoly.compare.noise import Noise
+from gearpoly.compare.long_jumps import sample_of
+from gearpoly.compare.noise import Noise, slow_curves
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
@@ -24,8 +25,26 @@ OTHERS_BY_LAWS = 0.006
 """The same for single teeth and other waves, whose sharing follows the law."""
 
 
+def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
+    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: waves, jumps, and the wandering of
+    recordings of which nobody knows better."""
+    waves = foreign_waves(comparison)
+    slow = [
+        slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
+        for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
+    ]
+    columns = sum(one.shape[1] for one in slow)
+    out, at = [], 0
+    for wave, own in zip(waves, slow, strict=True):
+        mine = np.zeros((wave.shape[0], columns))
+        mine[:, at : at + own.shape[1]] = own
+        at += own.shape[1]
+        out.append(np.concatenate((wave, mine), axis=1))
+    return out
+
+
 def foreign_waves(comparison: Comparison) -> list[FloatArray]:
-    """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, or no integer order.
+    """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, no integer order, or jumps.
 
     They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
     """
@@ -35,6 +54,12 @@ def foreign_waves(comparison: Comparison) -> list[FloatArray]:
             continue
         for k, one in enumerate(comparison.aligned):
             if k not in entry.recordings and entry.kind == "time":
+                continue
+            if entry.moment is not None:
+                at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+                step = (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
+                for j, mine in enumerate(out):
+                    mine.append(step if j == k else np.zeros((mine[0].shape[0], 1)))
                 continue
             if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
                 angle = 2.0 * math.pi * entry.hz * one.time_s
@@ -46,11 +71,23 @@ def foreign_waves(comparison: Comparison) -> list[FloatArray]:
     return [np.concatenate(mine, axis=1) for mine in out]
 
 
+def jumps(comparison: Comparison) -> list[list[int]]:
+    """Samples at which every recording jumps."""
+    return [
+        [
+            sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+            for entry in comparison.located.entries
+            if entry.moment and k in entry.recordings
+        ]
+        for k, one in enumerate(comparison.aligned)
+    ]
+
+
 def _is_foreign(entry: Entry) -> bool:
     if entry.companion_of is not None:
         return False
     if entry.kind == "time":
-        return bool(entry.hz)
+        return bool(entry.hz) or entry.moment is not None
     return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
 
 
@@ -108,6 +145,8 @@ def _by_law(entry: Entry, deflection: float) -> bool:
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
     """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves."""
     if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
+        return False
+    if entry.moment is not None:
         return False
     if entry.order is not None and float(entry.order).is_integer():
         return False

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
-from gearpoly.diagnose.system import System
+from gearpoly.diagnose.system import Sums, System
 from gearpoly.physics.base import Claim, Values
 from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.threads import each
+from gearpoly.units import FloatArray, IntArray
 
 SHAPE_DOUBT = 20.0
 """Steps of a shape coordinate that are its prior about the present value: far more than data leave, and a bound where
@@ -68,6 +70,34 @@ class Linear:
             target=self.target,
             noises=self.noises,
         )
+
+    def under(self, noises: list[Noise]) -> Linear:
+        """The same whitened by other noise."""
+        system = System(
+            white=each(lambda pair: pair[0].whitened(pair[1]), zip(noises, self.columns, strict=True)),
+            target=[noise.whitened(y) for noise, y in zip(noises, self.target, strict=True)],
+            precision=self.system.precision,
+            prior=self.system.prior,
+        )
+        return Linear(system=system, layout=self.layout, columns=self.columns, target=self.target, noises=noises)
+
+    @cached_property
+    def _backward(self) -> list[tuple[FloatArray, FloatArray]]:
+        """What is left (n_k,) and all columns (n_k, m) whitened twice, forth and back: their products with further
+        columns need not have these whitened."""
+        return [
+            (noise.score(left), noise.score(white))
+            for noise, left, white in zip(self.noises, self.system.left, self.system.white, strict=True)
+        ]
+
+    def sums(self, k: int, columns: FloatArray, *, where: IntArray | None = None) -> Sums:
+        """What recording ``k`` says of further columns (n_k, q) in mm, which are 0 but at the samples ``where``."""
+        left, white = self._backward[k]
+        if where is None:
+            forth = self.noises[k].whitened(columns)
+            return Sums(score=columns.T @ left, own=forth.T @ forth, cross=white.T @ columns)
+        forth, there = self.noises[k].whitened_at(columns, where), columns[where]
+        return Sums(score=there.T @ left[where], own=forth.T @ forth, cross=white[where].T @ there)
 
     def white_of(self, k: int) -> list[FloatArray]:
         """Whitened columns (n_k, q) of claim ``k``."""
@@ -130,7 +160,7 @@ def linearise(
     foreign: list[FloatArray],
 ) -> Linear:
     """The system of the present state; ``foreign`` (n_k, q) are waves that no physics makes."""
-    built = [model.as_built.columns(scene) for scene in scenes]
+    built = each(model.as_built.columns, scenes)
     forms, form_std = loose_forms(model, scenes)
     blocks = [[b, c, w, f] for b, c, w, f in zip(built, nuisance.columns, foreign, forms, strict=True)]
     m_b, m_n, m_w, m_f = built[0].shape[1], nuisance.std.size, foreign[0].shape[1], form_std.size
@@ -170,7 +200,7 @@ def linearise(
     columns_all = [np.concatenate(mine, axis=1) for mine in blocks]
     target = [r + a @ present for r, a in zip(model.residuals(scenes), columns_all, strict=True)]
     system = System(
-        white=[noise.whitened(a) for noise, a in zip(noises, columns_all, strict=True)],
+        white=each(lambda pair: pair[0].whitened(pair[1]), zip(noises, columns_all, strict=True)),
         target=[noise.whitened(y) for noise, y in zip(noises, target, strict=True)],
         precision=precision,
         prior=prior,

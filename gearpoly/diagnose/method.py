@@ -14,6 +14,7 @@ from gearpoly.files.models import GearSection, PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Physics, changed, on_gear
 from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.threads import each
 
 FEW = 64.0
 """Part of a declared eccentricity from which its first-order effect is drawn: 60 um become 1 um, whose second order is
@@ -43,7 +44,7 @@ class Method:
         eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
         if self.exact or not eccentric:
             assembled = assemble(file, path=path, seed=0)
-            return [stage(assembled, one) for one in samples]
+            return each(lambda one: stage(assembled, one), samples)
         none, few = (assemble(_eccentric(file, part), path=path, seed=0) for part in (0.0, 1.0 / FEW))
         out = []
         for one in samples:

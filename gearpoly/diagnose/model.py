@@ -14,6 +14,7 @@ from gearpoly.diagnose.method import Method
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Scope, Values, changed
 from gearpoly.physics.scene import Samples, Scene
+from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
 
@@ -84,6 +85,17 @@ class Model:
         for name, value in kept.items():
             setattr(self, name, value)
 
+    def soften(self, ratio: float) -> None:
+        """Multiply the compliance of all pairs, declared or claimed."""
+        if self.declared.model.tooth_deflection:
+            self.scale *= ratio
+        self.claims = [
+            replace(one, values=(ratio * one.values[0], *one.values[1:]))
+            if one.physics.name == "tooth_deflection"
+            else one
+            for one in self.claims
+        ]
+
     def moved(self, offset: float) -> None:
         """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together."""
         ratio = self.scope.gears[0].z / self.scope.gears[1].z
@@ -141,7 +153,7 @@ class Model:
         nothing = (*(0.0,) * physics.amplitudes, *values[physics.amplitudes :])
         others = self.file(but=but)
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
-        return [_again(scene, with_) - _again(scene, without) for scene in scenes]
+        return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
 
 
 def _again(scene: Scene, assembled: Assembled) -> FloatArray:
@@ -151,5 +163,5 @@ def _again(scene: Scene, assembled: Assembled) -> FloatArray:
 
 def noises(model: Model, left: list[FloatArray]) -> list[Noise]:
     """The noise of every recording, from what is left of it."""
-    found = (one.estimator.estimate(values) for one, values in zip(model.observed, left, strict=True))
-    return [model.method.noise(one) for one in found]
+    pairs = list(zip(model.observed, left, strict=True))
+    return each(lambda pair: model.method.noise(pair[0].estimator.estimate(pair[1])), pairs)

@@ -7,11 +7,13 @@ scaled, and its shape may vary as a beam, ISO 6336, the potential-energy method 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from gearpoly.mesh.compliance import law_names
 from gearpoly.physics.scene import Scene
+from gearpoly.threads import each
 from gearpoly.units import UM, FloatArray
 
 SCALE_STD = 0.15
@@ -96,31 +98,56 @@ Law = tuple[str, str]
 """Names of the tooth's and the contact's compliance law."""
 
 
-def law_changes(scenes: list[Scene]) -> dict[Law, list[FloatArray]]:
-    """What every other pair of laws changes (n_k,) in mm in all scenes; empty where nothing bends."""
-    out: dict[Law, list[FloatArray]] = {}
-    if not any(scene.bends for scene in scenes):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LawChange:
+    """What another pair of laws changes: ``parts`` (n_k,) in mm of all scenes, where its compliance is multiplied by
+    ``ratio`` so that teeth give as much as before in the mean."""
+
+    ratio: float
+    parts: list[FloatArray]
+
+
+def law_changes(scenes: list[Scene]) -> dict[Law, LawChange]:
+    """What every other pair of laws changes in all scenes; empty where nothing bends."""
+    out: dict[Law, LawChange] = {}
+    loaded = [scene for scene in scenes if scene.bends]
+    if not loaded:
         return out
+    rigid = [scene.under(None) for scene in loaded]
+    bent = sum(float(np.mean(scene.te - stiff)) for scene, stiff in zip(loaded, rigid, strict=True))
     for law in law_names():
         for contact in CONTACTS:
-            parts = []
-            for scene in scenes:
-                elasticity = scene.assembled.elasticity
-                if elasticity is None or (law, contact) == (elasticity.law, elasticity.contact):
-                    break
-                parts.append(scene.under(replace(elasticity, law=law, contact=contact)) - scene.te)
-            if len(parts) == len(scenes):
-                out[law, contact] = parts
+            if (law, contact) == _law_of(loaded[0]):
+                continue
+            there = each(partial(_under, law=law, contact=contact, ratio=1.0), loaded)
+            ratio = bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
+            there = each(partial(_under, law=law, contact=contact, ratio=ratio), scenes)
+            parts = [x - scene.te for x, scene in zip(there, scenes, strict=True)]
+            out[law, contact] = LawChange(ratio=ratio, parts=parts)
     return out
 
 
-def law_modes(scenes: list[Scene], changes: dict[Law, list[FloatArray]]) -> list[FloatArray] | None:
+def _law_of(scene: Scene) -> Law:
+    elasticity = scene.assembled.elasticity
+    assert elasticity is not None
+    return elasticity.law, elasticity.contact
+
+
+def _under(scene: Scene, *, law: str, contact: str, ratio: float) -> FloatArray:
+    """Transmission error (n,) in mm by other laws, all compliance multiplied by ``ratio``."""
+    elasticity = scene.assembled.elasticity
+    if elasticity is None or not scene.bends:
+        return scene.te
+    return scene.under(replace(elasticity, law=law, contact=contact, scale=elasticity.scale * ratio))
+
+
+def law_modes(scenes: list[Scene], changes: dict[Law, LawChange]) -> list[FloatArray] | None:
     """The main ways (n_k, q) in mm in which the transmission error differs from law to law, their means being equal;
     each a prior standard deviation. None where nothing bends."""
     if not changes:
         return None
     scale = np.concatenate([softened(scene) for scene in scenes])
-    table = np.array([np.concatenate(parts) for parts in changes.values()])
+    table = np.array([np.concatenate(change.parts) for change in changes.values()])
     # A softer law as a whole is the scale's matter; how the softness varies along the path is the modes'.
     table -= np.outer(table @ scale / float(scale @ scale), scale)
     _, s, v = np.linalg.svd(table, full_matrices=False)

@@ -57,6 +57,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
+        wanders=tuple(not one.samples.counted and not one.whole for one in observed),
     )
     return Model(
         declared=declared,

@@ -13,9 +13,10 @@ from scipy.stats import chi2
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.system import System, gain_of
+from gearpoly.diagnose.system import gain_of
 from gearpoly.physics.base import Claim, Physics, Place, Values
 from gearpoly.physics.scene import Scene
+from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
 BATCH = 128
@@ -61,15 +62,14 @@ def probes(physics: Physics, place: Place) -> list[Values]:
     return out
 
 
-def _columns(model: Model, scenes: list[Scene], linear: Linear, claim: Claim, *, white: bool) -> list[FloatArray]:
-    """Effect (n_k, a) per unit of each amplitude of a claim's physics, in mm or whitened."""
-    out: list[list[FloatArray]] = [[] for _ in scenes]
+def _columns(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
+    """Effect (n_k, a) in mm per unit of each amplitude of a claim's physics."""
     place = replace(claim.place, shape=claim.values[claim.physics.amplitudes :] or claim.place.shape)
-    for k, values in enumerate(probes(claim.physics, place)):
-        for mine, change in zip(out, model.change(scenes, claim, values), strict=True):
-            mine.append(change / values[k])
-    columns = [np.column_stack(mine) for mine in out]
-    return [noise.whitened(c) for noise, c in zip(linear.noises, columns, strict=True)] if white else columns
+    changes = [
+        [change / values[k] for change in model.change(scenes, claim, values)]
+        for k, values in enumerate(probes(claim.physics, place))
+    ]
+    return [np.column_stack(parts) for parts in zip(*changes, strict=True)]
 
 
 def _allowed(physics: Physics, amplitude: FloatArray) -> bool:
@@ -90,26 +90,24 @@ def scan(
     model: Model, scenes: list[Scene], linear: Linear, *, only: Iterable[tuple[Physics, Place]] | None = None
 ) -> tuple[list[Candidate], int]:
     """All candidates with their gains, best first, and how many places were looked at."""
-    out: list[Candidate] = []
-    held: list[tuple[Claim, list[FloatArray]]] = []
+    rough = _likely_orders(scenes, linear) if only is None else None
     looked = 0
-    rough = _likely_orders(scenes, linear)
+    groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
         looked += 1
-        if physics.wavelike and place.order not in rough[place.gear or 0]:
+        if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
-        values = (*(0.0,) * physics.amplitudes, *place.shape)
-        claim = Claim(physics=physics, place=place, values=values)
+        claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
         # A tooth's columns are 0 but where it is in contact: batches of one tooth are weighed there alone.
-        if held and (held[-1][0].place.gear, held[-1][0].place.tooth) != (place.gear, place.tooth):
-            one_tooth = held[-1][0].place.tooth is not None or place.tooth is not None
-            if one_tooth or sum(c[0].shape[1] for _, c in held) >= BATCH:
-                out += _weigh(linear.system, held)
-                held = []
-        held.append((claim, _columns(model, scenes, linear, claim, white=True)))
-    if held:
-        out += _weigh(linear.system, held)
-    return sorted(out, key=lambda one: -one.gain), looked
+        if groups[-1]:
+            last = groups[-1][-1].place
+            one_tooth = last.tooth is not None or place.tooth is not None
+            apart = one_tooth and (last.gear, last.tooth) != (place.gear, place.tooth)
+            if apart or len(groups[-1]) >= BATCH // 2:
+                groups.append([])
+        groups[-1].append(claim)
+    weighed = each(lambda group: _weigh(model, scenes, linear, group), [group for group in groups if group])
+    return sorted((one for group in weighed for one in group), key=lambda one: -one.gain), looked
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:
@@ -131,19 +129,21 @@ def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[i
     return out[0], out[1]
 
 
-def _weigh(system: System, held: list[tuple[Claim, list[FloatArray]]]) -> list[Candidate]:
-    columns = [np.concatenate(parts, axis=1) for parts in zip(*(c for _, c in held), strict=True)]
-    if held[0][0].place.tooth is not None:
-        where = [np.flatnonzero(np.any(c != 0.0, axis=1)) for c in columns]
-        columns = [c[rows] for c, rows in zip(columns, where, strict=True)]
-        score, information = system.scores(columns, where=where)
-    else:
-        score, information = system.scores(columns)
-    alone = sum((np.einsum("ij,ij->j", c, c) for c in columns), np.zeros(columns[0].shape[1]))
+def _weigh(model: Model, scenes: list[Scene], linear: Linear, held: list[Claim]) -> list[Candidate]:
+    """Claims that are possible as candidates, each beside all that is believed."""
+    sums = []
+    one_tooth = held[0].place.tooth is not None
+    parts = [_columns(model, scenes, claim) for claim in held]
+    for k in range(len(scenes)):
+        columns = np.concatenate([mine[k] for mine in parts], axis=1)
+        where = np.flatnonzero(np.any(columns != 0.0, axis=1)) if one_tooth else None
+        sums.append(linear.sums(k, columns, where=where))
+    score, information = linear.system.beside(sums)
+    alone = sum((np.diag(one.own) for one in sums), np.zeros(score.size))
     left = np.diag(information)
     out, at = [], 0
-    for claim, parts in held:
-        q = parts[0].shape[1]
+    for claim in held:
+        q = claim.physics.amplitudes
         index = np.arange(at, at + q)
         at += q
         if np.any(left[index] <= KNOWN * alone[index]) or np.any(alone[index] <= 0.0):
@@ -179,7 +179,7 @@ def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candi
         if any(not c.low <= s <= c.high for c, s in zip(bounds, shape.tolist(), strict=True)):
             return 0.0
         trial = replace(claim, values=(*(0.0,) * q, *shape.tolist()))
-        found = _weigh(linear.system, [(trial, _columns(model, scenes, linear, trial, white=True))])
+        found = _weigh(model, scenes, linear, [trial])
         if not found:
             return 0.0
         if found[0].gain > best.gain:
@@ -198,4 +198,5 @@ def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candi
 
 def columns_of(model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate) -> list[FloatArray]:
     """Whitened effect (n_k, a) per unit of each amplitude of a candidate at its shape."""
-    return _columns(model, scenes, linear, candidate.claim, white=True)
+    columns = _columns(model, scenes, candidate.claim)
+    return [noise.whitened(c) for noise, c in zip(linear.noises, columns, strict=True)]

@@ -8,29 +8,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fit import PASSES, Fit, nuisance_of
 from gearpoly.diagnose.heldout import unseen_misfit
-from gearpoly.diagnose.linear import Linear, linearise, within
+from gearpoly.diagnose.linear import linearise
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
+from gearpoly.diagnose.nuisance import law_changes, law_modes
 from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
-from gearpoly.units import UM, FloatArray
+from gearpoly.threads import each
+from gearpoly.units import FloatArray
 
 FAMILY = 0.05
 """Chance that a healthy set of recordings raises any claim."""
 
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
-
-CLEARLY = 30.0
-"""Gain in misfit by which another compliance law must fit better than the present one to take its place."""
-
-SETTLED = 0.004 * UM
-"""mm rms. Changes below this need no further simulation."""
 
 SWAPS = 4
 """Most exchanges after a claim."""
@@ -47,9 +41,6 @@ PHASES = 8
 BETTER_PHASE = 0.995
 """Part of the square misfit at the stated place that another phase must leave at most to take its place."""
 
-PASSES = 5
-"""Most rounds of simulating and fitting again after a change."""
-
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
@@ -61,20 +52,10 @@ SHORTLIST = 40
 
 
 @dataclass(kw_only=True, eq=False)
-class Search:
-    """The search in progress: the ``model`` and everything linear about it."""
+class Search(Fit):
+    """The search in progress; ``tests`` places were looked at."""
 
-    model: Model
-    foreign: list[FloatArray]
-    step: Callable[[str], None]
-    scenes: list[Scene]
-    noises: list[Noise]
-    nuisance: Nuisance
-    linear: Linear
-    laws: list[FloatArray] | None
     tests: int = 1
-    largest: float = 0.0
-    deflection: float = 0.0
 
     @staticmethod
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
@@ -87,7 +68,7 @@ class Search:
     def _begun(model: Model, foreign: list[FloatArray], step: Callable[[str], None], passes: int = PASSES) -> Search:
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes))
-        nuisance = _nuisance(model, scenes, laws)
+        nuisance = nuisance_of(model, scenes, laws)
         first = noises(model, model.residuals(scenes))
         linear = linearise(model, scenes, first, nuisance=nuisance, foreign=foreign)
         search = Search(
@@ -123,6 +104,7 @@ class Search:
                 self.settle()
                 if len(refused) > MOST:
                     break
+        self.widen()
         return found
 
     def accept(self, claim: Claim) -> bool:
@@ -146,7 +128,7 @@ class Search:
             alike = [other for other in chosen if other.claim.physics is one.claim.physics]
             if len(alike) < 2 and one.claim.key not in {c.claim.key for c in alike} and len(chosen) < POLISHED:
                 chosen.append(one)
-        done = [polished(self.model, self.scenes, self.linear, one) for one in chosen]
+        done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         for one in done:
             if self.pays(one):
@@ -173,16 +155,6 @@ class Search:
         law = physics.law_floor * self.deflection if physics.mean_tooth else 0.0
         return max(FAINT, ECHO * self.largest, law)
 
-    def measure(self) -> None:
-        """Measure once what ``least`` compares with: the largest effect of a claim, and the mean deflection."""
-        self.largest = 0.0
-        for claim in self.model.claims:
-            if not claim.physics.measures:
-                change = self.model.change(self.scenes, claim, claim.values, but=claim)
-                self.largest = max(self.largest, *(float(np.std(c)) for c in change))
-        bent = [abs(float(np.mean(scene.under(None) - scene.te))) for scene in self.scenes if scene.bends]
-        self.deflection = max(bent, default=0.0)
-
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
         columns = columns_of(self.model, self.scenes, self.linear, one)
@@ -195,76 +167,6 @@ class Search:
         for seen, unseen in ((masks, others), (others, masks)):
             gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)
         return gained > 0.0
-
-    def settle(self, passes: int = PASSES) -> None:
-        """Simulate, fit, and simulate again until nothing moves."""
-        for turn in range(passes):
-            self.scenes = self.model.scenes()
-            if turn == 0:
-                if self.laws is None:
-                    # Teeth may have begun to bend.
-                    self.laws = law_modes(self.scenes, law_changes(self.scenes))
-                self.nuisance = _nuisance(self.model, self.scenes, self.laws)
-            self.linear = self.linearised()
-            self.noises = noises(self.model, self.linear.left())
-            self.linear = self.linearised()
-            moved = self.take(self.linear)
-            if moved < SETTLED:
-                break
-        self.measure()
-
-    def linearised(self) -> Linear:
-        """The linear system of the present state and noise."""
-        return linearise(self.model, self.scenes, self.noises, nuisance=self.nuisance, foreign=self.foreign)
-
-    def take(self, linear: Linear) -> float:
-        """Put the solution into the model; return the largest rms change in mm of a simulated recording."""
-        x, layout, model = linear.system.solution, linear.layout, self.model
-        old = np.zeros(x.size)
-        new = x.copy()
-        old[layout.built] = model.built
-        model.built = x[layout.built].copy()
-        at = layout.nuisance.start
-        old[at + self.nuisance.shift] = model.shift
-        model.shift = float(x[at + self.nuisance.shift])
-        if self.nuisance.scale is not None:
-            model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
-        claims = []
-        for claim, part in zip(model.claims, layout.claims, strict=True):
-            a = claim.physics.amplitudes
-            held = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
-            values = within(claim, np.array(claim.values) + x[part] - held)
-            old[part] = claim.values
-            new[part] = values
-            claims.append(replace(claim, values=values))
-        model.claims = claims
-        # Means, laws and foreign waves are never in the simulation.
-        still = [k for k in range(at, layout.forms.stop) if k not in (at + self.nuisance.shift, _place(self, at))]
-        step = new - old
-        step[still] = 0.0
-        return max(float(np.std(columns @ step)) for columns in linear.columns)
-
-    def choose_law(self) -> None:
-        """Take the compliance law that fits best, if one is clearly better than the present one."""
-        changes = law_changes(self.scenes)
-        if not changes:
-            return
-        at = self.linear.layout.nuisance
-        modes = list(range(at.stop - (0 if self.laws is None else self.laws[0].shape[1]), at.stop))
-        bare = self.linear.without(modes)
-        whites = [
-            np.column_stack([noise.whitened(parts[k]) for parts in changes.values()])
-            for k, noise in enumerate(self.noises)
-        ]
-        score, information = bare.system.scores(whites)
-        # The change as it is, with all else fitted again beside it.
-        gains = 2.0 * score - np.diag(information)
-        best = int(np.argmax(gains))
-        if gains[best] < CLEARLY:
-            return
-        self.model.law = list(changes)[best]
-        self.laws = None
-        self.settle()
 
     def gain_without(self, k: int) -> float:
         """What claim ``k`` gains, all else fitted again without it."""
@@ -342,13 +244,3 @@ def _phase(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     best = int(np.argmin(tried))
     if tried[best] < BETTER_PHASE * tried[0]:
         model.moved(best * pitch / PHASES)
-
-
-def _nuisance(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
-    slopes = [one.slope for one in model.observed]
-    scaled = model.declared.model.tooth_deflection
-    return make_nuisance(scenes, slopes=slopes, shift_std=model.shift_std, laws=laws, scaled=scaled)
-
-
-def _place(search: Search, at: int) -> int:
-    return -1 if search.nuisance.scale is None else at + search.nuisance.scale

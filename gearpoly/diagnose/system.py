@@ -117,30 +117,32 @@ class System:
             prior=self.prior,
         )
 
-    def scores(
-        self, columns: list[FloatArray], *, where: list[IntArray] | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them.
+    def scores(self, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them."""
+        parts = zip(columns, self.white, self.left, strict=True)
+        return self.beside([Sums(score=c.T @ r, own=c.T @ c, cross=a.T @ c) for c, a, r in parts])
 
-        ``where`` (r_k,) names the samples that columns (r_k, q) stand for, if they are 0 at all others.
-        """
-        score = np.zeros(columns[0].shape[1])
-        own = np.zeros((score.size, score.size))
-        cross = np.zeros((self.size, score.size))
-        for k, c in enumerate(columns):
-            a, r = self.white[k], self.left[k]
-            if where is not None:
-                a, r = a[where[k]], r[where[k]]
-            score += c.T @ r
-            own += c.T @ c
-            cross += a.T @ c
-        return score, own - cross.T @ self.solved(cross)
+    def beside(self, sums: Sequence[Sums]) -> tuple[FloatArray, FloatArray]:
+        """The same from what every recording adds to it."""
+        cross = sum((one.cross for one in sums), np.zeros(()))
+        own = sum((one.own for one in sums), np.zeros(()))
+        return sum((one.score for one in sums), np.zeros(())), own - cross.T @ self.solved(cross)
 
 
-def gain_of(score: FloatArray, information: FloatArray, groups: FloatArray) -> tuple[FloatArray, FloatArray]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sums:
+    """What one recording says of further columns: their products ``score`` (q,) with what is left, ``own`` (q, q) with
+    each other and ``cross`` (m, q) with the present columns, all white."""
+
+    score: FloatArray
+    own: FloatArray
+    cross: FloatArray
+
+
+def gain_of(score: FloatArray, information: FloatArray, groups: IntArray) -> tuple[FloatArray, FloatArray]:
     """Gain in misfit of every group of columns (rows of ``groups`` hold column numbers, all of one length), and the
     amplitudes (g, k) that reach it; 0 where the columns are told from nothing."""
-    index = np.asarray(groups, dtype=np.int64)
+    index = groups
     s = score[index]
     block = information[index[:, :, None], index[:, None, :]]
     size = np.maximum(np.trace(block, axis1=1, axis2=2), 1e-300) / index.shape[1]

@@ -28,7 +28,7 @@ PPM = 1e-6
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        if scope.encoders[gear]:
+        if scope.encoders[gear] and not (scope.wanders and all(scope.wanders)):
             yield Place(gear=gear)
 
 

@@ -17,13 +17,16 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_pair(file, friction_coefficient=min(1.0, max(0.0, file.pair.friction_coefficient + values[0])))
 
 
+LAW_DOUBT = 0.08
+"""Half the range, in parts, of the coefficients that the laws give for one set of recordings."""
+
 PHYSICS = Physics(
     name="friction",
     coordinates=(Quantity(name="coefficient", low=0.0, high=1.0, step=0.02),),
     amplitudes=1,
     places=_places,
     mean_tooth=True,
-    law_doubt=0.05,
+    law_doubt=LAW_DOUBT,
     # No compliance law jumps at the pitch point.
     law_floor=0.0012,
     write=_write,

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from gearpoly.units import UM, FloatArray, IntArray
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
+
+Held = tuple[IntArray, FloatArray, FloatArray]
+"""Samples, roll lengths in mm and weights of one tooth's contacts, (k,) each."""
 
 DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 """Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
@@ -156,9 +160,26 @@ class Scene:
 
     def deviated_tooth(self, gear: int, tooth: int | None, deviation: Callable[[FloatArray], FloatArray]) -> FloatArray:
         """The same for a deviation (k,) in mm at roll lengths (k,) in mm of a single tooth."""
-        p, n = np.nonzero((self.teeth(gear) == tooth) & (self.weight > 0.0))
-        values = self.samples.sense * self.weight[p, n] * deviation(self.roll(gear)[p, n])
-        return np.bincount(n, weights=values, minlength=self.samples.size).astype(np.float64)
+        if tooth is None:
+            return np.zeros(self.samples.size)
+        n, roll, weight = self._held[gear][tooth]
+        return np.bincount(n, weights=weight * deviation(roll), minlength=self.samples.size).astype(np.float64)
+
+    @cached_property
+    def _held(self) -> tuple[list[Held], list[Held]]:
+        """Of every tooth of both gears: samples at which it is in contact, roll lengths in mm there, and weights with
+        the sign of the flank."""
+        out: tuple[list[Held], list[Held]] = ([], [])
+        p, n = np.nonzero(self.weight > 0.0)
+        for gear in (0, 1):
+            tooth = self.teeth(gear)[p, n]
+            order = np.argsort(tooth, kind="stable")
+            edges = np.searchsorted(tooth[order], np.arange(self.gear(gear).z + 1))
+            roll, weight = self.roll(gear)[p, n][order], self.samples.sense * self.weight[p, n][order]
+            for low, high in pairwise(edges.tolist()):
+                part = slice(low, high)
+                out[gear].append((n[order][part], roll[part], weight[part]))
+        return out
 
     def displaced(self, gear: int, x: FloatArray, y: FloatArray) -> FloatArray:
         """The same when the centre of one gear moves by (x, y) (n,) mm in the global frame."""
@@ -173,10 +194,16 @@ class Scene:
 
     def tooth_compliance(self, gear: int) -> FloatArray:
         """Compliance (P, n) in mm/N of the teeth of one gear at their contacts."""
-        table = self.compliance.driving if gear == 0 else self.compliance.driven
-        r_b = self.pair.r_b1 if gear == 0 else self.pair.r_b2
-        tooth, radius = self.teeth(gear), np.hypot(self.l_1 if gear == 0 else self.l_2, r_b)
-        return table.at(tooth.ravel(), radius.ravel()).reshape(tooth.shape)
+        return self._tooth_compliance[gear]
+
+    @cached_property
+    def _tooth_compliance(self) -> tuple[FloatArray, FloatArray]:
+        out = []
+        for gear, l, r_b in ((0, self.l_1, self.pair.r_b1), (1, self.l_2, self.pair.r_b2)):
+            table = self.compliance.driving if gear == 0 else self.compliance.driven
+            tooth = self.teeth(gear)
+            out.append(table.at(tooth.ravel(), np.hypot(l, r_b).ravel()).reshape(tooth.shape))
+        return out[0], out[1]
 
     def under(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""

@@ -17,7 +17,8 @@ TERMS = 3
 
 def _places(scope: Scope) -> Iterable[Place]:
     for k in range(scope.conditions):
-        yield Place(order=k)
+        if not (scope.wanders and scope.wanders[k]):
+            yield Place(order=k)
 
 
 def _curve(values: Values, along: FloatArray) -> FloatArray:

@@ -34,7 +34,7 @@ def arms(entries: Sequence[Entry]) -> list[Arm]:
         return e.klass == "single" and e.over >= 7.0
 
     def loaded(e: Entry) -> bool:
-        return e.klass == "masked" and e.physics[0] in ("relief_cancels_deflection", "crack_under_pitch")
+        return e.klass == "cancelling" or (e.klass == "masked" and e.physics[0] == "crack_under_pitch")
 
     coloured = some(lambda e: e.klass == "false_alarm", MOST // 2)
     hidden = some(lambda e: e.klass == "masked" and e.physics[0] == "relief_under_eccentricity", MOST // 3)

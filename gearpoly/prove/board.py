@@ -11,12 +11,13 @@ from gearpoly.prove.rows import Row, rows
 from gearpoly.prove.run import Proof
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
+from proving.ground import CONCEALED
 
 
 def board_json(proof: Proof) -> dict[str, Any]:
     """Every figure of the scoreboard; only what is under ``seconds``, here and by case, differs from run to run."""
-    found = rows(proof.scores, proof.limits)
-    timed = [row for row in found if row.key.startswith("seconds")]
+    judged = rows(proof.scores, proof.limits)
+    timed = [row for row in judged if row.key.startswith("seconds")]
     return {
         "gearpoly": __version__,
         "of": proof.of,
@@ -28,17 +29,20 @@ def board_json(proof: Proof) -> dict[str, Any]:
         "thresholds_sha256": proof.limits.sha256,
         "thresholds": proof.limits.values,
         "code": proof.code,
-        "rows": [row.to_json() for row in found if row not in timed],
+        "rows": [row.to_json() for row in judged if row not in timed],
         "seconds": {row.key: row.value for row in timed},
         "by_size": by_size(proof.scores),
-        "by_class": by_key(proof.scores, lambda one: one.truth.klass),
+        "by_class": {
+            klass: {"concealed": CONCEALED.get(klass, ""), **found}
+            for klass, found in by_key(proof.scores, lambda one: one.truth.klass).items()
+        },
         "by_pair": by_key(proof.scores, lambda one: one.truth.pair),
         "by_physics": by_key(
             [one for one in proof.scores if one.truth.kind == "missing"],
             lambda one: " and ".join(dict.fromkeys(i.item.physics for i in one.items)),
         ),
         "controls": proof.controls,
-        "failures": failures(proof.scores, found),
+        "failures": failures(proof.scores, judged),
         "by_case": [_case(one, proof.limits) for one in proof.scores],
     }
 
@@ -55,7 +59,7 @@ def failures(scores: tuple[CaseScore, ...], found: list[Row]) -> list[dict[str, 
             "class": one.truth.klass,
             "pair": one.truth.pair,
             "truth": _concealed(one),
-            "over_limit": [i.item.over_limit for i in one.items] or one.truth.over_limit,
+            "over_limit": [_finite(i.item.over_limit) for i in one.items] or _finite(one.truth.over_limit),
             "status": one.status,
             "said": list(one.said),
             "unexplained": one.unexplained,
@@ -87,9 +91,10 @@ def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
         "items": [
             {
                 "label": i.item.label,
-                "over_limit": i.item.over_limit,
-                "separable": i.item.separable(limits.separable),
-                "look_alikes": len(i.item.acceptable),
+                "over_limit": _finite(i.item.over_limit),
+                "separable": i.item.separable(limits),
+                "within_the_evidence": len(i.item.acceptable(limits)),
+                "look_alike": i.item.alike(limits),
                 "named": i.named,
                 "placed": i.placed,
                 "first": i.first,

@@ -53,8 +53,8 @@ def reported_set(claim: Entry) -> list[Entry]:
 
 
 def acceptable(claim: Entry, item: Item, limits: Thresholds) -> bool:
-    """Whether a claim is one of the item's look-alikes, at its place."""
-    for rival in item.acceptable:
+    """Whether a claim is a rival within the evidence of the item, at its place."""
+    for rival in item.acceptable(limits):
         if claim["physics"] != rival.physics or (rival.gear is not None and claim.get("gear") != rival.gear):
             continue
         if claim.get("gear") != item.gear or on_tooth(claim, item, limits, claim=claim):

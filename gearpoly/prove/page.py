@@ -22,6 +22,8 @@ MEANING = {
     "extras": "a further claim",
     "in_reported_set": "truth not in the reported set",
     "look_alikes_named_singly": "look-alike named singly",
+    "smallest_tooth_pitch_um": "not named",
+    "smallest_order_line_um": "not named",
     "relief_named": "relief not named to 0.3 um",
     "relief_found": "relief not named",
     "parameter_right": "size off",
@@ -68,12 +70,7 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
     for row in board["rows"]:
         note = f" ({row['note']})" if row["note"] else ""
         out.append(f"| {row['text']}{note} | {value(row)} | {row['goal']} | {MARKS[row['reached']]} |")
-    spent = board["seconds"]
-    if spent.get("seconds") is not None:
-        out += [
-            "",
-            f"Processor seconds per case: median {spent['seconds']:.1f}, 95th percentile {spent['seconds_95']:.1f}.",
-        ]
+    out += ["", *_time(board["seconds"]), "### Cases that miss a goal", "", *_missed(board["rows"])]
     out += ["", "## Size against detection", ""]
     if figure:
         out += [f"![share of effects reported and named against size]({figure})", ""]
@@ -84,6 +81,11 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
         *_profiles("size over the limit", [(_range(one["over_limit"]), one) for one in board["by_size"]]),
         "",
         "## By class",
+        "",
+        "How deep: rms of the effects over the rms of what hides them (the pair's transmission error, or the noise), "
+        "and over the noise per sample; medians.",
+        "",
+        *_depths(board["by_class"]),
         "",
         *_profiles("class", board["by_class"].items()),
         "",
@@ -104,6 +106,32 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
         *_failures(board["failures"]),
     ]
     return "\n".join(out) + "\n"
+
+
+def _time(spent: dict[str, Any]) -> list[str]:
+    if spent.get("seconds") is None:
+        return []
+    return [
+        f"Processor seconds per case: median {spent['seconds']:.1f}, 95th percentile {spent['seconds_95']:.1f}, "
+        f"{spent['seconds_all']:.0f} for all.",
+        "",
+    ]
+
+
+def _missed(rows: list[dict[str, Any]]) -> list[str]:
+    """Every goal that a case misses, whether or not enough others reach it."""
+    return [
+        f"- {row['text']}: {value(row)}, goal {row['goal']}, {MARKS[row['reached']] or 'not judged'}. "
+        + ", ".join(row["cases"]) for row in rows if row["goal"] and row["cases"]
+    ] or ["None."]  # fmt: skip
+
+
+def _depths(classes: dict[str, Any]) -> list[str]:
+    out = ["| class | concealed | cases | over what hides it | over the noise |", "| --- | --- | --- | --- | --- |"]
+    for name, one in classes.items():
+        deep = ["" if one[key] is None else f"{one[key]:.2g}" for key in ("over_what_hides_it", "over_noise")]
+        out.append(f"| {name} | {one['concealed']} | {one['cases']} | {deep[0]} | {deep[1]} |")
+    return out
 
 
 def _range(ends: list[float | None]) -> str:

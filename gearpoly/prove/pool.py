@@ -1,57 +1,95 @@
-"""Jobs on this machine: in this process, or in others that are started afresh (spawn)."""
+"""Jobs on this machine: in this process, or in others that are started afresh (spawn), of which any may die."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from typing import TypeVar
 
 from gearpoly.errors import GearpolyError
-from gearpoly.study.local import _begin, _SingleThreaded
+from gearpoly.study.local import SingleThreaded, begin_worker
+from gearpoly.study.progress import Progress, span
 
 Job = TypeVar("Job")
 
+TICK = 1.0
+"""s between looks at what is under way."""
 
-def each(work: Callable[[Job], None], jobs: Sequence[Job], *, workers: int, what: str) -> None:
-    """Do all ``jobs``, which write what they find; a bar on standard error where that is a terminal.
+SLOW = 60.0
+"""s after which a job is named in the progress: longer than nearly all take."""
 
-    Raises ``GearpolyError`` where a worker dies; what was written stays.
+
+def each(
+    work: Callable[[Job], None], jobs: Sequence[Job], *, workers: int, what: str, name: Callable[[Job], str]
+) -> None:
+    """Do all ``jobs``, which write what they find, and show on standard error how many of ``what`` are done.
+
+    Raises ``GearpolyError`` where a worker dies, with the names of what was under way. What was written stays, and an
+    interrupt does not wait for what is under way.
     """
     if not jobs:
         return
-    with _bar(len(jobs), what) as advance:
-        if workers == 1:
-            for job in jobs:
-                work(job)
-                advance()
-            return
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin)
-        try:
-            with _SingleThreaded():
-                for future in as_completed([pool.submit(work, job) for job in jobs]):
-                    future.result()
-                    advance()
-        except BrokenProcessPool:
-            raise GearpolyError(
-                "a worker process died (out of memory?); finished cases are kept: run again with fewer --workers"
-            ) from None
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    try:
+        with Progress(total=len(jobs), command="prove", noun=what) as progress:
+            if workers == 1:
+                for job in jobs:
+                    work(job)
+                    progress.advance(1)
+            else:
+                _in_processes(work, jobs, workers=workers, name=name, progress=progress)
+    except KeyboardInterrupt:
+        print("gearpoly prove: interrupted; what is finished is kept: run the same again to go on", file=sys.stderr)
+        raise
 
 
-@contextmanager
-def _bar(total: int, what: str) -> Iterator[Callable[[], None]]:
-    if not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+def _in_processes(
+    work: Callable[[Job], None], jobs: Sequence[Job], *, workers: int, name: Callable[[Job], str], progress: Progress
+) -> None:
+    others = set(active_children())
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
+    left, under_way = deque(jobs), dict[Future[str], tuple[str, float]]()
+    try:
+        with SingleThreaded():
+            while left or under_way:
+                while left and len(under_way) < workers:
+                    job = left.popleft()
+                    under_way[pool.submit(_told, work, job)] = (name(job), time.monotonic())
+                done = wait(under_way, timeout=TICK, return_when=FIRST_COMPLETED).done
+                for future in done:
+                    wrong = future.result()
+                    if wrong:
+                        raise GearpolyError(wrong)
+                    del under_way[future]
+                progress.advance(len(done), note=_slow(under_way.values()))
+    except BrokenProcessPool:
+        names = " or ".join(sorted(one for one, _ in under_way.values()))
+        raise GearpolyError(
+            f"a worker process died at {names} (killed, or out of memory?); what is finished is kept: "
+            "run the same again, perhaps with fewer --workers"
+        ) from None
+    except BaseException:
+        # An interrupt, or a fault of the work itself: nobody waits minutes for what is under way.
+        for child in set(active_children()) - others:
+            child.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=total)
-        yield lambda: bar.advance(task)
+
+def _told(work: Callable[[Job], None], job: Job) -> str:
+    """Do a job; what is wrong comes back as text, since not every error can be sent between processes."""
+    try:
+        work(job)
+    except GearpolyError as error:
+        return str(error)
+    return ""
+
+
+def _slow(under_way: Iterable[tuple[str, float]]) -> str:
+    now = time.monotonic()
+    return ", ".join(f"{one} for {span(now - begun)}" for one, begun in under_way if now - begun > SLOW)

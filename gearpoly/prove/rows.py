@@ -92,7 +92,7 @@ def rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
 
 def _healthy(healthy: list[CaseScore], limits: Thresholds) -> list[Row]:
     goal = limits.goal["false_alarms"]
-    hard = [one for one in healthy if one.truth.concealed_by.startswith("nothing is hidden; 60 um")]
+    hard = [one for one in healthy if one.truth.tempting]
     return [
         at_most(
             "false_alarms", "false alarms: healthy, yet something named or left unexplained",
@@ -107,15 +107,13 @@ def _healthy(healthy: list[CaseScore], limits: Thresholds) -> list[Row]:
 
 
 def _large(one: CaseScore, limits: Thresholds) -> bool:
-    return one.truth.over_limit is None or one.truth.over_limit >= limits.detected_from
+    return one.truth.over_limit >= limits.detected_from
 
 
 def _found(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     large = [one for one in missing if _large(one, limits)]
-    single = [one for one in missing if len(one.items) == 1 and one.items[0].item.separable(limits.separable)]
-    several = [
-        one for one in missing if len(one.items) > 1 and all(i.item.separable(limits.separable) for i in one.items)
-    ]
+    single = [one for one in missing if len(one.items) == 1 and one.items[0].item.separable(limits)]
+    several = [one for one in missing if len(one.items) > 1 and all(i.item.separable(limits) for i in one.items)]
     teeth = [(one.name, i) for one in missing for i in one.items if i.item.tooth is not None and i.named]
     least = f"{limits.separable:g}"
     return [
@@ -148,7 +146,7 @@ def _sets(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     sizes = [float(i.set_size) for one in missing for i in one.items if i.set_size is not None]
     alike = [
         (one.name, i.singly) for one in missing for i in one.items
-        if i.item.alike(limits.look_alike) and i.set_size is not None
+        if i.item.alike(limits) and i.set_size is not None
     ]  # fmt: skip
     middle, goal = quantile(sizes, 0.5), limits.goal["set_size"]
     return [
@@ -167,26 +165,14 @@ def _sets(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
 
 
 def _smallest(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
-    pitch = _sizes(missing, ("tooth_pitch",))
-    waves = _sizes(missing, WAVES)
     relief = [
         (one.name, i) for one in missing for i in one.items
         if len(one.items) == 1 and i.item.physics == "tip_relief" and one.truth.klass == "masked"
     ]  # fmt: skip
-    out = []
-    for key, text, sizes in (
-        ("smallest_tooth_pitch_um", "smallest tooth pitch error named rightly", pitch),
-        ("smallest_order_line_um", "smallest order line of the gears named rightly", waves),
-    ):
-        right = [size for _, size, good in sizes if good]
-        wrong = [size for _, size, good in sizes if not good]
-        value, goal = (min(right) if right else None), limits.goal[key]
-        note = f"{len(right)} of {len(sizes)} named" + (f"; largest that was not: {max(wrong):.2f} um" if wrong else "")
-        reached = (value is not None and value <= goal) if sizes else None
-        out.append(figure(key, text, value, "um", goal=f"{goal:g} um", reached=reached, note=note))
     near = limits.relief_within_um
     return [
-        *out,
+        _least(missing, limits, "smallest_tooth_pitch_um", ("tooth_pitch",), "tooth pitch error", "ten hunting cycles"),
+        _least(missing, limits, "smallest_order_line_um", WAVES, "order line of the gears", "ten turns"),
         at_least(
             "relief_named", f"2 um relief under 60 um of eccentricity: named, to {near:g} um",
             [(name, any(p.main and abs(p.off) <= near for p in i.parameters)) for name, i in relief],
@@ -196,23 +182,36 @@ def _smallest(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     ]  # fmt: skip
 
 
-def _sizes(missing: list[CaseScore], physics: tuple[str, ...]) -> list[tuple[str, float, bool]]:
-    """Case, size in um and whether named rightly, of every effect of some physics."""
-    out = []
+def _least(
+    missing: list[CaseScore], limits: Thresholds, key: str, physics: tuple[str, ...], what: str, time: str
+) -> Row:
+    """The smallest size from which on all were named, in the cases that are made to ask for it."""
+    sizes = []
     for one in missing:
         for i in one.items:
-            if i.item.physics in physics:
-                size = next((abs(v) for name, v in i.item.parameters.items() if name.endswith("_um")), None)
-                if size is not None:
-                    out.append((one.name, size, i.placed or i.in_set))
-    return out
+            um = [abs(v) for name, v in i.item.parameters.items() if name.endswith("_um")]
+            if one.truth.klass == "smallest" and i.item.physics in physics and um:
+                sizes.append((um[0], one.name, i.placed or i.in_set))
+    right = []
+    for size, _, good in sorted(sizes, reverse=True):
+        if not good:
+            break
+        right.append(size)
+    goal, value = limits.goal[key], min(right, default=None)
+    return Row(
+        key=key, text=f"smallest {what} from which on all are named ({time}, 1 um of noise)", value=value, unit="um",
+        goal=f"at most {goal:g} um", reached=(value is not None and value <= goal + 1e-12) if sizes else None,
+        cases=_once(name for _, name, good in sorted(sizes) if not good),
+        note=f"{sum(good for *_, good in sizes)} of {len(sizes)} of {min(sizes)[0]:.2g} to {max(sizes)[0]:.2g} um named"
+        if sizes else "",
+    )  # fmt: skip
 
 
 def _parameters(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     every = [(one.name, i, p) for one in missing for i in one.items for p in i.parameters]
     main = [(name, i, p) for name, i, p in every if p.main]
     # Where a rival is as good, the size is that of either: only what can be told apart has an error to speak of.
-    alone = [(name, p) for name, i, p in main if not i.item.alike(limits.look_alike)]
+    alone = [(name, p) for name, i, p in main if not i.item.alike(limits)]
     low, high = limits.goal["coverage"]
     two = share([p.within(2.0) for _, _, p in every])
     # Errors stated too small show as a rate below; too large ones only where so many were right that it is no chance.
@@ -281,6 +280,7 @@ def _cost(scores: Sequence[CaseScore]) -> list[Row]:
     return [
         figure("seconds", "processor seconds per case, median", quantile(seconds, 0.5), "s"),
         figure("seconds_95", "the same, 95th percentile", quantile(seconds, 0.95), "s"),
+        figure("seconds_all", "the same, of all cases", sum(seconds) if seconds else None, "s"),
         at_most(
             "errors", "diagnoses that failed with an error", broken, 0.0, note="they count as having found nothing"
         ),

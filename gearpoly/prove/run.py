@@ -67,7 +67,10 @@ def prove_ground(
         ) for k in chosen
     ]  # fmt: skip
     say(f"{len(chosen)} cases of seed {seed}{', quick' if quick else ''}, in {out}")
-    each(write, [job for job in writing if not job.done()], workers=workers, what="writing cases")
+    each(
+        write, [job for job in writing if not job.done()], workers=workers, what="cases written",
+        name=lambda job: entries[job.index].name,
+    )  # fmt: skip
     cases = {k: case_files(out / "cases", entries[k].name, truths=out / "truths") for k in chosen}
     extra = [] if quick or indices is not None else arms(entries)
     of = f"ground of seed {seed}{', quick' if quick else ''}"
@@ -114,7 +117,9 @@ def _prove(
     left = [job for job in every if not job.done()]
     if len(left) < len(every):
         say(f"{len(every) - len(left)} of {len(every)} diagnoses are there from a run before")
-    each(diagnose, left, workers=workers, what="diagnosing")
+    # The longest first, so that no worker is left alone with them at the end.
+    left.sort(key=lambda job: -sum(path.stat().st_size for path in job.case.recordings))
+    each(diagnose, left, workers=workers, what="diagnoses", name=lambda job: job.case.name)
     # From here on truths are read. What they were sealed as is what they still have to be.
     if truth_hashes(cases.values()) != hashes:
         raise InputFileError(out, found="a truth changed during the proof", wish="want truths as they were sealed")

@@ -161,7 +161,7 @@ def _item(claims: list[dict[str, Any]], item: Item, limits: Thresholds) -> ItemS
         in_set=bool(within),
         set_size=size,
         alike_named=not placed and bool(within or alike),
-        singly=size == 1 and item.alike(limits.look_alike),
+        singly=size == 1 and item.alike(limits),
         parameters=_parameters(placed[0], item) if placed else (),
     )
 

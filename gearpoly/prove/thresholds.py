@@ -25,7 +25,9 @@ class Thresholds:
     sigmas: float
     detected_from: float
     separable: float
-    look_alike: float
+    within: float
+    floor_um: float
+    true_look_alike: float
     mismatch_over_noise: float
     relief_within_um: float
     goal: dict[str, Any]
@@ -46,7 +48,9 @@ def read_thresholds(path: Path = FILE) -> Thresholds:
         sigmas=values["parameter"]["sigmas"],
         detected_from=values["detection"]["over_limit"],
         separable=values["naming"]["separable"],
-        look_alike=values["look_alike"]["separable"],
+        within=values["look_alike"]["within"],
+        floor_um=values["look_alike"]["floor_um"],
+        true_look_alike=values["look_alike"]["true"],
         mismatch_over_noise=values["removed"]["mismatch_over_noise"],
         relief_within_um=values["relief"]["within_um"],
         goal=values["goal"],

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from gearpoly.errors import InputFileError
+from gearpoly.prove.thresholds import Thresholds
 
 GEARS = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
@@ -26,17 +28,22 @@ SIZES = {
 FROM_ONE = ("tooth_crack", "encoder_scale")
 """Physics whose size counts from 1."""
 
+COLOURED = 0.6
+"""AR(1) coefficient from which on noise that is not whitened raises a false alarm in every healthy pair."""
+
 FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 """Parameters beside the size of which truths may tell."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rival:
-    """What the recordings of a case cannot tell from an effect; ``separability`` is a sine."""
+    """What an effect may be mistaken for: ``separability`` is the sine of the angle between the two signals, ``apart``
+    what they differ by in um rms (None: not known)."""
 
     physics: str
     gear: str | None
     separability: float
+    apart: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +52,7 @@ class Item:
 
     ``physics`` by the contract's name, ``shape`` for one outside the catalogue (then ``physics`` is empty); ``gear``,
     ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``, ``hz``; ``parameters`` in the contract's
-    units; ``over_limit`` its size over the theoretical limit (None: not known) and ``acceptable`` rivals.
+    units; ``over_limit`` its size over the theoretical limit (infinite: not known) and its ``rivals``.
     """
 
     physics: str
@@ -57,8 +64,8 @@ class Item:
     order: float | None = None
     hz: float | None = None
     parameters: dict[str, float] = field(default_factory=dict)
-    over_limit: float | None = None
-    acceptable: tuple[Rival, ...] = ()
+    over_limit: float = math.inf
+    rivals: tuple[Rival, ...] = ()
 
     @property
     def label(self) -> str:
@@ -72,25 +79,34 @@ class Item:
             words.append(f"order {self.order:g}")
         return " ".join(words)
 
-    def separable(self, least: float) -> bool:
-        """Whether size over limit, alone and times the separability of every rival, exceeds ``least``; always where
-        the size is not known."""
-        if self.over_limit is None:
-            return True
-        sines = [rival.separability for rival in self.acceptable]
-        return self.over_limit * min([1.0, *sines]) > least
+    def separation(self, rival: Rival) -> float:
+        """Standard deviations by which the recordings tell a rival from this."""
+        return rival.separability * self.over_limit if rival.separability else 0.0
 
-    def alike(self, least: float) -> bool:
+    def acceptable(self, limits: Thresholds) -> tuple[Rival, ...]:
+        """Rivals within the evidence: those that the recordings do not tell from this, or that no model would."""
+        return tuple(
+            rival for rival in self.rivals
+            if self.separation(rival) < limits.within or (rival.apart is not None and rival.apart < limits.floor_um)
+        )  # fmt: skip
+
+    def separable(self, limits: Thresholds) -> bool:
+        """Whether size over limit, alone and times the separability of the nearest rival, is large enough that this
+        has to be named, first."""
+        nearest = min([self.over_limit, *(self.separation(rival) for rival in self.rivals)])
+        unlike = all(rival.apart is None or rival.apart >= limits.floor_um for rival in self.rivals)
+        return nearest > limits.separable and unlike
+
+    def alike(self, limits: Thresholds) -> bool:
         """Whether a rival stands so near that naming this alone would be more than the recordings say."""
-        if self.over_limit is None:
-            return False
-        return any(rival.separability * self.over_limit < least for rival in self.acceptable)
+        return any(self.separation(rival) < limits.true_look_alike for rival in self.rivals)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
     """The truth of a case: ``kind`` none, missing or unknown; ``klass`` and ``pair`` as the ground names them; the true
-    ``noise_um``; ``z`` teeth of both gears; ``over_limit`` of all effects together."""
+    ``noise_um``; ``z`` teeth of both gears; ``depth`` of all effects together: ``over_limit``, ``over_noise`` and
+    ``over_what_hides_it``."""
 
     kind: str
     items: tuple[Item, ...]
@@ -99,8 +115,15 @@ class Truth:
     noise_um: float
     z: tuple[int, int]
     hunting_cycles: float | None
-    over_limit: float | None
+    depth: dict[str, float]
     concealed_by: str
+    tempting: bool
+    """Whether a large eccentricity is declared and the noise is coloured: what most often looks like more."""
+
+    @property
+    def over_limit(self) -> float:
+        """Size of all effects together over the theoretical limit; infinite where nobody knows it."""
+        return self.depth.get("over_limit", math.inf)
 
 
 def read_truth(path: Path, *, pair: Path) -> Truth:
@@ -126,8 +149,9 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         noise_um=noise,
         z=(int(declared["driving"]["teeth"]), int(declared["driven"]["teeth"])),
         hunting_cycles=raw.get("hunting_cycles"),
-        over_limit=raw.get("depth", {}).get("over_limit"),
+        depth=raw.get("depth", {}),
         concealed_by=raw.get("concealed_by", ""),
+        tempting=any(raw.get("declared_eccentricity_um", ())) and raw.get("noise_colour", 0.0) >= COLOURED,
     )
 
 
@@ -145,9 +169,14 @@ def _item(raw: dict[str, Any]) -> Item:
         order=raw.get("order"),
         hz=raw.get("hz"),
         parameters=known,
-        over_limit=raw.get("over_limit"),
-        acceptable=tuple(
-            Rival(physics=one["physics"], gear=GEARS.get(one.get("gear")), separability=float(one["separability"]))
-            for one in raw.get("acceptable", ())
+        over_limit=float(raw.get("over_limit", math.inf)),
+        rivals=tuple(
+            Rival(
+                physics=one["physics"],
+                gear=GEARS.get(one.get("gear")),
+                separability=float(one["separability"]),
+                apart=one.get("apart_um"),
+            )
+            for one in raw.get("rivals", ())
         ),
     )

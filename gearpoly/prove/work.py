@@ -19,8 +19,8 @@ from gearpoly.prove.cases import CaseFiles, digest
 from gearpoly.prove.diagnoser import Diagnoser, How
 
 LONGEST = 240.0
-"""Processor seconds after which a diagnosis counts as failed: 440 cases in 90 minutes on two cores leave 25 for each,
-and the longest honest ones take three times as long."""
+"""Processor seconds after which a diagnosis counts as failed: 600 diagnoses in 90 minutes on two cores leave 18 for
+each, and the longest honest ones take four times as long."""
 
 
 class TooLongError(Exception):

@@ -41,9 +41,9 @@ def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterat
     breaks = 0
     while True:
         under_way: dict[Future[list[Made]], Chunk] = {}
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin)
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
         try:
-            with _SingleThreaded():
+            with SingleThreaded():
                 while True:
                     room = AHEAD * workers - len(under_way)
                     for chunk in [left.pop(0) for _ in range(min(room, len(left)))] or list(islice(chunks, room)):
@@ -67,7 +67,7 @@ def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterat
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-class _SingleThreaded:
+class SingleThreaded:
     """Workers inherit one thread each: as many processes as cores already keep them busy."""
 
     def __enter__(self) -> None:
@@ -82,7 +82,7 @@ class _SingleThreaded:
                 os.environ[name] = value
 
 
-def _begin() -> None:
+def begin_worker() -> None:
     """A worker leaves interrupts to its parent, and ends when its parent does, however that was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()

@@ -1,4 +1,4 @@
-"""How far a study is, how fast, and how long it will take: a bar for people, a line now and then for logs."""
+"""How far long work is, how fast, and how long it will take: a bar for people, a line now and then for logs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ EVERY = 30.0
 
 
 class Progress:
-    """Counts rows; prints to standard error."""
+    """Counts rows, or what else ``command`` makes; prints to standard error."""
 
-    def __init__(self, *, total: int = 0, done: int = 0) -> None:
+    def __init__(self, *, total: int = 0, done: int = 0, command: str = "study", noun: str = "pairs") -> None:
+        self._command, self._noun, self._note = command, noun, ""
         self.begin(total=total, done=done)
         self._bar: Any = None
         self._task: Any = None
@@ -36,8 +37,8 @@ class Progress:
 
     def words(self) -> str:
         """The state in words."""
-        left = f", {_span(self.left)} left" if self.left < float("inf") else ""
-        return f"{self.done} of {self.total} pairs, {self.rate:.3g} pairs/s{left}"
+        left = f", {span(self.left)} left" if self.left < float("inf") else ""
+        return f"{self.done} of {self.total} {self._noun}, {self.rate:.3g} {self._noun}/s{left}{self._note}"
 
     def __enter__(self) -> Self:
         if sys.stderr.isatty():
@@ -56,17 +57,19 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
-    def advance(self, rows: int) -> None:
-        """So many rows more are kept."""
+    def advance(self, rows: int, *, note: str = "") -> None:
+        """So many rows more are kept; a note on what takes long."""
         self.done += rows
+        self._note = f"; {note}" if note else ""
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done, description=self.words())
         elif time.monotonic() - self._said > EVERY:
             self._said = time.monotonic()
-            print(f"gearpoly study: {self.words()}", file=sys.stderr, flush=True)
+            print(f"gearpoly {self._command}: {self.words()}", file=sys.stderr, flush=True)
 
 
-def _span(seconds: float) -> str:
+def span(seconds: float) -> str:
+    """A time in s in words."""
     whole = round(seconds)
     if whole < 120:
         return f"{whole} s"

@@ -1,0 +1,212 @@
+"""The search for jumps: where a recording steps, whether a drift would do as well, and what stands once fitted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2 as chi2_law
+
+from gearpoly.compare.families import SHARES
+from gearpoly.compare.jumps import (
+    WANDERS,
+    Jump,
+    Left,
+    Steps,
+    colour_of,
+    rise,
+    sharpened,
+    sharpness,
+    weigh_steps,
+)
+from gearpoly.compare.lines import TIE
+from gearpoly.compare.model import JointModel, State
+from gearpoly.compare.noise import SLOW, slow_curves
+from gearpoly.compare.regression import Solution
+from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.units import FloatArray, IntArray
+
+STAYS = 1.0
+"""Turns of the slower shaft that a recording holds before and after a jump: what passes sooner may be teeth."""
+
+DRIFTS = float(chi2_law.isf(SHARES.drift, SLOW - 1))
+"""Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
+
+FINE = 12
+"""Terms of the slow curves beside which a jump has to stand where there is any drift: warming up is no cubic, but five
+waves in a record it does not make. They leave a third of what is told from a cubic."""
+
+AS_MODELLED = 1e9
+"""Lines that noise is known from where its model is taken at its word."""
+
+SURELY = 12.0
+"""Gain by which a jump must be better than anything slower or shorter to be sharp beyond doubt, its place being chosen
+by what it explains in all: three and a half standard deviations."""
+
+TRIALS = 4
+"""Most jumps that are tried before the search goes on without."""
+
+SETTLED = 3
+"""Most rounds in which jumps move to where they fit best, all others fitted again."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weighed:
+    """The best jump of recording ``k``: at sample ``at``, with its ``gain`` beside slow curves. ``left``: the recording
+    without it, ``alone`` or with fine slow curves fitted; ``steps`` all places in that and ``colour`` of the noise
+    there (level, lines). ``open``: a drift would do nearly as well. ``log_false`` the log of the chance of any such
+    find over its share."""
+
+    k: int
+    at: int
+    gain: float
+    alone: bool
+    open: bool
+    left: Left
+    steps: Steps
+    colour: tuple[float, float]
+    log_false: float
+
+
+class JumpSearch(JointModel):
+    """Looks for jumps in what the joint model leaves."""
+
+    def __init__(self, residuals: Sequence[AlignedResidual], gears: tuple[GearKnown, GearKnown], floor: float) -> None:
+        super().__init__(residuals, gears, floor)
+        self.refused: list[tuple[int, bool, int]] = []
+
+    def jump(self, solution: Solution, *, least: float) -> tuple[Solution, bool]:
+        """Fit the strongest jump that gains more than ``least``, look again with the noise that is left, and keep it if
+        it stands; the solution then, and whether it does.
+
+        Where another jump is left the noise looks as if it wandered and hides the first: so what is too faint waits for
+        the next, and both may stand together.
+        """
+        noises = [s.noise for s in self.states]
+        before = [[(jump, jump.at) for jump in s.jumps] for s in self.states]
+        waiting: list[tuple[State, Jump]] = []
+        for _ in range(TRIALS):
+            best = self._best_jump(solution)
+            if best is None or best.gain < least:
+                break
+            jump, s = Jump(at=best.at), self.states[best.k]
+            waiting.append((s, jump))
+            s.jumps.append(jump)
+            solution = self._settled(best.k)
+            found = [self.standing(self.states.index(s), solution, jump) for s, jump in waiting]
+            sharp = [one is None or self._is_sharp(one, sure=len(found) > 1) for one in found]
+            if all(sharp) and None not in found:
+                self.refused = []
+                return solution, True
+            if not all(sharp):
+                self.refused.append((best.k, best.alone, best.at))
+                s.jumps.remove(waiting.pop()[1])
+                solution = self._settled(best.k)
+        for s, noise, jumps in zip(self.states, noises, before, strict=True):
+            self.refused += [(self.states.index(s), False, jump.at) for other, jump in waiting if other is s]
+            s.noise, s.jumps = noise, [jump for jump, _ in jumps]
+            for jump, at in jumps:
+                jump.at = at
+        return self.fit(passes=1), False
+
+    def _best_jump(self, solution: Solution) -> Weighed | None:
+        ways = [(k, alone) for k in range(len(self.states)) for alone in (True, False)]
+        found = [self.weigh_jump(k, solution, alone=alone) for k, alone in ways]
+        return max((one for one in found if one is not None), key=lambda one: one.gain, default=None)
+
+    def weigh_jump(self, k: int, solution: Solution, *, alone: bool, but: Jump | None = None) -> Weighed | None:
+        """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
+        place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
+        s = self.states[k]
+        u, spacing = s.data.u, s.search.spacing
+        turns = STAYS * max(self.z_1, self.z_2)
+        low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turns, u[-1] - turns))
+        if high - low < 2:
+            return None
+        left, slow = self._left(k, solution, but)
+        barred = np.zeros(u.size, dtype=np.bool_)
+        others = [jump.at for jump in s.jumps if jump is not but]
+        others += [at for which, way, at in self.refused if (which, way) == (k, alone) and but is None]
+        for at in others:
+            barred |= np.abs(u - u[at]) < turns
+        curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE)
+        rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
+        steps = weigh_steps(rest, low=low, high=high, barred=barred)
+        colour = (1.0, AS_MODELLED)
+        if but is not None:
+            steps = sharpened(rest, steps, barred=barred)
+            colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE], spacing=spacing)
+        gain, amplitude, _ = steps.at(steps.best)
+        more = float(left.gains(rise(u.size, steps.best, width=1, noise=left.noise)[:, None])[0])
+        drift = left.explained(slow) + more - gain
+        # Both ways of looking at it have their chance.
+        log_false = steps.log_false(gain, colour=colour, recordings=2 * len(self.states))
+        if log_false > 0.0 or abs(amplitude) < self.floor or (alone and drift > min(more, DRIFTS)):
+            return None
+        return Weighed(
+            k=k, at=steps.best, gain=more, alone=alone, open=alone and more - drift < TIE, left=rest, steps=steps,
+            colour=colour, log_false=log_false,
+        )  # fmt: skip
+
+    def standing(self, k: int, solution: Solution, jump: Jump) -> Weighed | None:
+        """A jump that is fitted, as it stands beside all else: without slow curves, where these are not needed."""
+        alone = self.weigh_jump(k, solution, alone=True, but=jump)
+        return alone if alone is not None else self.weigh_jump(k, solution, alone=False, but=jump)
+
+    def _left(self, k: int, solution: Solution, but: Jump | None) -> tuple[Left, IntArray]:
+        """Recording ``k`` as the fit leaves it, one jump put back, and where its slow curves (but for the mean) stand
+        among the columns."""
+        s, stack = self.states[k], self.stacks[k]
+        places = np.concatenate([where for _, where in stack.parts])
+        left = Left(
+            white=stack.white,
+            beta=solution.beta[places],
+            covariance=solution.covariance[np.ix_(places, places)],
+            rest=stack.noise.whitened(solution.left[k]),
+            noise=stack.noise,
+        )
+        slow = np.flatnonzero(np.isin(places, self.places[k]["slow"][1:]))
+        if but is not None:
+            jumps = self.places[k]["jumps"]
+            left = left.without(np.flatnonzero(places == jumps[s.jumps.index(but)]))
+        return left, slow
+
+    def _settled(self, k: int) -> Solution:
+        """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
+        others."""
+        for _ in range(SETTLED):
+            solution = self.fit(passes=1)
+            self.renew_noise(solution)
+            solution = self.fit(passes=1)
+            moved = False
+            for jump in self.states[k].jumps:
+                found = self.standing(k, solution, jump)
+                if found is not None and found.at != jump.at:
+                    jump.at, moved = found.at, True
+            if not moved:
+                break
+        return solution
+
+    def lead(self, find: Weighed) -> float:
+        """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
+        than any bump that is over within one."""
+        turn = int(STAYS * max(self.z_1, self.z_2) / self.states[find.k].search.spacing)
+        return sharpness(find.left, find.at, turn=turn)
+
+    def _is_sharp(self, find: Weighed, *, sure: bool) -> bool:
+        """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
+        that is sure."""
+        return self.lead(find) > (SURELY if sure or find.colour[0] > WANDERS else -TIE)
+
+    def stretch(self, k: int) -> FloatArray:
+        """What the moment of a jump in recording ``k`` is told in: s, or turns of the driving shaft since the
+        beginning."""
+        data = self.states[k].data
+        return (data.theta_1 - data.theta_1[0]) / (2.0 * math.pi) if data.time_s is None else data.time_s
+
+    def drifts(self, k: int, solution: Solution) -> bool:
+        """Whether the slow curves of recording ``k`` are needed beside its jumps, of which they are no echo."""
+        left, slow = self._left(k, solution, None)
+        return left.explained(slow) > DRIFTS

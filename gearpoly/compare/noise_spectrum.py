@@ -1,0 +1,98 @@
+"""A noise spectrum from its lines: smooth, blind to what is narrow, and as an autoregressive model."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.linalg import solve_toeplitz
+
+from gearpoly.compare.pieces import pieces
+from gearpoly.units import FloatArray, IntArray
+
+AR_ORDER = 24
+"""Longest memory of the noise in samples; the shortest that does as well is taken."""
+
+CUT = 7.0
+"""A line this often above the middle of its neighbours (in power) is no noise: one in e^7 = 1100 of honest ones is
+cut, and the mean of the others is corrected for it."""
+
+LOWEST = 24
+"""Slowest lines whose power law is drawn on to zero frequency."""
+
+_CUT_MEAN = 1.0 - CUT * math.exp(-CUT) / (1.0 - math.exp(-CUT))
+"""Mean of an exponential of mean 1 cut at CUT."""
+
+
+def windows(count: int, *, least: int = 12, most: int = 400) -> tuple[IntArray, IntArray]:
+    """Bounds [low, high) of the neighbourhood from which the noise at each of ``count`` lines is estimated: two thirds
+    to one and a half of its frequency, at least ``least`` and at most ``most`` lines."""
+    k = np.arange(count, dtype=np.float64)
+    half = np.clip(0.4 * (k + 1.0), 0.5 * least, 0.5 * most)
+    low = np.clip(np.floor(k - half), 0.0, max(0.0, count - least))
+    high = np.clip(np.ceil(k + half) + 1.0, min(least, count), count)
+    return low.astype(np.int64), high.astype(np.int64)
+
+
+def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Level (m,) of a noise spectrum from its independent lines ``power`` (m,), blind to narrow peaks, and the number
+    of lines (m,) each value rests on.
+
+    Middle of the neighbours first; then the mean of those that are below CUT of it.
+    """
+    m = power.size
+    low, high = windows(m)
+    # Medians where the neighbourhood has grown by a tenth, drawn through in between.
+    at = np.unique(
+        np.minimum(m - 1, np.concatenate([np.arange(min(m, 40)), np.geomspace(40, max(m, 41), 160)]).astype(int))
+    )
+    at = np.unique(np.concatenate([at, np.arange(0, m, 100)]))
+    middle = np.empty(at.size)
+    width = high[at] - low[at]
+    for same in np.unique(width).tolist():
+        here, near = np.flatnonzero(width == same), sliding_window_view(power, same)
+        for some in pieces(here.size, size=256):
+            middle[here[some]] = np.median(near[low[at[here[some]]]], axis=1)
+    middle /= math.log(2.0)
+    middle = np.maximum(middle, 1e-300)
+    level = np.exp(np.interp(np.arange(m), at, np.log(middle)))
+    for _ in range(2):
+        kept = power <= CUT * level
+        total = np.concatenate([[0.0], np.cumsum(np.where(kept, power / level, 0.0))])
+        number = np.concatenate([[0], np.cumsum(kept)])
+        n = np.maximum(number[high] - number[low], 1).astype(np.float64)
+        level *= np.maximum((total[high] - total[low]) / n / _CUT_MEAN, 1e-6)
+    # Wandering rises towards the slowest lines faster than any mean follows: there the power law of the first few dozen
+    # lines goes on, of which it takes at least as much as the means.
+    few = min(LOWEST, m)
+    if few >= 12:
+        x = np.log(np.arange(1.0, few + 1.0))
+        y = np.log(np.maximum(power[:few], 1e-300)) + np.euler_gamma
+        # A peak among them must not draw the law upward: clip at CUT above the first level.
+        y = np.minimum(y, np.log(CUT * level[:few]))
+        slope, start = np.polyfit(x, y, 1)
+        law = np.exp(start + min(slope, 0.0) * x + (0.0 if slope < 0.0 else slope * float(np.mean(x))))
+        near = x < np.log(0.5 * few)
+        level[:few] = np.where(near, np.maximum(level[:few], law), level[:few])
+        n[:few] = np.where(near, np.minimum(n[:few], 0.5 * few), n[:few])
+    return level, n
+
+
+def ar_model(frequency: FloatArray, density: FloatArray, *, nyquist: float, samples: int) -> tuple[FloatArray, float]:
+    """Autoregressive coefficients and innovation rms of a spectrum ``density`` over ``frequency`` up to ``nyquist``."""
+    even = np.interp(np.linspace(0.0, nyquist, 4097), frequency, density)
+    covariance = np.fft.irfft(even)
+    best: tuple[float, FloatArray, float] | None = None
+    for order in range(min(AR_ORDER, samples // 20) + 1):
+        if order == 0:
+            ar, left = np.empty(0), float(covariance[0])
+        else:
+            ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
+            left = float(covariance[0] - ar @ covariance[1 : order + 1])
+        # Hannan and Quinn's criterion: a longer memory has to pay for its coefficient, and white noise stays white.
+        price = samples * math.log(max(left, 1e-300)) + 2.0 * math.log(math.log(samples)) * order
+        if best is None or price < best[0] - 1e-9:
+            best = (price, ar, math.sqrt(max(left, 1e-300)))
+    assert best is not None
+    return best[1], best[2]

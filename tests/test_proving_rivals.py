@@ -1,0 +1,148 @@
+"""What recordings cannot tell apart: separability against closed forms and against figures measured elsewhere.
+
+The figures are those of a linear model of the 18/25 pair that shares nothing with this bench."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import radians, sin
+
+import numpy as np
+import pytest
+
+from proving.chain import Chain, Condition, motion
+from proving.drawn import draw, make_pair
+from proving.effects import Effect, apply
+from proving.limit import Limit, sights
+from proving.rig import Rig
+from proving.rivals import rivals
+
+PAIR = make_pair("18/25 m2")
+TORQUE = 60.0
+
+
+def at(torque: float, flank: str = "drive", turns: float = 25.0) -> Condition:
+    return Condition(torque=torque, flank=flank, turns=turns)
+
+
+FREE = (at(0.0),)
+FLANKS = (at(1.0), at(1.0, "coast"))
+ONE = (at(TORQUE),)
+TWO = (at(1.0), at(TORQUE))
+
+
+def limit_of(conditions: tuple[Condition, ...], *, bends: bool, law: float = 0.0) -> Limit:
+    """Gears of grade 5 of which every tooth is known, so that nothing but the two effects is in question."""
+    rng = np.random.default_rng(5)
+    teeth = [draw(gear, 5, -60.0, rng) for gear in (PAIR.driving, PAIR.driven)]
+    rig = Rig(pair=PAIR, teeth_1=teeth[0], teeth_2=teeth[1], deflect=bends)
+    paths = tuple(motion(rig, condition, rng) for condition in conditions)
+    known = (1e-6 * np.eye(18), 1e-6 * np.eye(25))
+    chain = Chain(noise_um=1.0)
+    look = sights(conditions, paths, chain)
+    return Limit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law)
+
+
+def separability(limit: Limit, effect: Effect) -> dict[tuple[str, int], float]:
+    return {(one.physics, one.gear): one.separability for one in rivals(limit.rig, limit, effect)}
+
+
+def on(physics: str, size: float, gear: int = 1, **more: float) -> Effect:
+    return Effect(physics=physics, gear=gear, size=size, more=more)
+
+
+@pytest.mark.parametrize("gear", [1, 2])
+def test_an_eccentric_gear_and_an_eccentric_encoder(gear: int) -> None:
+    """The same on one flank; on both, phases differ by 2 alpha, so the best common wave leaves sin(alpha)."""
+    effect = on("eccentricity", 5.0, gear, angle_deg=40.0)
+    one = separability(limit_of(FREE, bends=False), effect)
+    both = separability(limit_of(FLANKS, bends=False), effect)
+    assert one["encoder_eccentricity", gear] < 0.01  # second order of 5 um
+    assert both["encoder_eccentricity", gear] == pytest.approx(sin(radians(20)), abs=0.01)
+
+
+@pytest.mark.parametrize("gear", [1, 2])
+def test_eccentricity_and_a_wave_of_pitch_differ_by_the_stairs(gear: int) -> None:
+    """Steps of the stairs: images at n z +- 1 of 1/(n z +- 1), a little more where pitch errors choose who leads."""
+    z = PAIR.gear(gear).z
+    n = np.arange(1, 40) * z
+    images = float(np.sqrt(np.sum(1 / (n - 1.0) ** 2 + 1 / (n + 1.0) ** 2)))  # 0.10 and 0.07; measured elsewhere: 0.05
+    effect = on("eccentricity", 5.0, gear, angle_deg=40.0)
+    one = separability(limit_of(FREE, bends=False), effect)["cumulative_pitch", gear]
+    loaded = separability(limit_of(TWO, bends=True), effect)["cumulative_pitch", gear]
+    assert 0.4 * images < one < 1.6 * images
+    assert loaded < 1.2 * one  # torque does not help
+
+
+@pytest.mark.parametrize(("physics", "size"), [("profile_slope", 3.0), ("profile_slope", -3.0), ("wear", 3.0)])
+def test_slope_or_wear_of_one_gear_or_of_the_other(physics: str, size: float) -> None:
+    """Only the difference of both gears shows: 0, but for the corners and the second order."""
+    found = separability(limit_of(FREE, bends=False), on(physics, size))
+    assert found[physics, 2] < 0.05
+
+
+def test_a_long_tip_relief_is_a_slope_of_the_other_gear_but_never_one_the_other_way() -> None:
+    up = separability(limit_of(FREE, bends=False), on("profile_slope", 3.0))
+    assert up["tip_relief", 2] < 0.15
+    assert up["tip_relief", 1] > 0.95  # that would take material added at the tip
+
+
+def test_crowning_and_compliance() -> None:
+    """0.16 at one torque, and told apart by a light one."""
+
+    def sine(conditions: tuple[Condition, ...]) -> float:
+        limit = limit_of(conditions, bends=True)
+        softer = limit.difference(replace(limit.rig, scale=1.1))
+        crown = limit.difference(apply(limit.rig, on("profile_crowning", 0.5)))[:, None]
+        free = np.array([np.inf])
+        return limit.sine(softer, softer - crown @ limit.fit(softer, crown, low=-free, high=free))
+
+    assert sine(ONE) == pytest.approx(0.16, abs=0.05)
+    assert sine(TWO) > 0.67
+
+
+def test_pitch_and_crack_of_the_same_tooth() -> None:
+    """0.41 at one torque, 0.73 with a light one; and only a tooth that lags can be a cracked one."""
+    lags, crack = on("tooth_pitch", -3.0, 2, tooth=6), on("tooth_crack", 0.4, 2, tooth=6)
+    one, two = limit_of(ONE, bends=True, law=0.08), limit_of(TWO, bends=True, law=0.08)
+    assert separability(one, crack)["tooth_pitch", 2] == pytest.approx(0.41, abs=0.03)
+    assert separability(two, crack)["tooth_pitch", 2] == pytest.approx(0.73, abs=0.05)
+    assert separability(one, lags)["tooth_crack", 2] == pytest.approx(0.41, abs=0.05)
+    assert separability(one, replace(lags, size=3.0))["tooth_crack", 2] > 0.99
+    # A pit of any length and place comes nearer than the one that 0.73 was measured with.
+    spall = separability(one, crack)["tooth_spall", 2]
+    assert spall < 0.73
+    assert separability(two, crack)["tooth_spall", 2] > 1.5 * spall
+
+
+def test_friction_and_slope() -> None:
+    found = separability(limit_of(ONE, bends=True, law=0.08), Effect(physics="friction", size=0.06))
+    assert found["profile_slope", 1] == pytest.approx(0.90, abs=0.05)
+
+
+def test_offsets_are_alike_until_torque_or_time_tells_them_apart() -> None:
+    """Centre distance, thinner teeth and wind-up at one torque are lost motion and nothing else; 0 but for corners."""
+    play = separability(limit_of(FLANKS, bends=False), Effect(physics="centre_distance", size=3.0))
+    assert max(play.values()) < 0.1
+    assert {name for name, _ in play} == {"tooth_thickness", "shaft_windup"}
+    wound = separability(limit_of(TWO, bends=True, law=0.08), Effect(physics="shaft_windup", size=1.0))
+    assert wound["centre_distance", 0] > 0.9
+    ramp = Effect(physics="thermal_drift", size=1.0, more={"bend": 0.01})
+    bow = Effect(physics="thermal_drift", size=1.0, more={"bend": 3.0})
+    limit = limit_of(FREE, bends=False)
+    assert separability(limit, ramp)["encoder_scale", 1] < 0.01  # an even ramp is a count that is set wrongly
+    assert separability(limit, bow)["encoder_scale", 1] > 0.25
+    assert separability(limit, on("encoder_scale", 1e-6))["encoder_scale", 2] < 1e-3
+
+
+def test_a_rival_that_can_be_the_effect_is_found_to_be_it() -> None:
+    """A relief of the one gear under load, of another length than any that the search starts from."""
+    limit = limit_of(TWO, bends=True, law=0.08)
+    hidden = apply(limit.rig, on("tip_relief", 4.0, 2, length_mm=1.3))
+    from proving.rivals import _nearest, _relief
+
+    s = limit.difference(hidden)
+    (amount, length), rest = _nearest(limit.rig, limit, s, _relief(limit.rig, 2, 50.0))
+    assert limit.sine(s, rest) < 0.02  # a step ends the search when it gains less than 2 %
+    assert amount == pytest.approx(4.0, abs=0.2)
+    assert length == pytest.approx(1.3, abs=0.05)
