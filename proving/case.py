@@ -25,8 +25,8 @@ from proving.scenes import CAPS
 
 ALIKE = 1.0
 """A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
-WEAKEST = 4.0
-"""No look-alike is made weaker than this over the limit, or there is nothing to be mistaken for anything."""
+WEAKEST = 7.0
+"""No look-alike is made weaker than this over the limit: it has to be seen before it can be mistaken for anything."""
 STIFFEST = 0.0025
 """Least (mesh frequency over natural frequency) squared of a resonance: a spring twenty times as fast as the mesh."""
 

@@ -52,7 +52,7 @@ def campaign(kind: str, pair: Pair, rng: np.random.Generator, *, cycles: float) 
     turns = cycle_turns(pair, cycles)
     common: dict[str, Any] = {
         "turns": turns,
-        "per_mesh": int(rng.choice([14, 16, 18])),
+        "per_mesh": int(rng.choice([12, 14, 16])),
         "speed": float(rng.choice([20.0, 30.0, 60.0])),
         "wobble": float(rng.uniform(0.001, 0.008)),
         "uneven": float(rng.uniform(0.05, 0.25)),

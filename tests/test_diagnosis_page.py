@@ -226,10 +226,7 @@ def test_three_recordings_of_18_000_samples_stay_below_3_mb(diagnosis: Diagnosis
         theta_2 = np.linspace(one.theta_2[0], one.theta_2[-1] * 9.0, size)
         rng = np.random.default_rng(2)
         residual = rng.normal(0.0, 1e-3, size)
-        long = replace(
-            one, theta_1=theta_2 / one.cleaned.ratio, theta_2=theta_2, recorded=residual + 1e-3 * np.sin(theta_2),
-            simulated=1e-3 * np.sin(theta_2), residual=residual,
-        )  # fmt: skip
+        long = replace(one, theta_2=theta_2, recorded=residual + 1e-3 * np.sin(theta_2), residual=residual)
         comparison = replace(
             diagnosis.comparison,
             aligned=(long,) * count,

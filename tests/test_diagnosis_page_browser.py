@@ -370,10 +370,7 @@ def test_a_recording_of_a_million_samples_zooms_at_once(
     theta_2 = np.linspace(0.0, 300.0, size)
     residual = np.random.default_rng(4).normal(0.0, 3e-4, size)
     residual[654_321] = 0.02
-    long = replace(
-        one, theta_1=theta_2 / one.cleaned.ratio, theta_2=theta_2, recorded=residual, simulated=0.0 * residual,
-        residual=residual,
-    )  # fmt: skip
+    long = replace(one, theta_2=theta_2, recorded=residual, residual=residual)
     target = tmp_path / "long.html"
     located = replace(diagnosis.comparison.located, noises=diagnosis.comparison.located.noises[:1])
     comparison = replace(diagnosis.comparison, aligned=(long,), located=located)

@@ -17,7 +17,7 @@ PACKAGE = ROOT / "gearpoly"
 # Each line imports only from lines above it. What a gear is, what two gears do, what was measured, how both compare,
 # why they differ, how that is shown, and what a user calls.
 ORDER = (
-    "errors units",
+    "errors threads units",
     "files gear",
     "mesh recording",
     "assemble",

@@ -23,6 +23,22 @@ def test_transform_is_the_sum_it_stands_for() -> None:
     assert np.max(np.abs(grid.wave(amplitudes) - wave)) < 1e-5 * np.sum(np.abs(amplitudes))
 
 
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_grid_held_in_parts_gives_the_sums_it_stands_for(wrapped: bool) -> None:
+    """400 000 places, and samples that go round them once, or so often that none has its neighbour beside it."""
+    rng = np.random.default_rng(1)
+    x = np.cumsum(rng.uniform(0.5, 1.5, 5000)) + 1e4
+    x = 1e9 * rng.uniform(size=5000) if wrapped else x
+    values = rng.normal(size=x.size)
+    grid = Grid(x, step=1e-5, count=100_000)
+    at = np.concatenate([np.arange(5), rng.integers(0, 100_000, 200), [49_999, 50_000, 50_001, 99_999]])
+    direct = np.exp(-2j * np.pi * np.outer(at * 1e-5, x)) @ values
+    # The bell is good to a few millionths of the largest sum.
+    assert np.max(np.abs(grid.transform(values)[at] - direct)) < 1e-5 * np.max(np.abs(direct))
+    assert np.max(np.abs(grid.power(values)[at] - np.abs(direct) ** 2)) < 1e-5 * np.max(np.abs(direct)) ** 2
+    assert np.max(np.abs(grid.transforms(values[:, None], at=at)[:, 0] - direct)) < 1e-5 * np.max(np.abs(direct))
+
+
 def test_repeating_part_takes_all_that_repeats() -> None:
     rng = np.random.default_rng(2)
     u, _ = samples(rng, z_1=18, z_2=25, cycles=2)
@@ -48,6 +64,45 @@ def test_level_beside_what_is_no_noise(kind: str, z_1: int, z_2: int, cycles: in
         errors.append(found.level / np.std(x) - 1.0)
     # The issue asks for 5 %; the scatter at 3600 samples and more is 1 to 2 %.
     assert np.max(np.abs(errors)) < 0.05
+
+
+def test_hand_overs_steeper_than_samples_are_no_noise() -> None:
+    """Every mesh steps by 3 um where its own pair of teeth hands over: all of it repeats, but no wave that 20 samples
+    per mesh can follow is as steep."""
+    errors = []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        u, _ = samples(rng, z_1=18, z_2=25, cycles=2)
+        x = noise(rng, u.size, "ar", 0.3e-3)
+        n = np.floor(u).astype(int)
+        place = 0.4 + rng.uniform(-0.015, 0.015, 18)[n % 18] + rng.uniform(-0.015, 0.015, 25)[n % 25]
+        steps = 3e-3 * (u - n > place) - 3e-3 * (u - n)
+        errors.append(estimate_noise(u, x + steps, z_1=18, z_2=25).level / np.std(x) - 1.0)
+    # The issue asks for 5 %; taken for noise the steps would make it a fifth larger.
+    assert np.max(np.abs(errors)) < 0.05
+
+
+def test_noise_is_taken_off_no_phase_of_the_mesh() -> None:
+    """Honest noise is as it was: one phase in some hundred lies beyond four standard errors by chance."""
+    levels = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        u, _ = samples(rng, z_1=18, z_2=18, cycles=20)
+        levels.append(estimate_noise(u, noise(rng, u.size, "white"), z_1=18, z_2=18).level / 1e-3 - 1.0)
+    # Ten of 7200 samples scatter by 0.9 % each, and by 0.3 % together; four of these.
+    assert abs(np.mean(levels)) < 0.012
+
+
+def test_a_thinned_spectrum_is_the_spectrum() -> None:
+    rng = np.random.default_rng(10)
+    u, _ = samples(rng, z_1=18, z_2=18, cycles=100, per_mesh=60)
+    whole = estimate_noise(u, noise(rng, u.size, "ar"), z_1=18, z_2=18)
+    thin = whole.thinned()
+    assert thin.frequency.size < 0.6 * whole.frequency.size
+    at = np.linspace(whole.frequency[0], whole.frequency[-1], 1000)
+    # Each line is a mean over up to 400, known to 5 %; its neighbours share nearly all of them.
+    for old, new in zip(whole.rest_at(at), thin.rest_at(at), strict=True):
+        assert new == pytest.approx(old, rel=0.02)
 
 
 def test_level_states_its_own_error() -> None:

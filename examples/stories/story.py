@@ -15,7 +15,7 @@ from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.units import UM
-from proving.case import _build, make
+from proving.case import build, make
 from proving.effects import Effect, apply, truth
 from proving.ground import Entry
 from proving.recipes import recipe
@@ -49,7 +49,7 @@ def conceal(
     case = make(seed, Entry(index=0, klass=klass, physics=(physics,), over=over, variant=0))
     if effects is not None:
         rng = np.random.default_rng([seed, 0])
-        rig, _ = _build(recipe(case.entry, rng), rng)
+        rig, _ = build(recipe(case.entry, rng), rng)
         hidden = effects(rig, max(one.torque for one in case.conditions))
         for one in hidden:
             rig = apply(rig, one)

@@ -113,41 +113,25 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
     starts = np.unique(np.concatenate((within, _beside(within[:1], allowed, cycle), anywhere)))
     further = turns.astype(np.float64) * cycle.step
     tries = [Attempt.make(fits, cycle, h * cycle.step, further[:, h]) for h in starts.tolist()]
-    tries.sort(key=lambda one: one.misfit)
 
-    def is_mine(one: Attempt) -> bool:
-        return _off(one, fits[0], cycle, stated) <= SLACK + 2.0 / cycle.per_mesh
+    def off(one: Attempt) -> float:
+        return _off(one, fits[0], cycle, stated)
 
-    mine = [one for one in tries if is_mine(one)] or tries
-    best, outside = mine[0], tries[0]
-    level = [best]
-    for one in mine[1:]:
-        if all(are_apart(one, other, cycle) for other in level) and not is_worse(one, best, cycle):
-            level.append(one)
-
-    def unlikely(one: Attempt) -> float:
-        return one.misfit / len(fits) + (_off(one, fits[0], cycle, stated) / STATED) ** 2
-
-    # Where the curves do not choose, the stated zeros do.
-    best = min(level, key=unlikely)
-    rivals = [one for one in level if one is not best]
-    others = [one for one in tries if are_apart(one, best, cycle)]
-    certain = outside is best and all(is_worse(one, best, cycle) for one in others)
-    contradicted = None
-    if outside is not best and are_apart(outside, best, cycle) and is_worse(best, outside, cycle):
-        contradicted = outside.place()
-
+    best, rivals = _chosen(tries, cycle, off)
     fine = [_misfit(folded(curve, cycle), cycle, of_samples) for curve, (of_samples, _) in zip(flat, left, strict=True)]
-    final = _within(fine, cycle, best, is_mine)
     wary = [_misfit(fit.curve, cycle, of_samples, WARY) for fit, (of_samples, _) in zip(fits, left, strict=True)]
-    doubted = replace(final, fits=wary)
-    scattered, offset_std = doubted.errors()
-    std = math.hypot(scattered, _common(doubted))
-
-    def told(*parts: float) -> bool:
-        return all(is_worse(final.moved(part * cycle.pitch), final, cycle, sigmas=SURE) for part in parts)
-
-    phased = std < PHASED * cycle.pitch and told(*PROBES)
+    final = _within(fine, cycle, best, off)
+    std, offset_std, phased = _phase(final, wary)
+    if phased:
+        # Teeth are told from one another at the place within the pitch that the mean tooth has told.
+        tries = [one.moved(math.remainder(final.shift - one.shift, cycle.pitch)) for one in tries]
+        best, rivals = _chosen(tries, cycle, off)
+        if are_apart(best, final, cycle):
+            final = _within(fine, cycle, best, off)
+    outside = min(tries, key=lambda one: one.misfit)
+    others = [one for one in tries if are_apart(one, best, cycle)]
+    certain = not are_apart(outside, best, cycle) and all(is_worse(one, best, cycle) for one in others)
+    contradicted = are_apart(outside, best, cycle) and is_worse(best, outside, cycle)
     spread = _spread(np.where(allowed, total, np.inf) / len(fits), cycle, best.shift)
     pitches = cycle.pitch / cycle.ratio, cycle.pitch
     sharp = phased or all(turn < pitch / SHARP for turn, pitch in zip(spread, pitches, strict=True))
@@ -157,11 +141,25 @@ def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
         offset_std=offset_std,
         spread=spread,
         rivals=tuple(one.place() for one in rivals),
-        contradicted=contradicted,
+        contradicted=outside.place() if contradicted else None,
         phased=phased,
         numbered=sharp and not rivals,
         certain=sharp and certain,
     )
+
+
+def _chosen(tries: list[Attempt], cycle: Cycle, off: Callable[[Attempt], float]) -> tuple[Attempt, list[Attempt]]:
+    """The likeliest place, and what fits nearly as well, best first; ``off`` is how far one lies from the stated zeros,
+    in pitches."""
+    ordered = sorted(tries, key=lambda one: one.misfit)
+    mine = [one for one in ordered if off(one) <= SLACK + 2.0 / cycle.per_mesh] or ordered
+    level = mine[:1]
+    for one in mine[1:]:
+        if all(are_apart(one, other, cycle) for other in level) and not is_worse(one, level[0], cycle):
+            level.append(one)
+    # Where the curves hardly choose, the stated zeros do.
+    best = min(level, key=lambda one: one.misfit / len(one.fits) + (off(one) / STATED) ** 2)
+    return best, [one for one in level if one is not best]
 
 
 def _level(curve: Curve) -> Curve:
@@ -196,18 +194,30 @@ def _left(curve: Curve, cycle: Cycle) -> tuple[float, float]:
     return math.sqrt(of_samples), math.sqrt(of_teeth)
 
 
-def _within(fits: list[Misfit], cycle: Cycle, best: Attempt, is_mine: Callable[[Attempt], bool]) -> Attempt:
+def _within(fits: list[Misfit], cycle: Cycle, best: Attempt, off: Callable[[Attempt], float]) -> Attempt:
     """The place that fits best within half a pitch of ``best``, by ``fits`` that take every sample for its own: what
-    the mean tooth looks like is seen by all of them."""
+    the mean tooth looks like is seen by all of them. It lies no farther ``off`` the stated zeros than those may be."""
     here = Attempt.make(fits, cycle, best.shift, best.turns)
     beside = [here.moved(n * cycle.pitch / DIPS) for n in range(-DIPS // 2, DIPS // 2)]
-    dip = min((one for one in (here, *beside) if one is here or is_mine(one)), key=lambda one: one.misfit)
+    dip = min((here, *(one for one in beside if off(one) <= SLACK)), key=lambda one: one.misfit)
     return Attempt.make(fits, cycle, dip.shift, dip.turns).polished()
+
+
+def _phase(one: Attempt, wary: list[Misfit]) -> tuple[float, float, bool]:
+    """Standard errors of the place within a pitch (rad) and of the mean (mm), and whether the curves tell that place;
+    ``wary`` are the misfits by which the errors are judged."""
+    doubted = replace(one, fits=wary)
+    scattered, offset_std = doubted.errors()
+    std = math.hypot(scattered, _common(doubted))
+    told = std < PHASED * one.cycle.pitch and all(
+        is_worse(one.moved(part * one.cycle.pitch), one, one.cycle, sigmas=SURE) for part in PROBES
+    )
+    return std, offset_std, told
 
 
 def _common(one: Attempt) -> float:
     """Standard error of the shift in rad that no number of teeth averages out: what the simulation lacks of the mean
-    tooth, independent from stretch to stretch of the mesh, less what single meshes scatter there."""
+    tooth, independent from stretch to stretch of the mesh, beyond twice what scattered meshes would sum up to."""
     curvature, places = 0.0, one.cycle.meshes * STRETCHES
     cells = np.zeros(places)
     for fit, more in zip(one.fits, one.turns.tolist(), strict=True):
@@ -218,7 +228,7 @@ def _common(one: Attempt) -> float:
         place = np.floor((fit.curve.theta_2 - one.shift - more) * (STRETCHES / one.cycle.pitch))
         cells += np.bincount(np.mod(place, places).astype(np.int64), score * left, places)
     stretches = cells.reshape(-1, STRETCHES).sum(axis=0)
-    spread = max(float(stretches @ stretches - cells @ cells), 0.0)
+    spread = max(float(stretches @ stretches - 2.0 * (cells @ cells)), 0.0)
     return math.sqrt(spread) / curvature if curvature > 0.0 else math.inf
 
 

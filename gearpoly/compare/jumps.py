@@ -31,6 +31,9 @@ WIDEST = 0.25
 """Part of the record up to which a rise that takes its time is tried in the place of a jump; slower ones are the slow
 curves' matter."""
 
+SHORTEST = 8
+"""Samples from which on a bump is one; fewer outliers are cut off before anything is weighed."""
+
 WANDERS = 2.0
 """Noise on a step's slowest lines over what the model has from which on it wanders: twelve lines of honest noise make
 as much once in some hundred times. Then a jump has to be sharp, since what wanders is up here and down there too."""
@@ -176,8 +179,7 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     information = own - _explained(left, response, low=low, high=high)
     safe = np.maximum(information, TOLD * own)
     score = np.where((information > TOLD * own) & ~barred[low:high], score[low:high], 0.0)
-    box = noise.whitened(np.asarray((np.arange(3 * AR_ORDER) // AR_ORDER == 1), dtype=np.float64))
-    falls = np.minimum(0.5 * float(box @ box) / safe, 1.0) / AR_ORDER
+    falls = np.minimum(0.5 * _bump(noise, AR_ORDER) / safe, 1.0) / AR_ORDER
     return Steps(first=low, score=score, information=safe, tests=float(2.0 * np.sum(falls)))
 
 
@@ -220,22 +222,38 @@ def colour_of(left: Left, j: int, *, beside: FloatArray, spacing: float) -> tupl
 
 def sharpness(left: Left, j: int, *, turn: int) -> float:
     """Gain by which a jump at sample ``j`` explains more than any rise thereabouts that takes a ``turn`` (in samples)
-    or longer, as what warms up or wanders does, and than any bump beside it that is over within a turn."""
+    or longer, as what warms up or wanders does, and than any bump that is over within a turn, wherever it is."""
     n = left.rest.size
     rises = [(j, 1)]
     width = turn
     while width <= WIDEST * n:
         rises += [(j - quarter * width // 4, width) for quarter in range(5)]
         width *= 2
-    columns = [rise(n, begin, width=w, noise=left.noise) for begin, w in rises]
-    width = turn
-    while width > 0:
-        columns += [
-            columns[0] - rise(n, end, width=1, noise=left.noise) for end in (j - width, j + width) if 0 < end < n
-        ]
-        width //= 2
-    gains = left.gains(np.stack(columns, axis=1))
-    return float(gains[0] - np.max(gains[1:], initial=0.0))
+    gains = left.gains(np.stack([rise(n, begin, width=w, noise=left.noise) for begin, w in rises], axis=1))
+    return float(gains[0] - max(_largest_bump(left, j, turn=turn), np.max(gains[1:], initial=0.0)))
+
+
+def _largest_bump(left: Left, j: int, *, turn: int) -> float:
+    """Gain of the bump that explains most: of any length up to a ``turn`` (in samples) from sample ``j`` on or up to
+    there, and of some lengths anywhere. A bump is a step up and a step down, so the difference of two scores."""
+    n = left.rest.size
+    score = np.append(_from_here(left.noise.score(left.rest)), 0.0)
+    length = np.arange(SHORTEST, max(turn, SHORTEST) + 1)
+    # Beyond what the whitening remembers every further sample adds the same.
+    information = _bump(left.noise, turn) - (turn - length) * _response(left.noise)[-1] ** 2
+    information = np.maximum(information, _bump(left.noise, SHORTEST))
+    best = 0.0
+    for here in (np.minimum(j + length, n), np.maximum(j - length, 0)):
+        best = max(best, float(np.max((score[here] - score[j]) ** 2 / information)))
+    for some in (turn, turn // 2, turn // 4):
+        best = max(best, float(np.max((score[:-some] - score[some:]) ** 2)) / _bump(left.noise, some))
+    return best
+
+
+def _bump(noise: Noise, length: int) -> float:
+    """Information in 1/mm^2 of a bump of so many samples."""
+    white = noise.whitened(np.pad(np.ones(length), AR_ORDER))
+    return float(white @ white)
 
 
 @dataclass

@@ -69,7 +69,8 @@ def locate(
     entries: list[Entry] = []
     all_samples: dict[int, Noise] = {}
     short, sizes, squares = [], [], []
-    for k, r in enumerate(residuals):
+    for r in residuals:
+        k = len(short)
         sizes.append(r.residual.size)
         squares.append(float(np.var(r.residual)) * r.residual.size)
         r, jumps = without_jumps(r, k=k, gears=gears, floor=floor)

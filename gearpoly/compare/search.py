@@ -36,7 +36,7 @@ WHOLE_TURN, REPEATS = 1.5, 0.4
 within which a wave of any frequency may be one of them."""
 
 RIVALRY = 30.0
-"""Ratio of gains within which a tooth and a wave are both tried before one is taken."""
+"""Ratio of gains within which a tooth and a wave are both tried before one is taken, and a jump before either."""
 
 FOLLOWED_WAVE, FOLLOWED_TOOTH = 0.03, 0.12
 """Parts of the as-built teeth's own signal that the linear sharing does not follow (contact points move, stiffness is
@@ -147,7 +147,8 @@ class Search(JumpSearch):
             best_wave = max((w[0].gain for w in waves if w), default=0.0)
             best_tooth = teeth[0].gain if teeth else 0.0
             best = max(best_wave, best_tooth)
-            solution, jumped = self.jump(solution, least=best)
+            # A jump raises the noise under its own gain more than under a wave's, until it is fitted.
+            solution, jumped = self.jump(solution, least=best / RIVALRY)
             if jumped:
                 continue
             largest = max(largest, best)

@@ -62,7 +62,8 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
         "",
         "## Goals and figures",
         "",
-        "Intervals are Wilson's, 95 %.",
+        f"{sum(row['reached'] is True for row in board['rows'])} of "
+        f"{sum(row['reached'] is not None for row in board['rows'])} goals are reached. Intervals are Wilson's, 95 %.",
         "",
         "| figure | found | goal | |",
         "| --- | --- | --- | --- |",
@@ -136,7 +137,7 @@ def _depths(classes: dict[str, Any]) -> list[str]:
 
 def _range(ends: list[float | None]) -> str:
     low, high = ends
-    return f"{low:g} and more" if high is None else f"{low:g} to {high:g}"
+    return f"from {low:g}" if high is None else f"{low:g} to {high:g}"
 
 
 def _profiles(head: str, rows: Any) -> list[str]:

@@ -41,7 +41,7 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     for one in board["by_size"]:
         low, high = one["over_limit"]
         if one["cases"]:
-            text = f"{low:g} and more" if high is None else f"{low:g} to {high:g}"
+            text = f"from {low:g}" if high is None else f"{low:g} to {high:g}"
             sizes.add_row(text, percent(one["reported"]), percent(one["named"]), percent(one["in_set"]))
     if sizes.row_count:
         console.print(sizes)
