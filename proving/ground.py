@@ -102,7 +102,7 @@ def _concealed(klass: str, v: int) -> tuple[tuple[str, ...], float]:
     if klass == "one_flank":
         return (ONE_FLANK[v % len(ONE_FLANK)],), (3.0, 5.0, 10.0, 20.0)[v % 4]
     if klass == "look_alike":
-        return (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (5.0, 8.0, 14.0, 25.0)[(v + v // len(LOOK_ALIKES)) % 4]
+        return (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (8.0, 12.0, 18.0, 25.0)[(v + v // len(LOOK_ALIKES)) % 4]
     if klass == "stranger":
         return ("disturbance",), (5.0, 8.0, 14.0, 25.0, 30.0)[(v + v // 5) % 5]
     what = SHORT[v % len(SHORT)]

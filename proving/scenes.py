@@ -27,7 +27,7 @@ CAPS = {
     20.0,
     "tip_relief": 25.0, "undulation": 6.0, "wear": 20.0, "tooth_spall": 50.0, "tooth_crack": 3.0, "misalignment": 40.0,
     "friction": 0.2, "centre_distance": 100.0, "tooth_thickness": 40.0, "mesh_resonance": 1.6, "thermal_drift": 40.0,
-    "encoder_eccentricity": 3000.0, "encoder_interpolation": 500.0, "encoder_scale": 1e-3, "shaft_windup": 20.0,
+    "encoder_eccentricity": 3000.0, "encoder_interpolation": 500.0, "encoder_scale": 1e-3, "shaft_windup": 300.0,
     "disturbance": 10.0,
 }  # fmt: skip
 """No larger than a rig could have it, in the unit of the effect's size."""

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.compare.compare import Comparison, compare
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.heldout import Rms
 from gearpoly.diagnose.separate import NextRecording, Separation

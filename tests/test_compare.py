@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from gearpoly.__main__ import main
-from gearpoly.compare.compare import Comparison, compare, lay_beside
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.units import DEG, UM

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearpoly.compare.noise import estimate_noise, pooled_level, slow_curves
+from gearpoly.compare.noise import estimate_noise, pooled_level
+from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid, Repeating
 from tests.residuals import noise, samples
 

@@ -280,6 +280,16 @@ def test_a_diagnosis_without_an_end_is_a_failed_case(
     }
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_ground_that_cannot_be_written_is_refused(tmp_path: Path, workers: int) -> None:
+    few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:2]
+    (tmp_path / "cases").mkdir()
+    for k in few:
+        (tmp_path / "cases" / f"case_{k:03d}").touch()  # where its folder has to be
+    with pytest.raises(GearpolyError, match="cases: File exists; could not be written"):
+        prove_ground(6, out=tmp_path, workers=workers, quick=True, indices=few, diagnoser=silent, say=quiet)
+
+
 def test_two_processes_write_the_same_ground(tmp_path: Path) -> None:
     few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:2]
     how: dict[str, Any] = {"quick": True, "indices": few, "diagnoser": silent, "say": quiet}
@@ -328,6 +338,11 @@ def test_the_page_lists_every_failure(bench: Path, tmp_path: Path) -> None:
     assert "wrong tooth" in text
     assert "| alpha | none, made | nothing | friction | false alarm |" in text
     assert found["truths_sha256"] in text
+    # Every row with a goal has its cases beside it.
+    assert "- false alarms: healthy, yet something named or left unexplained: 100.0 % (1 of 1; 20.7 to 100.0)" in text
+    assert "goal at most 5 %, **missed**. alpha" in text
+    goals = [row for row in found["rows"] if row["reached"] is not None]
+    assert f"{sum(row['reached'] for row in goals)} of {len(goals)} goals are reached" in text
     draw(found, tmp_path / "size.png")
     assert (tmp_path / "size.png").stat().st_size > 5000  # an empty canvas has less
 

@@ -18,7 +18,8 @@ from typer.testing import CliRunner
 
 from gearpoly.assemble import assemble
 from gearpoly.cli import app
-from gearpoly.compare.compare import Comparison, lay_beside
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import lay_beside
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
 from gearpoly.files.pairfile import read_pair

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
-from gearpoly.compare.locate import Located, locate
-from gearpoly.compare.noise import slow_curves
+from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.template import Found, Template, make_template
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
@@ -36,81 +37,6 @@ COMPLIANCE_DOUBT = 0.10
 
 VARIES = 0.02
 """Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Aligned:
-    """One recording beside its simulation, sample by sample (n,).
-
-    ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
-    difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
-    shaft in rad/s where known, ``template`` the simulation over a hunting cycle. Arrays are taken over, and sealed;
-    what follows from others is worked out when asked for, since recordings are long.
-    """
-
-    cleaned: Cleaned
-    theta_2: FloatArray
-    recorded: FloatArray
-    residual: FloatArray
-    r_b2: float
-    flank: Flank
-    torque: float
-    speed: float | None
-    template: Template
-
-    def __post_init__(self) -> None:
-        for values in (self.theta_2, self.recorded, self.residual):
-            values.setflags(write=False)
-
-    @property
-    def theta_1(self) -> FloatArray:
-        """Driving rotation (n,) in rad."""
-        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
-
-    @property
-    def simulated(self) -> FloatArray:
-        """Simulated transmission error (n,) in mm."""
-        return np.asarray(self.recorded - self.residual)
-
-    @property
-    def time_s(self) -> FloatArray | None:
-        """Time (n,) in s, where recorded."""
-        return self.cleaned.time_s
-
-    @property
-    def mean(self) -> float:
-        """Mean of the residual, mm."""
-        return float(np.mean(self.residual))
-
-    @property
-    def rms(self) -> float:
-        """Rms of the residual about its mean, mm."""
-        return float(np.std(self.residual))
-
-    @property
-    def cycles(self) -> float:
-        """Hunting cycles that the recording holds."""
-        return float(np.ptp(self.theta_2)) / self.template.cycle
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Beside:
-    """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
-    what had to be assumed."""
-
-    name: str
-    assembled: Assembled
-    aligned: tuple[Aligned, ...]
-    alignment: Alignment
-    gears: tuple[GearKnown, GearKnown]
-    remarks: tuple[str, ...]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Comparison(Beside):
-    """The same, with where they differ."""
-
-    located: Located
 
 
 Step = Callable[[str], None]

@@ -11,7 +11,6 @@ from scipy.stats import chi2 as chi2_law
 
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.jumps import (
-    WANDERS,
     Jump,
     Left,
     Steps,
@@ -19,13 +18,14 @@ from gearpoly.compare.jumps import (
     rise,
     sharpened,
     sharpness,
+    wanders,
     weigh_steps,
 )
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel, State
-from gearpoly.compare.noise import SLOW, slow_curves
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.units import FloatArray, IntArray
 
 STAYS = 1.0
@@ -41,9 +41,9 @@ waves in a record it does not make. They leave a third of what is told from a cu
 AS_MODELLED = 1e9
 """Lines that noise is known from where its model is taken at its word."""
 
-SURELY = 12.0
+SURELY = 9.0
 """Gain by which a jump must be better than anything slower or shorter to be sharp beyond doubt, its place being chosen
-by what it explains in all: three and a half standard deviations."""
+by what it explains in all: three standard deviations."""
 
 TRIALS = 4
 """Most jumps that are tried before the search goes on without."""
@@ -89,6 +89,9 @@ class JumpSearch(JointModel):
         waiting: list[tuple[State, Jump]] = []
         for _ in range(TRIALS):
             best = self._best_jump(solution)
+            if best is None and least == 0.0 and self._drifts(solution):
+                solution = self._quieted(solution)
+                best = self._best_jump(solution)
             if best is None or best.gain < least:
                 break
             jump, s = Jump(at=best.at), self.states[best.k]
@@ -173,6 +176,19 @@ class JumpSearch(JointModel):
             left = left.without(np.flatnonzero(places == jumps[s.jumps.index(but)]))
         return left, slow
 
+    def _drifts(self, solution: Solution) -> list[int]:
+        """Recordings whose slow curves are no chance: they may be jumps, which raise the noise that hides them."""
+        return [k for k in range(len(self.states)) if self.drifts(k, solution)]
+
+    def _quieted(self, solution: Solution) -> Solution:
+        """Fit everything again with the noise of such recordings beside fine slow curves."""
+        for k in self._drifts(solution):
+            s = self.states[k]
+            curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE)
+            left = solution.left[k]
+            s.noise = s.estimator.estimate(left - curves @ np.linalg.lstsq(curves, left, rcond=None)[0])
+        return self.fit(passes=1)
+
     def _settled(self, k: int) -> Solution:
         """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
         others."""
@@ -198,7 +214,8 @@ class JumpSearch(JointModel):
     def _is_sharp(self, find: Weighed, *, sure: bool) -> bool:
         """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
         that is sure."""
-        return self.lead(find) > (SURELY if sure or find.colour[0] > WANDERS else -TIE)
+        sure = sure or wanders(find.left.noise, span=self.states[find.k].search.span)
+        return self.lead(find) > (SURELY if sure else -TIE)
 
     def stretch(self, k: int) -> FloatArray:
         """What the moment of a jump in recording ``k`` is told in: s, or turns of the driving shaft since the
@@ -207,6 +224,6 @@ class JumpSearch(JointModel):
         return (data.theta_1 - data.theta_1[0]) / (2.0 * math.pi) if data.time_s is None else data.time_s
 
     def drifts(self, k: int, solution: Solution) -> bool:
-        """Whether the slow curves of recording ``k`` are needed beside its jumps, of which they are no echo."""
+        """Whether the slow curves of recording ``k`` are needed beside the jumps that it has."""
         left, slow = self._left(k, solution, None)
         return left.explained(slow) > DRIFTS

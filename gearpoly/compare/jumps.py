@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.families import SHARES, log_tail_line
-from gearpoly.compare.noise import AR_ORDER, Noise
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.noise_spectrum import AR_ORDER
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 CLIP = 4.5
@@ -35,8 +36,11 @@ SHORTEST = 8
 """Samples from which on a bump is one; fewer outliers are cut off before anything is weighed."""
 
 WANDERS = 2.0
-"""Noise on a step's slowest lines over what the model has from which on it wanders: twelve lines of honest noise make
-as much once in some hundred times. Then a jump has to be sharp, since what wanders is up here and down there too."""
+"""Noise on slow lines over what the model has from which on it wanders: twelve lines of honest noise make as much once
+in some hundred times. Then a jump has to be sharp, since what wanders is up here and down there too."""
+
+WANDERING = (4, 16)
+"""Turns of the record from which that is read: none that slow curves took a part of."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -218,6 +222,12 @@ def colour_of(left: Left, j: int, *, beside: FloatArray, spacing: float) -> tupl
     rest, count = left.noise.rest_at(np.asarray(frequency, dtype=np.float64))
     weight = power * rest
     return max(1.0, float(np.sum(weight) / np.sum(power))), float(weight @ count / np.sum(weight))
+
+
+def wanders(noise: Noise, *, span: float) -> bool:
+    """Whether noise is slower than its model has it, in a recording ``span`` meshes long."""
+    rest, _ = noise.rest_at(np.arange(*WANDERING, dtype=np.float64) / span)
+    return float(np.mean(rest)) > WANDERS
 
 
 def sharpness(left: Left, j: int, *, turn: int) -> float:

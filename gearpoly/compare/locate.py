@@ -68,7 +68,9 @@ def locate(
         recordings = len(residuals)
     entries: list[Entry] = []
     all_samples: dict[int, Noise] = {}
-    short, sizes, squares = [], [], []
+    short: list[AlignedResidual] = []
+    sizes: list[int] = []
+    squares: list[float] = []
     for r in residuals:
         k = len(short)
         sizes.append(r.residual.size)

@@ -12,10 +12,11 @@ from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.jump_search import AS_MODELLED, FINE, STAYS
 from gearpoly.compare.jumps import Left, weigh_steps
-from gearpoly.compare.noise import NoiseEstimator, slow_curves
+from gearpoly.compare.noise import NoiseEstimator
 from gearpoly.compare.reduce import SAMPLES, shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.slow import slow_curves
 from gearpoly.units import UM, BoolArray, FloatArray
 
 BLOCKS = 4096

@@ -19,10 +19,11 @@ from gearpoly.compare.columns import (
 )
 from gearpoly.compare.jumps import Jump
 from gearpoly.compare.lines import LineSearch, Peak
-from gearpoly.compare.noise import SLOW, Noise, NoiseEstimator, slow_curves
+from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.compare.regression import Solution, Stack, solve
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried
+from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.compare.teeth import BEYOND, ToothFind
 from gearpoly.units import UM, FloatArray, IntArray
 

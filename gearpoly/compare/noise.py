@@ -17,18 +17,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.noise_spectrum import AR_ORDER as AR_ORDER
 from gearpoly.compare.noise_spectrum import ar_model, smooth_spectrum
 from gearpoly.compare.pieces import PIECE, pieces
+from gearpoly.compare.slow import Slow
 from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
 from gearpoly.units import BoolArray, FloatArray, IntArray, read_only
 
 WHOLE = 0.003
 """Share of a cycle that may be missing at the ends of a record that is meant to hold whole cycles. The gap it leaves
 blurs the repeating frequencies by as little as this share of their spacing."""
-
-SLOW = 4
-"""Terms of the slow curve (mean, ramp, bow, S) that is taken off first: drift, which is no noise of this kind."""
 
 FEWEST = 64
 """Samples from which on a spectrum says anything."""
@@ -151,14 +148,6 @@ def _rows(values: FloatArray) -> Iterator[slice]:
     return pieces(len(values), size=max(PIECE // max(1, math.prod(values.shape[1:])), 256))
 
 
-def slow_curves(x: FloatArray, terms: int = SLOW, *, span: tuple[float, float] | None = None) -> FloatArray:
-    """Legendre polynomials (n, terms) over the span of ``x`` (n,), or over ``span`` (low, high) of which ``x`` is a
-    part."""
-    low, high = (float(np.min(x)), float(np.max(x))) if span is None else span
-    along = (2.0 * x - low - high) / max(high - low, 1e-300)
-    return np.asarray(np.polynomial.legendre.legvander(along, terms - 1), dtype=np.float64)
-
-
 def spacing_of(u: FloatArray) -> float:
     """Meshes from sample to sample, in the middle of all."""
     return float(np.median(np.diff(u)))
@@ -199,44 +188,6 @@ def _kept_part(u: FloatArray, *, period: float, grid: Grid, repeating: Repeating
     out = np.ones(grid.count)
     out[whole] = np.clip(top / bottom, 0.3, 1.5)
     return out
-
-
-class Slow:
-    """Slow curves over samples at ``u`` (n,), fitted beside what repeats and not before it: of a strong order 1 they
-    would take a part, and leave it as what does not repeat. What is level repeats."""
-
-    def __init__(self, u: FloatArray, *, repeating: Repeating | None) -> None:
-        self._u, self._repeating = u, repeating
-        self._span = float(np.min(u)), float(np.max(u))
-        first = 0 if repeating is None else 1
-        self._first = first
-        alone = slow_curves(u)[:, first:]
-        if repeating is not None:
-            # Curves and what of them repeats, as sums and amplitudes of the harmonics, which are few.
-            self._sums = np.stack([repeating.grid.transform(curve) for curve in alone.T])
-            self._amplitudes = np.stack([repeating.fitted(sums) for sums in self._sums])
-            for curve, amplitudes in zip(alone.T, self._amplitudes, strict=True):
-                curve -= repeating.grid.wave(amplitudes)
-        self._square = alone.T @ alone
-
-    def _curves(self, here: slice) -> FloatArray:
-        return slow_curves(self._u[here], span=self._span)[:, self._first :]
-
-    def parted(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What of ``values`` (n,) is neither slow nor repeats, and what repeats."""
-        product = np.sum([self._curves(here).T @ values[here] for here in pieces(values.size)], axis=0)
-        if self._repeating is None:
-            rest, repeating = values.copy(), np.zeros(1)
-        else:
-            sums = self._repeating.grid.transform(values)
-            product = product - (self._amplitudes @ np.conj(sums)).real
-        beta = np.linalg.lstsq(self._square, product, rcond=None)[0]
-        if self._repeating is not None:
-            repeating = self._repeating.grid.wave(self._repeating.fitted(sums - beta @ self._sums))
-            rest = values - repeating
-        for here in pieces(values.size):
-            rest[here] -= self._curves(here) @ beta
-        return rest, repeating
 
 
 class NoiseEstimator:

@@ -31,8 +31,8 @@ KEEP = 100_000
 WHOLE = 1 << 18
 """Places up to which a grid is transformed at once; of a larger one an FFT would ask for three times its memory."""
 
-STRANDS = 4
-"""Equal parts in which a larger grid is held and transformed: every fourth place."""
+STRANDS = 8
+"""Equal parts in which a larger grid is held and transformed: every eighth place."""
 
 SPREAD = 4
 """Lengths of the grid that a piece of the samples may cover before they are folded into it one by one."""

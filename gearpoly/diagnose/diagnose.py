@@ -12,8 +12,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from gearpoly.assemble import assemble
-from gearpoly.compare.compare import Comparison, compare
-from gearpoly.compare.noise import SLOW
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare
+from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from gearpoly.compare.compare import Comparison
+from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.long_jumps import sample_of
-from gearpoly.compare.noise import Noise, slow_curves
+from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding

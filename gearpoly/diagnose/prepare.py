@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.assemble import nominal_gear, stated_limits
-from gearpoly.compare.compare import Aligned, Beside
+from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, make_as_built

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from gearpoly.compare.compare import Comparison
+from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.heldout import Rms
 from gearpoly.diagnose.separate import Separation

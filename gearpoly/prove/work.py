@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from gearpoly.errors import InputFileError
 from gearpoly.files.output import write_text
 from gearpoly.prove.cases import CaseFiles, digest
 from gearpoly.prove.diagnoser import Diagnoser, How
@@ -65,10 +66,16 @@ class Writing:
 
 
 def write(job: Writing) -> None:
-    """Write the case; its hash comes last, so that a killed run writes it again."""
+    """Write the case; its hash comes last, so that a killed run writes it again. Raises ``InputFileError`` where the
+    folder cannot be written to."""
     from proving.ground import write_case
 
-    sha256 = write_case(job.seed, job.index, job.folder, truths=job.truths, quick=job.quick)
+    try:
+        sha256 = write_case(job.seed, job.index, job.folder, truths=job.truths, quick=job.quick)
+    except OSError as error:
+        raise InputFileError(
+            job.folder, found=error.strerror or str(error), wish="could not be written; check space and rights"
+        ) from None
     write_text(job.sealed, f"{sha256} {job.code}\n")
 
 

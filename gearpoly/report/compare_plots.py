@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from gearpoly.compare.compare import Aligned, Comparison
+from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.families import SHARES, line_threshold
-from gearpoly.compare.noise import SLOW, Noise, slow_curves
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
 from gearpoly.units import NM, UM, FloatArray

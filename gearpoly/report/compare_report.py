@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gearpoly import __version__
-from gearpoly.compare.compare import Aligned, Comparison
+from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.units import DEG, NM, RPM, UM

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.compare.compare import Aligned
+from gearpoly.compare.beside import Aligned
 from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.maps import Maps, tooth_maps
-from gearpoly.compare.noise import Noise, slow_curves
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly import __version__
-from gearpoly.compare.compare import Comparison
+from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.gear.flank import Flanks

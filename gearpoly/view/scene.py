@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.assemble import Assembled
-from gearpoly.compare.compare import Comparison
+from gearpoly.compare.beside import Comparison
 from gearpoly.errors import OutOfRangeError, blamed
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.transmission import Progress

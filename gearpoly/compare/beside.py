@@ -1,0 +1,91 @@
+"""Recordings beside the simulation of their pair, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.assemble import Assembled
+from gearpoly.compare.locate import Located
+from gearpoly.compare.set_up import GearKnown
+from gearpoly.compare.template import Template
+from gearpoly.compare.zeros import Alignment
+from gearpoly.mesh.pair import Flank
+from gearpoly.recording.clean import Cleaned
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Aligned:
+    """One recording beside its simulation, sample by sample (n,).
+
+    ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
+    difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
+    shaft in rad/s where known, ``template`` the simulation over a hunting cycle. Arrays are taken over, and sealed;
+    what follows from others is worked out when asked for, since recordings are long.
+    """
+
+    cleaned: Cleaned
+    theta_2: FloatArray
+    recorded: FloatArray
+    residual: FloatArray
+    r_b2: float
+    flank: Flank
+    torque: float
+    speed: float | None
+    template: Template
+
+    def __post_init__(self) -> None:
+        for values in (self.theta_2, self.recorded, self.residual):
+            values.setflags(write=False)
+
+    @property
+    def theta_1(self) -> FloatArray:
+        """Driving rotation (n,) in rad."""
+        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
+
+    @property
+    def simulated(self) -> FloatArray:
+        """Simulated transmission error (n,) in mm."""
+        return np.asarray(self.recorded - self.residual)
+
+    @property
+    def time_s(self) -> FloatArray | None:
+        """Time (n,) in s, where recorded."""
+        return self.cleaned.time_s
+
+    @property
+    def mean(self) -> float:
+        """Mean of the residual, mm."""
+        return float(np.mean(self.residual))
+
+    @property
+    def rms(self) -> float:
+        """Rms of the residual about its mean, mm."""
+        return float(np.std(self.residual))
+
+    @property
+    def cycles(self) -> float:
+        """Hunting cycles that the recording holds."""
+        return float(np.ptp(self.theta_2)) / self.template.cycle
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Beside:
+    """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
+    what had to be assumed."""
+
+    name: str
+    assembled: Assembled
+    aligned: tuple[Aligned, ...]
+    alignment: Alignment
+    gears: tuple[GearKnown, GearKnown]
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison(Beside):
+    """The same, with where they differ."""
+
+    located: Located
