@@ -5,6 +5,9 @@ the recorded one, fits at one place only, wherever inspected pitch, eccentricity
 All places are tried at once by circular correlation; the best are refined below the grid, and what fits almost as well
 stays as a rival. All recordings of a set share one place, up to whole turns that their encoders did not count; the mean
 transmission error tells those.
+
+Teeth that nobody inspected deviate alike in every turn, however many samples see it. So teeth are told from one another
+by how much teeth may deviate, and only the place within a pitch by every sample.
 """
 
 from __future__ import annotations

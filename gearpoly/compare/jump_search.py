@@ -84,7 +84,7 @@ class JumpSearch(JointModel):
         Where another jump is left the noise looks as if it wandered and hides the first: so what is too faint waits for
         the next, and both may stand together.
         """
-        noises = [s.noise for s in self.states]
+        first, noises = solution, [s.noise for s in self.states]
         before = [[(jump, jump.at) for jump in s.jumps] for s in self.states]
         waiting: list[tuple[State, Jump]] = []
         for _ in range(TRIALS):
@@ -107,6 +107,8 @@ class JumpSearch(JointModel):
                 self.refused.append((best.k, best.alone, best.at))
                 s.jumps.remove(waiting.pop()[1])
                 solution = self._settled(best.k)
+        if solution is first:
+            return solution, False
         for s, noise, jumps in zip(self.states, noises, before, strict=True):
             self.refused += [(self.states.index(s), False, jump.at) for other, jump in waiting if other is s]
             s.noise, s.jumps = noise, [jump for jump, _ in jumps]
@@ -192,17 +194,19 @@ class JumpSearch(JointModel):
     def _settled(self, k: int) -> Solution:
         """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
         others."""
-        for _ in range(SETTLED):
+        for turn in range(SETTLED):
             solution = self.fit(passes=1)
             self.renew_noise(solution)
             solution = self.fit(passes=1)
-            moved = False
-            for jump in self.states[k].jumps:
-                found = self.standing(k, solution, jump)
-                if found is not None and found.at != jump.at:
-                    jump.at, moved = found.at, True
-            if not moved:
+            if turn == SETTLED - 1:
                 break
+            places = [jump.at for jump in self.states[k].jumps]
+            found = [self.standing(k, solution, jump) for jump in self.states[k].jumps]
+            better = [at if one is None else one.at for at, one in zip(places, found, strict=True)]
+            if better == places:
+                break
+            for jump, at in zip(self.states[k].jumps, better, strict=True):
+                jump.at = at
         return solution
 
     def lead(self, find: Weighed) -> float:

@@ -38,7 +38,7 @@ STEADY = 0.1
 WIDER, WIDEST = 1.2, 5.0
 """Factors on the doubt about laws: below the first nothing is fitted again, above the second no law is believed."""
 
-PASSES = 12
+PASSES = 10
 """Most rounds of simulating and fitting again after a change."""
 
 
@@ -78,6 +78,17 @@ class Fit:
             if moved < SETTLED or fall < enough:
                 break
         self.measure()
+
+    def kept(self) -> tuple[dict[str, object], dict[str, object]]:
+        """What ``restore`` needs to come back to this state: nothing is changed in place."""
+        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection")
+        return self.model.kept(), {name: getattr(self, name) for name in names}
+
+    def restore(self, kept: tuple[dict[str, object], dict[str, object]]) -> None:
+        """Come back to a state."""
+        self.model.restore(kept[0])
+        for name, value in kept[1].items():
+            setattr(self, name, value)
 
     def linearised(self) -> Linear:
         """The linear system of the present state and noise."""

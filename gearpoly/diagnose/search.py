@@ -96,12 +96,11 @@ class Search(Fit):
             best = self.best(found, refused)
             if best is None:
                 break
-            before = self.model.kept()
+            before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if not self.accept(best.claim):
                 refused.add(best.claim.key)
-                self.model.restore(before)
-                self.settle()
+                self.restore(before)
                 if len(refused) > MOST:
                     break
         self.widen()
