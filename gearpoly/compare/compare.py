@@ -148,7 +148,7 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     recording = one.recording
     further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
     further_2 = recording.driven_direction * ((recording.driven_zero_rad or 0.0) - (base.driven or 0.0))
-    counted = recording.te_rad is None and recording.te_mm is None
+    counted = not recording.computed
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)

@@ -86,7 +86,7 @@ def diagnose(
         compliance_scale=scale,
         noise=math.sqrt(float(np.mean([noise.level**2 for noise in search.noises]))),
         noise_by_recording=tuple(noise.level for noise in search.noises),
-        before=_declared(comparison),
+        before=_declared(comparison, model),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
         after=cross_validated(search.linear, masks, hold=slow_places(search)),
         held_out_by=_held_out_by(model, jumped=any(jumps(comparison))),
@@ -210,23 +210,15 @@ def encoder_deg(comparison: Comparison, claim: Claim, offset: float = 0.0) -> fl
     return math.degrees(known.zero + known.direction * turned) % 360.0
 
 
-def _declared(comparison: Comparison) -> Rms:
-    """Rms in mm of the declared simulation's misfit about the set's common mean."""
-    counted = [one.residual for one in comparison.aligned]
-    whole = np.concatenate([left - _mean_of(comparison, k) for k, left in enumerate(counted)])
-    rms = float(np.sqrt(np.mean(whole**2)))
+def _declared(comparison: Comparison, model: Model) -> Rms:
+    """Rms in mm of the declared simulation's misfit, about the set's common mean where means compare."""
+    left = [one.residual for one in comparison.aligned]
+    compared = [one.samples.counted for one in model.observed]
+    common = [residual for residual, c in zip(left, compared, strict=True) if c]
+    mean = float(np.mean(np.concatenate(common))) if common else 0.0
+    about = [r - (mean if c else float(np.mean(r))) for r, c in zip(left, compared, strict=True)]
+    rms = float(np.sqrt(np.mean(np.concatenate(about) ** 2)))
     return Rms(seen=rms, unseen=rms)
-
-
-def _mean_of(comparison: Comparison, k: int) -> float:
-    """Mean in mm that a recording's misfit is taken about: the set's common one where both encoders were read."""
-    recordings = [one.cleaned.recording for one in comparison.aligned]
-    counted = [r.te_rad is None and r.te_mm is None for r in recordings]
-    if not counted[k]:
-        return comparison.aligned[k].mean
-    return float(
-        np.mean(np.concatenate([one.residual for one, c in zip(comparison.aligned, counted, strict=True) if c]))
-    )
 
 
 def _held_out_by(model: Model, *, jumped: bool) -> str:

@@ -11,8 +11,8 @@ import numpy as np
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
-from gearpoly.diagnose.system import System
+from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance, slope_of
+from gearpoly.diagnose.way import Way
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -22,23 +22,16 @@ CLEARLY = 30.0
 SETTLED = 0.004 * UM
 """mm rms. Changes below this need no further simulation."""
 
-NEGLIGIBLE = 1.0
-"""Fall in misfit below which a fit need not be repeated: a tenth of what any claim must gain."""
-
-HALF_DONE = 0.002
-"""The same as a part of the misfit beyond noise: while something large is missing, the rest need not be exact."""
-
-ALONG, FARTHEST = 0.8, 3.0
-"""Cosine between two steps from which they go the same way, and then the most by which the second is lengthened:
-reliefs against deflection lie in a bent valley, in which plain steps are too short."""
-
 STEADY = 0.1
 """Part of the noise level by which the simulation must have moved for the noise to be estimated anew."""
 
 WIDER, WIDEST = 1.2, 5.0
 """Factors on the doubt about laws: below the first nothing is fitted again, above the second no law is believed."""
 
-PASSES = 10
+MOST_SHIFT = 0.01
+"""Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
+
+PASSES = 16
 """Most rounds of simulating and fitting again after a change."""
 
 
@@ -59,7 +52,7 @@ class Fit:
 
     def settle(self, passes: int = PASSES) -> None:
         """Simulate, fit, and simulate again until nothing moves."""
-        way, moved = _Way(), math.inf
+        way, moved = Way(), math.inf
         for turn in range(passes):
             self.scenes = self.model.scenes()
             if turn == 0:
@@ -67,15 +60,22 @@ class Fit:
                     # Teeth may have begun to bend.
                     self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
+            if not self.model.phased:
+                # The declared pair's curve is flat; the one of its teeth as they were built is not.
+                self.nuisance = self.nuisance.sloping([slope_of(scene) for scene in self.scenes])
             self.linear = self.linearised()
+            if way.overshot(self.linear.system, self.present()):
+                self.restore(way.kept)
+                if not way.again():
+                    break
+                moved = self.take(self.linear, way.step)
+                continue
             if moved > STEADY * min(noise.level for noise in self.noises):
                 self.noises = noises(self.model, self.linear.left())
                 self.linear = self.linear.under(self.noises)
-            fall = way.go(self.linear.system, self.present())
-            moved = self.take(self.linear, way.length)
-            samples = sum(left.size for left in self.linear.system.left)
-            enough = NEGLIGIBLE + HALF_DONE * max(0.0, self.linear.system.misfit - samples)
-            if moved < SETTLED or fall < enough:
+            way.go(self.linear.system, self.present(), kept=self.kept())
+            moved = self.take(self.linear, way.step)
+            if moved < SETTLED or way.rests:
                 break
         self.measure()
 
@@ -110,17 +110,18 @@ class Fit:
             out[part] = (*claim.values[:a], *(0.0,) * (len(claim.values) - a))
         return out
 
-    def take(self, linear: Linear, length: float = 1.0) -> float:
-        """Go towards the solution by ``length`` times its distance; return the largest rms change in mm of a simulated
-        recording."""
+    def take(self, linear: Linear, step: FloatArray) -> float:
+        """Go a ``step`` (m,) on; return the largest rms change in mm of a simulated recording."""
         layout, model = linear.layout, self.model
         old = self.present()
         inside = ~np.isnan(old)
         old[~inside] = 0.0
-        x = old + length * (linear.system.solution - old)
+        x = old + step
         model.built = x[layout.built].copy()
         at = layout.nuisance.start
-        model.shift = float(x[at + self.nuisance.shift])
+        shift, most = at + self.nuisance.shift, MOST_SHIFT * model.scope.gears[1].tau
+        x[shift] = old[shift] + np.clip(step[shift], -most, most)
+        model.shift = float(x[shift])
         if self.nuisance.scale is not None:
             model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
         claims = []
@@ -129,9 +130,9 @@ class Fit:
             x[part] = old[part] + np.array(values) - np.array(claim.values)
             claims.append(replace(claim, values=values))
         model.claims = claims
-        step = np.where(inside, x - old, 0.0)
         # What an encoder misreads and a scale are taken by other ways than the simulation, but count alike.
-        return max(float(np.std(columns @ step)) for columns in linear.columns)
+        gone = np.where(inside, x - old, 0.0)
+        return max(float(np.std(columns @ gone)) for columns in linear.columns)
 
     def choose_law(self) -> None:
         """Take the compliance law that fits best, if one is clearly better than the present one."""
@@ -180,35 +181,6 @@ class Fit:
                 self.largest = max(self.largest, *(float(np.std(c)) for c in change))
         bent = [abs(float(np.mean(scene.under(None) - scene.te))) for scene in self.scenes if scene.bends]
         self.deflection = max(bent, default=0.0)
-
-
-class _Way:
-    """The way that a fit has come: each step as long as the last two let hope."""
-
-    def __init__(self) -> None:
-        self._at: FloatArray | None = None
-        self._step: FloatArray | None = None
-        self.length = 1.0
-
-    def go(self, system: System, present: FloatArray) -> float:
-        """Look at the step from the ``present`` state (m,) to the solution; return by how much the misfit is to fall.
-
-        What is not in the simulation starts where the last solution had it.
-        """
-        inside = ~np.isnan(present)
-        start = np.where(inside, present, 0.0 if self._at is None else self._at)
-        step = system.solution - start
-        fall = math.inf if self._at is None else float(step @ system.normal @ step)
-        mine = np.where(inside, step, 0.0)
-        self.length = 1.0
-        if self._step is not None:
-            last, now = (one @ system.normal for one in (self._step, mine))
-            before, here = float(last @ self._step), float(now @ mine)
-            if float(last @ mine) > ALONG * math.sqrt(before * here) > 0.0:
-                # A row of steps, each this part of the one before, comes to rest this much farther on.
-                self.length = min(FARTHEST, 1.0 / max(1.0 - math.sqrt(here / before), 1.0 / FARTHEST))
-        self._at, self._step = start + self.length * step, mine if self.length == 1.0 else None
-        return fall
 
 
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:

@@ -48,6 +48,13 @@ class Nuisance:
     shift: int
     scale: int | None
 
+    def sloping(self, slopes: list[FloatArray]) -> Nuisance:
+        """The same with other ``slopes`` (n_k,) in mm/rad of the transmission error over driven rotation."""
+        columns = [one.copy() for one in self.columns]
+        for mine, along in zip(columns, slopes, strict=True):
+            mine[:, self.shift] = along
+        return replace(self, columns=columns)
+
 
 def make_nuisance(
     scenes: list[Scene], *, slopes: list[FloatArray], shift_std: float, laws: list[FloatArray] | None, scaled: bool
@@ -83,6 +90,17 @@ def make_nuisance(
         out = [np.concatenate((mine, law), axis=1) for mine, law in zip(out, laws, strict=True)]
         std += [1.0] * laws[0].shape[1]
     return Nuisance(columns=out, std=np.array(std), shift=at_shift, scale=at_scale)
+
+
+def slope_of(scene: Scene) -> FloatArray:
+    """Change (n,) in mm/rad of the simulated transmission error over driven rotation, both shafts together, over 1/32
+    of a pitch or from sample to sample of the whole hunting cycle, whichever is longer."""
+    period = scene.pair.cycle
+    place, unique = np.unique(np.mod(scene.samples.theta_2, period), return_index=True)
+    h = max(scene.gear(1).tau / 64.0, float(np.median(np.diff(place))))
+    at, te = scene.samples.theta_2, scene.te[unique]
+    there, here = (np.interp(at + by, place, te, period=period) for by in (h, -h))
+    return np.asarray((there - here) / (2.0 * h))
 
 
 def softened(scene: Scene) -> FloatArray:

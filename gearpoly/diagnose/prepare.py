@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +19,17 @@ from gearpoly.gear.gear import Gear
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.physics.base import Scope
 from gearpoly.physics.scene import Samples
+from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, UM
 
 LEAST_SHIFT = 0.002 * DEG
 """rad. No zero is known better than this before the fit, whatever the alignment says of itself."""
 
-MOST_SHIFT = 0.03
+MOST_SHIFT = 0.06
 """Pitches. Farther a zero is not moved: where the curves do not place the teeth, any place is as good."""
+
+ZEROED = 1e-3
+"""Part of the scatter of a computed transmission error below which its mean was taken off by the rig."""
 
 BLOCKS = 8
 """Contiguous blocks of a recording shorter than two hunting cycles; a cross-validated fit learns from every other
@@ -35,11 +40,12 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     """The working state before any physics is claimed."""
     declared = known_file(file)
     pair = beside.assembled.pair
-    observed = [_observed(one, k, beside) for k, one in enumerate(beside.aligned)]
+    recordings = [one.cleaned.recording for one in beside.aligned]
+    compared = means_compare(recordings)
+    observed = [_observed(one, k, beside, counted=compared[k]) for k, one in enumerate(beside.aligned)]
     gears, priors = gear_priors(file)
     as_built = make_as_built(priors, [one.samples.flank for one in observed])
-    recordings = [one.cleaned.recording for one in beside.aligned]
-    counted = [one.samples.counted for one in observed]
+    computed = any(r.computed for r in recordings)
     scope = Scope(
         file=declared,
         gears=gears,
@@ -48,16 +54,16 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         speeds=tuple(one.samples.speed for one in observed),
         # A rig that computed the transmission error itself had a sensor on either shaft too.
         encoders=(
-            any(r.driving_angle_rad is not None for r in recordings) or not all(counted),
-            any(r.driven_angle_rad is not None for r in recordings) or not all(counted),
+            any(r.driving_angle_rad is not None for r in recordings) or computed,
+            any(r.driven_angle_rad is not None for r in recordings) or computed,
         ),
         timed=all(one.samples.time is not None for one in observed),
-        counted=all(counted),
+        counted=all(compared),
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
-        wanders=tuple(not one.samples.counted and not one.whole for one in observed),
+        wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
     return Model(
         declared=declared,
@@ -69,6 +75,27 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
     )
+
+
+def means_compare(recordings: Sequence[Recording]) -> tuple[bool, ...]:
+    """Whether the mean of each recording compares with those of the others of its set.
+
+    Encoders keep their zeros. A transmission error that the rig computed keeps its own zero as well, unless the rig
+    took the mean off, or began at nothing; it does not compare with readings of encoders.
+    """
+    computed = [r.computed for r in recordings]
+    if not all(computed):
+        return tuple(not one for one in computed)
+    return (len(recordings) > 1 and not any(_zeroed(r) for r in recordings),) * len(recordings)
+
+
+def _zeroed(recording: Recording) -> bool:
+    """Whether a computed transmission error was moved to a zero of its own: its mean or its first value is nothing."""
+    te = recording.te_rad if recording.te_mm is None else recording.te_mm
+    if te is None:
+        return False
+    known = te[np.isfinite(te)]
+    return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
 
 
 def _form(prior: GearPrior) -> float:
@@ -116,7 +143,7 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
     )
 
 
-def _observed(one: Aligned, number: int, beside: Beside) -> Observed:
+def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:
     zeros, recording = beside.alignment.zeros, one.cleaned.recording
     pair = beside.assembled.pair
     u = one.theta_2 * (pair.driven.gear.z / (2.0 * math.pi))
@@ -132,7 +159,7 @@ def _observed(one: Aligned, number: int, beside: Beside) -> Observed:
         reading_2=(zeros.driven or 0.0) + recording.driven_direction * one.theta_2,
         direction_1=recording.driving_direction,
         direction_2=recording.driven_direction,
-        counted=recording.te_rad is None and recording.te_mm is None,
+        counted=counted,
     )
     estimator = NoiseEstimator(u, z_1=pair.driving.gear.z, z_2=pair.driven.gear.z)
     period = float(pair.meshes_per_cycle)

@@ -39,8 +39,8 @@ DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 class Samples:
     """Where and under what a recording was made, (n,) each: ``theta_1``, ``theta_2`` in rad from the contract's zero,
     ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
-    ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: both encoders were read, so its
-    mean compares with those of the others."""
+    ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
+    the others."""
 
     number: int
     flank: Flank

@@ -103,6 +103,11 @@ class Recording:
         held = (self.driving_angle_rad, self.driven_angle_rad)
         return next(array.size for array in held if array is not None)
 
+    @property
+    def computed(self) -> bool:
+        """Whether the rig computed the transmission error itself."""
+        return self.te_rad is not None or self.te_mm is not None
+
 
 def _held(values: FloatArray) -> FloatArray:
     """``values`` as nobody can write to them; copied unless they are so already, since recordings are large."""

@@ -1,0 +1,116 @@
+"""The way of a fit towards rest: steps lengthened in bent valleys, and shortened where contacts change on the way."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from gearpoly.diagnose.system import System
+from gearpoly.units import FloatArray
+
+NEGLIGIBLE = 1.0
+"""Fall in misfit below which a fit need not be repeated: a tenth of what any claim must gain."""
+
+HALF_DONE = 0.002
+"""The same as a part of the misfit beyond noise: while something large is missing, the rest need not be exact."""
+
+ALONG, FARTHEST = 0.8, 3.0
+"""Cosine between two steps from which they go the same way, and then the most by which the second is lengthened:
+reliefs against deflection lie in a bent valley, in which plain steps are too short."""
+
+DAMPED, LESS, MORE = 0.01, 0.25, 8.0
+"""Damping of the first step that is tried again, as a part of each parameter's own information, and the factors by
+which it falls after a good step and rises after a bad one: the ways that data tell least bend first."""
+
+FREE = 1e-4
+"""Damping below which a step is not damped."""
+
+TRIALS = 4
+"""Trials of one step after which a fit rests where it is."""
+
+
+class Way:
+    """The way that a fit has come: the next ``step`` (m,), 0 for what is not in the simulation; the ``fall`` in misfit
+    that the linear system promises for it, and the fall that is not worth a step, ``enough``; ``kept`` is the last good
+    state."""
+
+    def __init__(self) -> None:
+        self._at: FloatArray | None = None
+        self._last: FloatArray | None = None
+        self._misfit = math.inf
+        self._gained = math.inf
+        self._damping = 0.0
+        self._trials = 0
+        self.step: FloatArray = np.zeros(0)
+        self.fall = math.inf
+        self.enough = NEGLIGIBLE
+        self.kept: Any = None
+
+    def overshot(self, system: System, present: FloatArray) -> bool:
+        """Whether the last step ended at a larger misfit than it began with, by the same noise."""
+        self._gained = self._misfit - misfit_at(system, present)
+        return self._gained < -self.enough
+
+    @property
+    def rests(self) -> bool:
+        """Whether the last step gained nothing worth another."""
+        return self._gained < NEGLIGIBLE or self.fall < self.enough
+
+    def again(self) -> bool:
+        """A more careful step from the last good state; whether it is worth a trial."""
+        self._trials += 1
+        self._damping = max(self._damping * MORE, DAMPED)
+        self._damped()
+        return self._trials < TRIALS and self.fall > self.enough
+
+    def go(self, system: System, present: FloatArray, *, kept: Any) -> None:
+        """Look from the ``present`` state (m,) towards the solution; ``kept`` is what leads back to this state.
+
+        What is not in the simulation starts where the last solution had it.
+        """
+        first = self._at is None
+        self.kept, self._misfit, self._trials = kept, misfit_at(system, present), 0
+        samples = sum(left.size for left in system.left)
+        self.enough = NEGLIGIBLE + HALF_DONE * max(0.0, system.misfit - samples)
+        self._inside = ~np.isnan(present)
+        self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
+        self._system = system
+        self._damping = self._damping * LESS if self._damping > FREE / LESS else 0.0
+        self._damped()
+        if first:
+            self.fall = math.inf
+        if self._damping > 0.0:
+            self._last = None
+            return
+        step, length = self.step, 1.0
+        if self._last is not None:
+            last, now = (one @ system.normal for one in (self._last, step))
+            before, here = float(last @ self._last), float(now @ step)
+            if float(last @ step) > ALONG * math.sqrt(before * here) > 0.0:
+                # A row of steps, each this part of the one before, comes to rest this much farther on.
+                length = min(FARTHEST, 1.0 / max(1.0 - math.sqrt(here / before), 1.0 / FARTHEST))
+        self._last = step if length == 1.0 else None
+        self.step = length * step
+
+    def _damped(self) -> None:
+        """The step to the solution, or a damped part of it."""
+        system = self._system
+        whole = system.solution - self._start
+        towards = system.normal @ whole
+        if self._damping > 0.0:
+            damped = system.normal.copy()
+            damped[np.diag_indices(system.size)] *= 1.0 + self._damping * self._inside
+            whole = np.asarray(np.linalg.solve(damped, towards), dtype=np.float64)
+        self.fall = float(2.0 * towards @ whole - whole @ system.normal @ whole)
+        self._at = self._start + whole
+        self.step = np.where(self._inside, whole, 0.0)
+
+
+def misfit_at(system: System, present: FloatArray) -> float:
+    """Misfit at a state (m,), whose parameters that are not a number are where they fit best."""
+    inside = ~np.isnan(present)
+    off = (present - system.solution)[inside]
+    within = system.covariance[np.ix_(inside, inside)]
+    return system.misfit + float(off @ np.linalg.solve(within, off))
