@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,11 @@ class Aligned:
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):
             values.setflags(write=False)
+
+    def moved(self, offset: float) -> Aligned:
+        """The same where both shafts turn by ``offset`` in rad of driven rotation more."""
+        theta_2 = self.theta_2 + offset
+        return replace(self, theta_2=theta_2, residual=self.recorded - self.template.at(theta_2))
 
     @property
     def theta_1(self) -> FloatArray:
@@ -89,3 +94,13 @@ class Comparison(Beside):
     """The same, with where they differ."""
 
     located: Located
+
+    def moved(self, offset: float) -> Comparison:
+        """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
+        ratio = self.gears[0].z / self.gears[1].z
+        directions = (self.gears[0].direction, self.gears[1].direction)
+        alignment = self.alignment.moved(offset, ratio=ratio, directions=directions)
+        zeros = (alignment.zeros.driving, alignment.zeros.driven)
+        first, second = (replace(gear, zero=zero) for gear, zero in zip(self.gears, zeros, strict=True))
+        aligned = tuple(one.moved(offset) for one in self.aligned)
+        return replace(self, alignment=alignment, gears=(first, second), aligned=aligned)

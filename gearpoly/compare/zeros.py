@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -51,6 +51,11 @@ class Zeros:
     driven: float | None
     rms: float
 
+    def near(self, other: Zeros) -> bool:
+        """Whether both are the same to a degree."""
+        pairs = ((self.driving, other.driving), (self.driven, other.driven))
+        return all(a is None or b is None or abs(math.remainder(a - b, TURN)) < DEG for a, b in pairs)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Alignment:
@@ -62,7 +67,7 @@ class Alignment:
     (``rough``), or what was stated stands. ``numbering`` says what fixes the tooth numbers, if anything.
 
     Per recording: ``shift`` in rad by which its driven rotation (by the base zero) is too large, ``offset`` in mm by
-    which its transmission error is.
+    which its transmission error is. ``further`` in rad is how far on in the hunting cycle each rival has the first.
     """
 
     zeros: Zeros
@@ -75,6 +80,17 @@ class Alignment:
     numbering: Numbering
     shift: FloatArray
     offset: FloatArray
+    further: tuple[float, ...] = ()
+
+    def moved(self, offset: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
+        """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together; ``ratio`` is that
+        of the driven over the driving rotation. What was found first becomes the first rival."""
+        by = (offset / ratio, offset)
+        held = (self.zeros.driving, self.zeros.driven)
+        there = [None if z is None else (z - way * b) % TURN for z, way, b in zip(held, directions, by, strict=True)]
+        zeros = Zeros(driving=there[0], driven=there[1], rms=self.zeros.rms)
+        rivals = (self.zeros, *(one for one in self.rivals if not one.near(zeros)))
+        return replace(self, zeros=zeros, shift=self.shift - offset, rivals=rivals, further=())
 
     @property
     def numbered(self) -> bool:
@@ -182,17 +198,19 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment
         numbering = "curves"
     elif stated and ((whole and not laid.phased) or not laid.rivals):
         numbering = "stated"
+    rivals = [placed(one) for one in laid.rivals] if rough else []
     return Alignment(
         zeros=_zeros(best, cycle, base, shafts, anchor),
         std_driving=std_1,
         std_driven=std_2,
-        rivals=tuple(_zeros(placed(one), cycle, base, shafts, anchor) for one in laid.rivals) if rough else (),
+        rivals=tuple(_zeros(one, cycle, base, shafts, anchor) for one in rivals),
         contradicted=None if laid.contradicted is None else _zeros(laid.contradicted, cycle, base, shafts, anchor),
         phased=laid.phased,
         rough=rough,
         numbering=numbering,
         shift=best.shifts,
         offset=offset,
+        further=tuple(one.shift - best.shift for one in rivals),
     )
 
 

@@ -59,6 +59,8 @@ def diagnose(
     model = replace(prepare(file, comparison, path=Path(path)), method=method or Method())
     model.observed = beside_jumps(model.observed, jumps(comparison))
     search = Search.begin(model, foreign(comparison, model), watch.stage("prepare"))
+    if model.offset:
+        comparison = comparison.moved(model.offset)
     search.step = watch.stage("search")
     start_linear = search.linear
     search.run()
@@ -155,7 +157,7 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
         claim=claim,
         parameters=parameters(model, claim, covariance),
         tooth=claim.place.tooth if comparison.alignment.numbered else None,
-        encoder_deg=encoder_deg(comparison, claim, model.offset),
+        encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
         without=cross_validated(linear, masks, leave=mine, hold=[p for p in slow if p not in mine]),
@@ -197,17 +199,11 @@ def pitch_point_compliance(model: Model) -> float:
     return float(by.secant(force, by.teeth(zero, zero, point), point)[0]) / UM
 
 
-def encoder_deg(comparison: Comparison, claim: Claim, offset: float = 0.0) -> float | None:
-    """Reading of its shaft's encoder at which a claimed tooth's pitch point passes the line of centres; ``offset`` in
-    rad of driven rotation by which the search moved the zeros."""
+def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
+    """Reading of its shaft's encoder at which a claimed tooth's pitch point passes the line of centres."""
     if claim.place.tooth is None or claim.place.gear is None:
         return None
-    known = comparison.gears[claim.place.gear]
-    if known.zero is None:
-        return None
-    ratio = comparison.gears[0].z / comparison.gears[1].z
-    turned = claim.place.tooth * 2.0 * math.pi / known.z - (offset / ratio if claim.place.gear == 0 else offset)
-    return math.degrees(known.zero + known.direction * turned) % 360.0
+    return comparison.gears[claim.place.gear].encoder_deg(claim.place.tooth)
 
 
 def _declared(comparison: Comparison, model: Model) -> Rms:

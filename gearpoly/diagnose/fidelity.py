@@ -6,3 +6,13 @@ from gearpoly.units import UM
 
 FAINT = 0.012 * UM
 """mm rms. Effects below this are within what chords, contacts and interpolation leave of the simulation itself."""
+
+BY_LAWS = {"mesh_order": 0.01, "condition": 0.025, "mesh_phase": 0.03}
+"""Parts of the mean deflection below which what is left at every mesh is no news, since no law of compliance is truer:
+waves and means, and short stretches about the corners. Eccentric gears spread it over their turns."""
+
+OTHERS_BY_LAWS = 0.006
+"""The same for single teeth and other waves, whose sharing follows the law."""
+
+BESIDE_MESH = 2
+"""Shaft orders beside a mesh order at which eccentric gears put what a law leaves of it."""

@@ -91,9 +91,11 @@ def repeatable(rms: float, noise: float) -> float:
 
 
 def unseen_misfit(system: System, seen: list[Mask], unseen: list[Mask]) -> float:
-    """Square misfit of the unseen samples by what the seen ones teach."""
+    """Square misfit of the unseen samples by what the seen ones teach, and half that of what was known beforehand: an
+    inspection is seen by both parts of the recordings, and what contradicts it pays too."""
     x = system.at(seen).solution
-    return sum(
+    off = x - system.prior
+    return 0.5 * float(off @ system.precision @ off) + sum(
         float(np.sum((y[mask] - a[mask] @ x) ** 2))
         for a, y, mask in zip(system.white, system.target, unseen, strict=True)
     )

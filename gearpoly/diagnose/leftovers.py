@@ -13,17 +13,11 @@ from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
+from gearpoly.diagnose.fidelity import BY_LAWS, OTHERS_BY_LAWS
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.units import UM, FloatArray
-
-BY_LAWS = {"mesh_order": 0.01, "condition": 0.01, "mesh_phase": 0.03}
-"""Parts of the mean deflection below which what is left at every mesh is no news, since no law of compliance is truer:
-waves and means, and short stretches about the corners."""
-
-OTHERS_BY_LAWS = 0.006
-"""The same for single teeth and other waves, whose sharing follows the law."""
 
 
 def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:

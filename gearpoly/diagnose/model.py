@@ -38,7 +38,8 @@ class Model:
 
     ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
-    ``phased``: the alignment placed the teeth within their pitch; else ``offset`` in rad of driven rotation does.
+    ``phased``: the alignment placed the teeth within their pitch; ``elsewhere`` in rad of driven rotation is how far on
+    in the hunting cycle it may be as well; ``offset`` how far all was moved since.
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones);
     ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
@@ -54,6 +55,7 @@ class Model:
     shift: float = 0.0
     law: tuple[str, str] | None = None
     phased: bool = True
+    elsewhere: tuple[float, ...] = ()
     offset: float = 0.0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)

@@ -74,6 +74,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), MOST_SHIFT * pair.driven.gear.tau),
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
+        elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
     )
 
 

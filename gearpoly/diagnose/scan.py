@@ -106,7 +106,9 @@ def scan(
             if apart or len(groups[-1]) >= BATCH // 2:
                 groups.append([])
         groups[-1].append(claim)
-    weighed = each(lambda group: _weigh(model, scenes, linear, group), [group for group in groups if group])
+    weighed = each(
+        lambda group: _weigh(model, scenes, linear, group, roughly=True), [group for group in groups if group]
+    )
     return sorted((one for group in weighed for one in group), key=lambda one: -one.gain), looked
 
 
@@ -129,8 +131,11 @@ def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[i
     return out[0], out[1]
 
 
-def _weigh(model: Model, scenes: list[Scene], linear: Linear, held: list[Claim]) -> list[Candidate]:
-    """Claims that are possible as candidates, each beside all that is believed."""
+def _weigh(
+    model: Model, scenes: list[Scene], linear: Linear, held: list[Claim], *, roughly: bool = False
+) -> list[Candidate]:
+    """Claims that are possible as candidates, each beside all that is believed; ``roughly``: what is there or is not
+    may be there in part, since at a shape beside the true one it would be too much as a whole."""
     sums = []
     one_tooth = held[0].place.tooth is not None
     parts = [_columns(model, scenes, claim) for claim in held]
@@ -150,10 +155,13 @@ def _weigh(model: Model, scenes: list[Scene], linear: Linear, held: list[Claim])
             continue
         gain, amplitude = gain_of(score, information, index[None, :])
         physics = claim.physics
-        if not _allowed(physics, amplitude[0]):
+        if not (roughly and physics.fixed_amplitudes) and not _allowed(physics, amplitude[0]):
+            continue
+        if physics.fixed_amplitudes and np.any(amplitude <= 0.0):
             continue
         if physics.fixed_amplitudes:
             amplitude = np.ones_like(amplitude)
+        if physics.fixed_amplitudes and not roughly:
             # Present as it is, not as much of it as fits best.
             gain = np.array([2.0 * score[index].sum() - information[np.ix_(index, index)].sum()])
         values = (*amplitude[0].tolist(), *claim.values[q:])
@@ -170,7 +178,8 @@ def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candi
     start = np.array(claim.values[q:])
     if not start.size:
         return candidate
-    best = candidate
+    # What was weighed roughly has to prove itself.
+    best = replace(candidate, gain=0.0) if physics.fixed_amplitudes else candidate
     spread = np.array([8.0 * c.step for c in physics.coordinates[q:]])
 
     def lost(shape: FloatArray) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import PASSES, Fit, nuisance_of
 from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.linear import linearise
@@ -38,8 +38,17 @@ BETTER = 10.0
 PHASES = 8
 """Phases of a pitch that are tried where the curves do not place the teeth."""
 
-BETTER_PHASE = 0.995
-"""Part of the square misfit at the stated place that another phase must leave at most to take its place."""
+ELSEWHERE = 5
+"""Other places in the hunting cycle that are tried where the curves leave several."""
+
+TRIALS = (2, 6)
+"""Rounds of simulating and fitting at each, first at all and then at those that may still be best."""
+
+HOPEFUL = 2.0
+"""Misfit over the least at which a place may still be best after the first trial."""
+
+BETTER_PLACE = 0.995
+"""Part of the misfit at the stated place that another must leave at most to take its place."""
 
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
@@ -60,8 +69,7 @@ class Search(Fit):
     @staticmethod
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
         """Simulate the declared pair at all samples and fit what is open of it."""
-        if not model.phased:
-            _phase(model, foreign, step)
+        _place(model, foreign, step)
         return Search._begun(model, foreign, step)
 
     @staticmethod
@@ -130,7 +138,7 @@ class Search(Fit):
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         for one in done:
-            if self.pays(one):
+            if self.significant(one) and self.pays(one):
                 return one
         return None
 
@@ -150,8 +158,12 @@ class Search(Fit):
 
     def least(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what the simulation leaves of others."""
-        physics = one.claim.physics
+        physics, place = one.claim.physics, one.claim.place
         law = physics.law_floor * self.deflection if physics.mean_tooth else 0.0
+        if physics.wavelike and place.order is not None:
+            z = self.model.scope.gears[place.gear or 0].z
+            if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
+                law = OTHERS_BY_LAWS * self.deflection
         return max(FAINT, ECHO * self.largest, law)
 
     def pays(self, one: Candidate) -> bool:
@@ -225,21 +237,33 @@ class Search(Fit):
             self.settle()
 
 
-def _phase(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
-    """Place the teeth within their pitch where the declared pair's curve is too flat to do so: with the phase at which
-    teeth as they were built fit best, since every tooth hands over at the same place of its pitch."""
-    step("placing the teeth within their pitch")
-    pitch, kept = model.scope.gears[1].tau, model.kept()
-    tried: list[float] = []
-    for k in range(PHASES):
-        search = Search._begun(model, foreign, step, passes=2)
-        # Both priors and noise alike, so that the phases compare: the rms of what is left, over all recordings.
-        left = np.concatenate(search.linear.left())
-        tried.append(float(left @ left))
-        model.restore(kept)
-        model.moved(pitch / PHASES)
-        if k == PHASES - 1:
-            model.moved(-pitch)
-    best = int(np.argmin(tried))
-    if tried[best] < BETTER_PHASE * tried[0]:
-        model.moved(best * pitch / PHASES)
+def _place(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
+    """Move all to where teeth as they were built fit best, of what the declared pair's curve leaves open: the tooth,
+    where several do, and the place within a pitch, where the curve is flat."""
+    if model.elsewhere:
+        step("telling the teeth apart")
+        _best_of(model, foreign, step, [0.0, *(-by for by in model.elsewhere[:ELSEWHERE])])
+    if not model.phased:
+        step("placing the teeth within their pitch")
+        # Every tooth hands over at the same place of its pitch.
+        _best_of(model, foreign, step, [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)])
+
+
+def _best_of(model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float]) -> None:
+    """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well."""
+    kept, noise = model.kept(), None
+    tried = dict.fromkeys(ways, 0.0)
+    for passes in TRIALS:
+        least = min(tried.values())
+        tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= HOPEFUL * least}
+        for way in tried if len(tried) > 1 else ():
+            model.moved(way)
+            search = Search._begun(model, foreign, step, passes=passes)
+            # By the same noise, so that the misfits compare.
+            noise = noise or search.noises
+            tried[way] = search.linear.under(noise).system.misfit
+            model.restore(kept)
+            model.moved(-way)
+    best = min(tried, key=lambda way: tried[way])
+    if tried[best] < BETTER_PLACE * tried[ways[0]] - BETTER:
+        model.moved(best)
