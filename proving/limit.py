@@ -72,16 +72,18 @@ def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain) -> FloatArray:
 
 
 def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
-    """Nuisance columns in um per um: index of every tooth, slope of every tooth, mean, thickness, compliance."""
+    """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance."""
     pair = rig.pair
     drive = sight.condition.flank == "drive"
     got = mesh(rig, sight.path.angle(sight.time), torque=sight.condition.torque, flank=sight.condition.flank)
     n = sight.time.size
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
-    out = np.zeros((n, 2 * (z_1 + z_2) + 3 + LAW))
+    both = 2 * (z_1 + z_2)
+    out = np.zeros((n, 2 * both + 3 + LAW))
     side = 1.0 if drive else -1.0
-    starts = (0, z_1, z_1 + z_2, 2 * z_1 + z_2)
+    first = 0 if drive else both
+    starts = tuple(first + start for start in (0, z_1, z_1 + z_2, 2 * z_1 + z_2))
     law = np.zeros((n, LAW))
     full = 1000 * full_torque / pair.driven.r_b
     for slot in range(SLOTS):
@@ -96,7 +98,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
                 for k in range(LAW - 1):
                     law[:, k] += sag * (2 * u - 1) ** k
                 law[:, -1] += sag * np.log(np.maximum(got.forces[:, slot], 1e-3 * full + 1e-9) / (full + 1e-9))
-    mean = 2 * (z_1 + z_2)
+    mean = 2 * both
     out[:, mean] = 1.0
     if not drive:
         out[:, mean + 1 : mean + 3] = 1.0
@@ -117,13 +119,14 @@ class Limit:
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self.z_1 = rig.pair.driving.z
+        self.coast = 2 * (self.z_1 + rig.pair.driven.z)
         self.plain = self.seen(rig)
         top = max(one.condition.torque for one in look)
         self.N = np.concatenate([_whiten(one, chain, _columns(rig, one, top)) for one in look])
         k = self.N.shape[1]
         inverse = np.zeros((k, k))
         place = 0
-        for block in (*index, *slope):
+        for block in (*index, *slope, *index, *slope):
             size = block.shape[0]
             inverse[place : place + size, place : place + size] = np.linalg.inv(block + 1e-6 * np.eye(size))
             place += size
@@ -149,7 +152,8 @@ class Limit:
         would count as evidence though a fit of the teeth follows it.
         """
         start = 0 if index == 1 else self.z_1
-        return np.asarray(self.N[:, start : start + dp.size] @ dp)
+        flanks = (start, start + self.coast)
+        return np.asarray(sum(self.N[:, one : one + dp.size] @ dp for one in flanks))
 
     def size_of(self, s: FloatArray) -> float:
         """Size over limit of a whitened signal."""

@@ -31,7 +31,7 @@ CASES: dict[str, tuple[Place, Values]] = {
     "encoder_interpolation": (Place(gear=0, order=64), (30.0, -12.0)),
     "encoder_scale": (Place(gear=0), (4.0,)),
     "friction": (Place(), (0.08,)),
-    "mesh_resonance": (Place(), (1.0, 150.0, 0.08)),
+    "mesh_resonance": (Place(), (1.0, math.log(150.0), 0.08)),
     "misalignment": (Place(), (12.0,)),
     "profile_crowning": (Place(gear=0), (6.0,)),
     "profile_slope": (Place(gear=1), (5.0,)),

@@ -145,7 +145,7 @@ def test_a_physics_says_what_it_is(name: str) -> None:
 def test_places_are_looked_at_where_the_physics_can_be(name: str) -> None:
     """The typical place is among them, each is there once, and its values fit the coordinates."""
     physics = catalogue()[name]
-    scope = scope_of(declared(name))
+    scope = scope_of(declared(name), CAMPAIGNS.get(name, CONDITIONS))
     places = list(physics.places(scope))
     claim = claim_of(name)
 
@@ -165,6 +165,7 @@ NEEDS = {
     "unloaded": {"friction", "misalignment", "tooth_crack", "tooth_deflection", "shaft_windup"},
     "drive only": {"tooth_thickness"},
     "coast only": {"tooth_crack", "tooth_spall", "tooth_thickness"},
+    "one speed": {"mesh_resonance"},
 }
 
 
@@ -174,6 +175,7 @@ def test_nothing_is_looked_for_where_it_cannot_show(what: str, absent: set[str])
         "unloaded": (Condition(torque_nm=0.0), Condition(torque_nm=0.0, flank="coast")),
         "drive only": (Condition(), Condition(torque_nm=0.0)),
         "coast only": (Condition(flank="coast"), Condition(flank="coast", torque_nm=0.0)),
+        "one speed": CONDITIONS,
     }[what]
     for name in absent:
         assert not list(catalogue()[name].places(scope_of(declared(name), conditions))), name

@@ -56,7 +56,7 @@ class Fit:
         for turn in range(passes):
             self.scenes = self.model.scenes()
             if turn == 0:
-                if self.laws is None:
+                if self.laws is None and passes == PASSES:
                     # Teeth may have begun to bend.
                     self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = nuisance_of(self.model, self.scenes, self.laws)

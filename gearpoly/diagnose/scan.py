@@ -32,11 +32,24 @@ thousands is significant below twice as much."""
 LIKELY = 40
 """Orders per shaft that are looked at closely: the strongest lines, of which one is taken at a time."""
 
-KNOWN = 1e-4
+KNOWN = 1e-6
 """Part of a column's information that must be left beside everything else, or it is told from nothing."""
 
 EVALUATIONS = 18
 """Shapes per coordinate that are tried when a candidate is polished."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Looked:
+    """How many places were looked at: ``waves`` of all orders, and ``others``."""
+
+    waves: int = 0
+    others: int = 0
+
+    def tests(self, physics: Physics) -> int:
+        """Places by which the chance of a claim of a physics counts: waves have one half of the family's, all else the
+        other, or thousands of orders would outvote a few teeth."""
+        return 2 * max(1, self.waves if physics.wavelike else self.others)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,13 +101,13 @@ def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:
 
 def scan(
     model: Model, scenes: list[Scene], linear: Linear, *, only: Iterable[tuple[Physics, Place]] | None = None
-) -> tuple[list[Candidate], int]:
+) -> tuple[list[Candidate], Looked]:
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
-    looked = 0
+    waves = others = 0
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
-        looked += 1
+        waves, others = waves + physics.wavelike, others + (not physics.wavelike)
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -109,7 +122,9 @@ def scan(
     weighed = each(
         lambda group: _weigh(model, scenes, linear, group, roughly=True), [group for group in groups if group]
     )
-    return sorted((one for group in weighed for one in group), key=lambda one: -one.gain), looked
+    return sorted((one for group in weighed for one in group), key=lambda one: -one.gain), Looked(
+        waves=waves, others=others
+    )
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:

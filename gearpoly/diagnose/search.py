@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.linear import linearise
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import law_changes, law_modes
-from gearpoly.diagnose.scan import Candidate, all_places, columns_of, polished, scan
+from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.threads import each
@@ -44,8 +44,8 @@ ELSEWHERE = 5
 TRIALS = (2, 6)
 """Rounds of simulating and fitting at each, first at all and then at those that may still be best."""
 
-HOPEFUL = 2.0
-"""Misfit over the least at which a place may still be best after the first trial."""
+HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
+"""Misfit over the least at which a place, or a phase of a pitch, may still be best after the first trial."""
 
 BETTER_PLACE = 0.995
 """Part of the misfit at the stated place that another must leave at most to take its place."""
@@ -56,15 +56,18 @@ MOST = 8
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
 
+POLISH = 1.6
+"""Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
+
 SHORTLIST = 40
 """Candidates from which those are chosen."""
 
 
 @dataclass(kw_only=True, eq=False)
 class Search(Fit):
-    """The search in progress; ``tests`` places were looked at."""
+    """The search in progress; ``looked`` says at how many places."""
 
-    tests: int = 1
+    looked: Looked = field(default_factory=Looked)
 
     @staticmethod
     def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
@@ -75,7 +78,8 @@ class Search(Fit):
     @staticmethod
     def _begun(model: Model, foreign: list[FloatArray], step: Callable[[str], None], passes: int = PASSES) -> Search:
         scenes = model.scenes()
-        laws = law_modes(scenes, law_changes(scenes))
+        # A trial does without: laws differ alike wherever the teeth are.
+        laws = law_modes(scenes, law_changes(scenes)) if passes == PASSES else None
         nuisance = nuisance_of(model, scenes, laws)
         first = noises(model, model.residuals(scenes))
         linear = linearise(model, scenes, first, nuisance=nuisance, foreign=foreign)
@@ -100,7 +104,7 @@ class Search(Fit):
         found: list[Candidate] = []
         while len(self.model.claims) < MOST:
             self.step(f"looking for what is missing ({len(self.model.claims)} found)")
-            found, self.tests = scan(self.model, self.scenes, self.linear)
+            found, self.looked = scan(self.model, self.scenes, self.linear)
             best = self.best(found, refused)
             if best is None:
                 break
@@ -129,7 +133,7 @@ class Search(Fit):
 
     def best(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> Candidate | None:
         """The candidate that explains most, shapes polished, if it is more than chance and pays on held-out cycles."""
-        likely = [one for one in found[: 4 * SHORTLIST] if self.significant(one) and one.claim.key not in refused]
+        likely = [one for one in found[: 4 * SHORTLIST] if self.hopeful(one) and one.claim.key not in refused]
         chosen: list[Candidate] = []
         for one in likely[:SHORTLIST]:
             alike = [other for other in chosen if other.claim.physics is one.claim.physics]
@@ -142,13 +146,20 @@ class Search(Fit):
                 return one
         return None
 
+    def hopeful(self, one: Candidate) -> bool:
+        """Whether a candidate may be significant once its shape is polished."""
+        shaped = len(one.claim.values) > one.claim.physics.amplitudes
+        return self.significant(replace(one, gain=POLISH * one.gain) if shaped else one)
+
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
         physics, gear = one.claim.physics, one.claim.place.gear
         if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
-        return honest.log_chance(tests=max(self.tests, 1)) < math.log(FAMILY) and self.size(one) > self.least(one)
+        return honest.log_chance(tests=self.looked.tests(physics)) < math.log(FAMILY) and self.size(one) > self.least(
+            one
+        )
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
@@ -240,22 +251,33 @@ class Search(Fit):
 def _place(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
     """Move all to where teeth as they were built fit best, of what the declared pair's curve leaves open: the tooth,
     where several do, and the place within a pitch, where the curve is flat."""
-    if model.elsewhere:
+    if model.elsewhere and _told_apart(model):
         step("telling the teeth apart")
-        _best_of(model, foreign, step, [0.0, *(-by for by in model.elsewhere[:ELSEWHERE])])
+        ways = [0.0, *(-by for by in model.elsewhere[:ELSEWHERE])]
+        _best_of(model, foreign, step, ways, hopeful=HOPEFUL)
     if not model.phased:
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch.
-        _best_of(model, foreign, step, [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)])
+        ways = [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)]
+        _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
 
 
-def _best_of(model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float]) -> None:
-    """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well."""
+def _told_apart(model: Model) -> bool:
+    """Whether anything is declared that makes one tooth another than the next."""
+    sections = model.scope.file.driving, model.scope.file.driven
+    return any(one.eccentricity is not None for one in sections) or any(model.scope.inspected)
+
+
+def _best_of(
+    model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float
+) -> None:
+    """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well; only
+    what is ``hopeful`` times the least or better after a first trial is looked at closely."""
     kept, noise = model.kept(), None
     tried = dict.fromkeys(ways, 0.0)
     for passes in TRIALS:
         least = min(tried.values())
-        tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= HOPEFUL * least}
+        tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= hopeful * least}
         for way in tried if len(tried) > 1 else ():
             model.moved(way)
             search = Search._begun(model, foreign, step, passes=passes)

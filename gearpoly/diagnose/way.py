@@ -27,6 +27,12 @@ which it falls after a good step and rises after a bad one: the ways that data t
 FREE = 1e-4
 """Damping below which a step is not damped."""
 
+POOR = 0.2
+"""Part of its promise that a step must keep, or the next is more careful."""
+
+VAIN = 10.0
+"""Promises in units of what is enough below which a step that follows one in vain is not made."""
+
 TRIALS = 4
 """Trials of one step after which a fit rests where it is."""
 
@@ -41,6 +47,7 @@ class Way:
         self._last: FloatArray | None = None
         self._misfit = math.inf
         self._gained = math.inf
+        self._promise = 0.0
         self._damping = 0.0
         self._trials = 0
         self.step: FloatArray = np.zeros(0)
@@ -55,8 +62,9 @@ class Way:
 
     @property
     def rests(self) -> bool:
-        """Whether the last step gained nothing worth another."""
-        return self._gained < NEGLIGIBLE or self.fall < self.enough
+        """Whether the next step is not worth its simulation: it promises little, or not much after one that kept
+        nothing of its promise."""
+        return self.fall < self.enough or (self._gained < NEGLIGIBLE and self.fall < VAIN * self.enough)
 
     def again(self) -> bool:
         """A more careful step from the last good state; whether it is worth a trial."""
@@ -77,7 +85,10 @@ class Way:
         self._inside = ~np.isnan(present)
         self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
         self._system = system
-        self._damping = self._damping * LESS if self._damping > FREE / LESS else 0.0
+        if not first and self._gained < POOR * self._promise:
+            self._damping = max(self._damping * MORE, DAMPED)
+        else:
+            self._damping = self._damping * LESS if self._damping > FREE / LESS else 0.0
         self._damped()
         if first:
             self.fall = math.inf
@@ -103,7 +114,7 @@ class Way:
             damped = system.normal.copy()
             damped[np.diag_indices(system.size)] *= 1.0 + self._damping * self._inside
             whole = np.asarray(np.linalg.solve(damped, towards), dtype=np.float64)
-        self.fall = float(2.0 * towards @ whole - whole @ system.normal @ whole)
+        self.fall = self._promise = float(2.0 * towards @ whole - whole @ system.normal @ whole)
         self._at = self._start + whole
         self.step = np.where(self._inside, whole, 0.0)
 

@@ -19,11 +19,16 @@ gets through; above, it hardly swings."""
 
 DAMPINGS = (0.03, 0.1)
 
+HIGHEST_DAMPING = 0.3
+"""Shafts and gears of steel hardly reach a tenth; more is no resonance."""
+
 
 def _places(scope: Scope) -> Iterable[Place]:
     speeds = [speed for speed in scope.speeds if speed is not None]
-    if len(speeds) < len(scope.speeds) or scope.file.pair.resonance is not None or not speeds:
+    if len(speeds) < len(scope.speeds) or scope.file.pair.resonance is not None:
         return
+    if len({round(speed, 3) for speed in speeds}) < 2:
+        return  # at one speed it would stand for whatever a law of compliance leaves of the mean tooth
     mesh = max(speeds) * scope.gears[0].z / (2.0 * math.pi)
     for part in np.geomspace(LOWEST, HIGHEST, TRIED).tolist():
         for damping in DAMPINGS:
@@ -57,7 +62,7 @@ PHYSICS = Physics(
     coordinates=(
         Quantity(name="present", low=0.0, high=1.0),
         Quantity(name="ln_frequency", low=-4.0, high=12.0, step=0.003),
-        Quantity(name="damping_ratio", low=0.001, high=1.0, step=0.01),
+        Quantity(name="damping_ratio", low=0.001, high=HIGHEST_DAMPING, step=0.01),
     ),
     amplitudes=1,
     fixed_amplitudes=True,

@@ -264,8 +264,9 @@ def _rms(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
 def _strangers(strangers: list[CaseScore], limits: Thresholds) -> list[Row]:
     return [
         at_least(
-            "strangers_located", "effects outside the catalogue located",
-            [(one.name, one.located) for one in strangers], limits.goal["strangers_located"],
+            "strangers_located",
+            f"effects outside the catalogue located, from {limits.detected_from:g} times the theoretical limit on",
+            [(one.name, one.located) for one in strangers if _large(one, limits)], limits.goal["strangers_located"],
         ),
         at_most(
             "strangers_named", "effects outside the catalogue given a false name",
