@@ -79,7 +79,8 @@ def compliance_scale(search: Search) -> tuple[float, float] | None:
     if place is None or any(claim.physics.name == "tooth_deflection" for claim in model.claims):
         return None
     at = search.linear.layout.nuisance.start + place
-    return model.scale, model.scale * math.sqrt(max(float(search.linear.system.covariance[at, at]), 0.0))
+    scale = model.ratio * model.scale
+    return scale, scale * math.sqrt(max(float(search.linear.system.covariance[at, at]), 0.0))
 
 
 def contradicted(search: Search) -> list[str]:

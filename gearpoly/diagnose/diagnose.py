@@ -182,6 +182,7 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
     found = claim.physics.report(claim.place, np.array(claim.values), covariance)
     scale = found.pop("compliance_scale", None)
     if scale is not None:
+        scale = model.ratio * scale[0], model.ratio * scale[1]
         unit = pitch_point_compliance(model)
         found = {"compliance_um_per_n": (scale[0] * unit, scale[1] * unit), "compliance_scale": scale, **found}
     return found

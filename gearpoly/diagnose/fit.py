@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -79,12 +80,12 @@ class Fit:
                 break
         self.measure()
 
-    def kept(self) -> tuple[dict[str, object], dict[str, object]]:
+    def kept(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""
         names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection")
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
-    def restore(self, kept: tuple[dict[str, object], dict[str, object]]) -> None:
+    def restore(self, kept: tuple[dict[str, Any], dict[str, Any]]) -> None:
         """Come back to a state."""
         self.model.restore(kept[0])
         for name, value in kept[1].items():
@@ -156,6 +157,25 @@ class Fit:
         self.model.soften(list(changes.values())[best].ratio)
         self.laws = None
         self.settle()
+
+    def declared_law(self) -> None:
+        """Come back to the declared compliance law, unless another still fits clearly better: one that was taken for
+        want of a physics is in the way once that is found."""
+        if self.model.law is None:
+            return
+        before, there = self.kept(), self.linear.system.misfit
+        self.model.soften(self.by_declared_law())
+        self.model.law = None
+        self.laws = None
+        self.settle()
+        if self.linear.under(before[1]["noises"]).system.misfit > there + CLEARLY:
+            self.restore(before)
+
+    def by_declared_law(self) -> float:
+        """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
+        named = self.model.declared.model
+        back = law_changes(self.scenes).get((named.compliance, named.contact))
+        return 1.0 if back is None else back.ratio
 
     def widen(self) -> None:
         """Fit once more with as much doubt about the compliance law as it turned out to be wrong.

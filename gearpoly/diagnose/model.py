@@ -40,7 +40,8 @@ class Model:
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
     ``phased``: the alignment placed the teeth within their pitch; ``elsewhere`` in rad of driven rotation is how far on
     in the hunting cycle it may be as well; ``offset`` how far all was moved since.
-    ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones);
+    ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
+    which the declared ones give as much in the mean;
     ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
 
@@ -54,6 +55,7 @@ class Model:
     scale: float = 1.0
     shift: float = 0.0
     law: tuple[str, str] | None = None
+    ratio: float = 1.0
     phased: bool = True
     elsewhere: tuple[float, ...] = ()
     offset: float = 0.0

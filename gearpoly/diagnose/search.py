@@ -116,6 +116,7 @@ class Search(Fit):
                 if len(refused) > MOST:
                     break
         self.widen()
+        self.model.ratio = self.by_declared_law()
         return found
 
     def accept(self, claim: Claim) -> bool:
@@ -123,6 +124,7 @@ class Search(Fit):
         self.model.claims.append(claim)
         try:
             self.settle()
+            self.declared_law()
             self.choose_law()
             self.drop_idle()
             kept = claim.key in {one.key for one in self.model.claims}

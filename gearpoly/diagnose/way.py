@@ -114,9 +114,11 @@ class Way:
             damped = system.normal.copy()
             damped[np.diag_indices(system.size)] *= 1.0 + self._damping * self._inside
             whole = np.asarray(np.linalg.solve(damped, towards), dtype=np.float64)
-        self.fall = self._promise = float(2.0 * towards @ whole - whole @ system.normal @ whole)
+        self.fall = float(2.0 * towards @ whole - whole @ system.normal @ whole)
         self._at = self._start + whole
         self.step = np.where(self._inside, whole, 0.0)
+        # What is not in the simulation is fitted at both ends.
+        self._promise = self._misfit - misfit_at(system, np.where(self._inside, self._at, np.nan))
 
 
 def misfit_at(system: System, present: FloatArray) -> float:
