@@ -1,0 +1,104 @@
+"""Where the teeth are, when nobody inspected them and nothing bends: found by the fit of the teeth themselves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.prepare import means_compare
+from gearpoly.diagnose.verdict import Diagnosis
+from gearpoly.files.models import PairFile
+from gearpoly.recording.recording import Recording
+from gearpoly.units import UM
+from tests.physics_cases import ZEROS, Condition, recorded
+
+Z = 12, 16
+TURN = 2.0 * math.pi
+UNLOADED = Condition(torque_nm=0.0)
+
+
+def made_gears(rng: np.random.Generator, *, off_um: float = 0.0) -> tuple[PairFile, PairFile]:
+    """An unloaded pair of grade 6 as built, all slopes of the driving gear one way so that pairs hand over late, and what
+    is declared of it; both gears ``off_um`` off their axes."""
+    true: dict[str, Any] = {"model": {"tooth_deflection": False}}
+    known: dict[str, Any] = {"model": {"tooth_deflection": False}}
+    for name, z, slope in zip(("driving", "driven"), Z, (2.0, 0.0), strict=True):
+        basis: dict[str, Any] = {"teeth": z, "module_mm": 2.0, "face_width_mm": 20.0, "points_per_flank": 800}
+        if off_um:
+            basis["eccentricity"] = {"amplitude_um": off_um, "angle_deg": float(rng.uniform(0.0, 360.0))}
+        pitch = np.cumsum(rng.normal(0.0, 1.2, z))
+        sheet = {
+            "pitch_um": (pitch - pitch.mean()).round(3).tolist(),
+            "profile_slope_um": (slope + rng.normal(0.0, 0.4, z)).round(3).tolist(),
+            "tooth_thickness_um": -60.0,
+        }
+        true[name] = {**basis, "inspection": sheet}
+        known[name] = {**basis, "grade": 6, "limits": {"E_sns_um": -50, "E_sni_um": -70}}
+    return PairFile.model_validate(true), PairFile.model_validate(known)
+
+
+def found(known: PairFile, recordings: list[Recording], folder: Path) -> Diagnosis:
+    return diagnose(known, recordings, path=folder / "pair.toml")
+
+
+def off_pitches(diagnosis: Diagnosis) -> float:
+    """How far the driven zero is off the true one."""
+    zero = diagnosis.comparison.alignment.zeros.driven
+    assert zero is not None
+    return math.remainder(zero - ZEROS[1], TURN) / (TURN / Z[1])
+
+
+def later(one: Recording, pitches: float) -> Recording:
+    """The recording with both zeros stated so many pitches late."""
+    pitch = TURN / Z[1] * pitches
+    return replace(one, driving_zero_rad=ZEROS[0] - pitch * Z[1] / Z[0], driven_zero_rad=ZEROS[1] + pitch)
+
+
+@pytest.mark.parametrize("pitches", [0.0, 0.3])
+def test_unloaded_teeth_that_nobody_inspected_leave_only_noise(pitches: float, tmp_path: Path) -> None:
+    """Each step of the fit moves all hand-overs, and the declared curve is flat: nothing says where a pitch begins but
+    the teeth, of which nothing is known. 3 % of the noise are three standard errors of its 3840 samples."""
+    true, known = made_gears(np.random.default_rng(7))
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=4.0)
+    diagnosis = found(known, [later(one, pitches)], tmp_path)
+    assert [f.claim.physics.name for f in diagnosis.findings] == []
+    assert diagnosis.status == "nothing_missing"
+    assert diagnosis.after.seen == pytest.approx(0.3 * UM, rel=0.03)
+    # An eighth of a pitch apart are the places tried; half of that is left to the fit.
+    assert abs(off_pitches(diagnosis)) < 1.0 / 16.0
+
+
+@pytest.mark.slow
+def test_teeth_are_told_apart_by_the_fit_where_the_curves_leave_several(tmp_path: Path) -> None:
+    """40 um off the axis, a tooth further looks almost alike: graded teeth make up for first order, not for second."""
+    true, known = made_gears(np.random.default_rng(8), off_um=40.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=8.0)
+    one = replace(one, driving_zero_rad=None, driven_zero_rad=None)
+    diagnosis = found(known, [one], tmp_path)
+    assert diagnosis.status == "nothing_missing"
+    assert abs(off_pitches(diagnosis)) < 0.1
+
+
+def computed(te: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Recording:
+    return Recording(source=Path("rig.csv"), driven_angle_rad=np.linspace(0.0, 9.0, te.size), te_mm=te)
+
+
+def test_means_compare_where_zeros_are_kept() -> None:
+    """Encoders keep their zeros; a rig that computes keeps its own, unless it took the mean off or began at nothing."""
+    rng = np.random.default_rng(1)
+    te = 3.0 * UM + rng.normal(0.0, UM, 500)
+    read = Recording(
+        source=Path("a.csv"), driving_angle_rad=np.linspace(0, 9, 500), driven_angle_rad=np.linspace(0, 6, 500)
+    )
+    assert means_compare([read, read]) == (True, True)
+    assert means_compare([computed(te), computed(te + 2.0 * UM)]) == (True, True)
+    assert means_compare([computed(te)]) == (False,)
+    assert means_compare([computed(te), read]) == (False, True)
+    assert means_compare([computed(te), computed(te - te.mean())]) == (False, False)
+    assert means_compare([computed(te), computed(te - te[0])]) == (False, False)
