@@ -24,8 +24,8 @@ UNLOADED = Condition(torque_nm=0.0)
 
 
 def made_gears(rng: np.random.Generator, *, off_um: float = 0.0) -> tuple[PairFile, PairFile]:
-    """An unloaded pair of grade 6 as built, all slopes of the driving gear one way so that pairs hand over late, and what
-    is declared of it; both gears ``off_um`` off their axes."""
+    """An unloaded pair of grade 6 as built, all slopes of the driving gear one way so that pairs hand over late, and
+    what is declared of it; both gears ``off_um`` off their axes."""
     true: dict[str, Any] = {"model": {"tooth_deflection": False}}
     known: dict[str, Any] = {"model": {"tooth_deflection": False}}
     for name, z, slope in zip(("driving", "driven"), Z, (2.0, 0.0), strict=True):
