@@ -21,7 +21,7 @@ from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
 FAMILY = 0.025
-"""Chance that a healthy set of recordings raises any claim: half of the 5 % that claims and what is located share."""
+"""Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located."""
 
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
