@@ -25,8 +25,8 @@ each, and the longest honest ones take four times as long."""
 
 
 LONGEST_QUICK = 90.0
-"""The same on the quick ground, which is to be done in three minutes whatever happens, and for a diagnosis that is to do
-without a part of its method: claim after claim of coloured noise takes long, and the first say enough."""
+"""The same on the quick ground, which is to be done in three minutes whatever happens, and for a diagnosis that is to
+do without a part of its method: claim after claim of coloured noise takes long, and the first say enough."""
 
 
 class TooLongError(Exception):
