@@ -174,7 +174,8 @@ class Fit:
     def by_declared_law(self) -> float:
         """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
         named = self.model.declared.model
-        back = law_changes(self.scenes).get((named.compliance, named.contact))
+        law = named.compliance, named.contact
+        back = law_changes(self.scenes, only=law).get(law)
         return 1.0 if back is None else back.ratio
 
     def widen(self) -> None:

@@ -125,8 +125,8 @@ class LawChange:
     parts: list[FloatArray]
 
 
-def law_changes(scenes: list[Scene]) -> dict[Law, LawChange]:
-    """What every other pair of laws changes in all scenes; empty where nothing bends."""
+def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, LawChange]:
+    """What every other pair of laws, or ``only`` one, changes in all scenes; empty where nothing bends."""
     out: dict[Law, LawChange] = {}
     loaded = [scene for scene in scenes if scene.bends]
     if not loaded:
@@ -135,7 +135,7 @@ def law_changes(scenes: list[Scene]) -> dict[Law, LawChange]:
     bent = sum(float(np.mean(scene.te - stiff)) for scene, stiff in zip(loaded, rigid, strict=True))
     for law in law_names():
         for contact in CONTACTS:
-            if (law, contact) == _law_of(loaded[0]):
+            if (law, contact) == _law_of(loaded[0]) or only not in (None, (law, contact)):
                 continue
             there = each(partial(_under, law=law, contact=contact, ratio=1.0), loaded)
             ratio = bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
