@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.compare.among import turns_between
 from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
 from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
@@ -289,7 +290,8 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
-            turns[k] = np.argmin(ways, axis=0) * turn
+            known = turns_between(fits[0].curve, fit.curve, cycle)
+            turns[k] = (np.argmin(ways, axis=0) if known is None else known) * turn
         total += misfit[(index + turns[k]) % cycle.size]
     return total, turns
 

@@ -14,5 +14,8 @@ waves and means, and short stretches about the corners. Eccentric gears spread i
 OTHERS_BY_LAWS = 0.006
 """The same for single teeth and other waves, whose sharing follows the law."""
 
+CORNER = 0.2
+"""Pitches below which a stretch of a single tooth may be about its corners, where it takes over or lets go."""
+
 BESIDE_MESH = 2
 """Shaft orders beside a mesh order at which eccentric gears put what a law leaves of it."""

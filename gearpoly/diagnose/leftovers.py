@@ -13,7 +13,7 @@ from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
-from gearpoly.diagnose.fidelity import BY_LAWS, OTHERS_BY_LAWS
+from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
@@ -134,7 +134,10 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
 def _by_law(entry: Entry, deflection: float) -> bool:
     """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent."""
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
-    return size < BY_LAWS.get(entry.kind, OTHERS_BY_LAWS) * deflection
+    part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
+    if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
+        part = BY_LAWS["mesh_phase"]
+    return size < part * deflection
 
 
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:

@@ -186,6 +186,33 @@ def _weigh(
     return out
 
 
+def together(model: Model, scenes: list[Scene], linear: Linear, physics: Physics) -> tuple[float, list[Claim]]:
+    """The gain in misfit of a shaped physics claimed of both gears at once, and the two claims, at the shapes of its
+    places that gain most; nothing where it cannot be on both."""
+    held: list[Claim] = []
+    for place in physics.places(model.scope):
+        claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
+        if place.gear is not None and claim.key not in {one.key for one in model.claims}:
+            held.append(claim)
+    first = [k for k, one in enumerate(held) if one.place.gear == 0]
+    second = [k for k, one in enumerate(held) if one.place.gear == 1]
+    if not first or not second or physics.amplitudes != 1:
+        return 0.0, []
+    parts = [_columns(model, scenes, claim) for claim in held]
+    sums = [linear.sums(k, np.concatenate([mine[k] for mine in parts], axis=1)) for k in range(len(scenes))]
+    score, information = linear.system.beside(sums)
+    pairs = np.array([(i, j) for i in first for j in second])
+    gain, amplitude = gain_of(score, information, pairs)
+    possible = np.array([all(_allowed(physics, one[k : k + 1]) for k in (0, 1)) for one in amplitude])
+    if not possible.any():
+        return 0.0, []
+    best = int(np.argmax(np.where(possible, gain, -np.inf)))
+    return float(gain[best]), [
+        replace(held[k], values=(float(a), *held[k].values[1:]))
+        for k, a in zip(pairs[best].tolist(), amplitude[best].tolist(), strict=True)
+    ]
+
+
 def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate) -> Candidate:
     """The candidate at the shape that gains most."""
     physics, claim = candidate.claim.physics, candidate.claim

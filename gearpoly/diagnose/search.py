@@ -14,9 +14,9 @@ from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.linear import linearise
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import law_changes, law_modes
-from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan
+from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan, together
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Claim
+from gearpoly.physics.base import Claim, Physics
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
@@ -31,6 +31,9 @@ SWAPS = 4
 
 LIKELY = 0.7
 """Part of a claim's gain that its substitute must reach by its coarse shapes to be polished."""
+
+PARTLY, MOSTLY = 0.03, 0.1
+"""Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
 
 BETTER = 10.0
 """Gain by which a substitute must be better than the claim: more than three standard deviations."""
@@ -129,6 +132,7 @@ class Search(Fit):
             self.drop_idle()
             kept = claim.key in {one.key for one in self.model.claims}
             self.swap()
+            self.even()
         except GearpolyError:
             return False
         return kept
@@ -144,14 +148,13 @@ class Search(Fit):
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         for one in done:
-            if self.significant(one) and self.pays(one):
+            if self.significant(one) and self.matters(one) and self.pays(one):
                 return one
         return None
 
     def hopeful(self, one: Candidate) -> bool:
         """Whether a candidate may be significant once its shape is polished."""
-        shaped = len(one.claim.values) > one.claim.physics.amplitudes
-        return self.significant(replace(one, gain=POLISH * one.gain) if shaped else one)
+        return self.significant(replace(one, gain=POLISH * one.gain) if _shaped(one.claim.physics) else one)
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
@@ -162,6 +165,15 @@ class Search(Fit):
         return honest.log_chance(tests=self.looked.tests(physics)) < math.log(FAMILY) and self.size(one) > self.least(
             one
         )
+
+    def matters(self, one: Candidate) -> bool:
+        """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
+        the simulation is wrong in some way of its own (a law of compliance, corners), and small parts of that look like
+        anything; most of all like a further physics of the mean tooth."""
+        samples = sum(scene.samples.size for scene in self.scenes)
+        beyond = self.linear.system.misfit - samples
+        further = one.claim.physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
+        return one.gain > (MOSTLY if further else PARTLY) * beyond
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
@@ -207,13 +219,14 @@ class Search(Fit):
             )
             if better is None:
                 return
-            k, _, claim = better
-            self.model.claims[k] = claim
+            k, _, claims = better
+            self.model.claims[k : k + 1] = claims
             self.settle()
             self.drop_idle()
 
-    def _better(self, k: int) -> list[tuple[int, float, Claim]]:
-        """What would explain more in the place of claim ``k``, with how much more."""
+    def _better(self, k: int) -> list[tuple[int, float, list[Claim]]]:
+        """What would explain more in the place of claim ``k``, with how much more: another physics, or one of both
+        gears, of which it may be the likeness."""
         claim = self.model.claims[k]
         if claim.physics.wavelike:
             return []
@@ -229,11 +242,33 @@ class Search(Fit):
         ]
         found, _ = scan(others, self.scenes, bare, only=places)
         out = []
+        twins = (p for p in self.model.method.physics if _shaped(p) and p is not claim.physics and p.mean_tooth)
+        for physics in twins if claim.physics.mean_tooth else ():
+            both, claims = together(others, self.scenes, bare, physics)
+            freedoms = sum(len(one.values) for one in claims)
+            if claims and both - 2.0 * freedoms > gain - 2.0 * len(claim.values) + BETTER:
+                out.append((k, both - gain, claims))
         for one in [c for c in found if c.claim.key != claim.key and c.gain > LIKELY * gain][:2]:
             done = polished(others, self.scenes, bare, one)
             if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER:
-                out.append((k, done.gain - gain, done.claim))
+                out.append((k, done.gain - gain, [done.claim]))
         return out
+
+    def even(self) -> None:
+        """Begin once more with both gears alike where a shaped physics is claimed of both: what one takes of the other
+        bends the valley between them into several, and makers relieve both gears alike."""
+        for k, one in enumerate(self.model.claims):
+            twins = [j for j, other in enumerate(self.model.claims) if _are_twins(one, other)]
+            if not twins:
+                continue
+            before, there = self.kept(), self.linear.system.misfit
+            values = tuple(np.mean([one.values, self.model.claims[twins[0]].values], axis=0).tolist())
+            for j in (k, twins[0]):
+                self.model.claims[j] = replace(self.model.claims[j], values=values)
+            self.settle()
+            if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
+                self.restore(before)
+            return
 
     def drop_idle(self) -> None:
         """Take back claims that no longer gain more than chance would, weakest first."""
@@ -262,6 +297,17 @@ def _place(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         # Every tooth hands over at the same place of its pitch.
         ways = [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)]
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
+
+
+def _are_twins(one: Claim, other: Claim) -> bool:
+    """Whether two claims are the same shaped physics of the mean tooth, one of each gear."""
+    alike = _shaped(one.physics) and one.physics.mean_tooth and other.physics is one.physics
+    return alike and one.place.gear == 0 and other.place.gear == 1
+
+
+def _shaped(physics: Physics) -> bool:
+    """Whether a physics has more to it than amplitudes."""
+    return len(physics.coordinates) > physics.amplitudes
 
 
 def _told_apart(model: Model) -> bool:
