@@ -12,12 +12,18 @@ from gearpoly.compare.locate import locate
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.sharing import Sharing
 from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.template import make_template
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.units import UM, FloatArray
+
+
+STANDS = 4.0
+"""Standard errors by which a foreign wave stands out beside everything else; none is located at less."""
 
 
 def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
@@ -92,12 +98,15 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     gears = tuple(
         GearKnown(z=known.z, uncertainty=1e-4, zero=known.zero, direction=known.direction) for known in comparison.gears
     )
-    # The foreign waves are put back: they are to be found again, with their size.
+    # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
+    # teeth as they were built: their size is whatever the teeth leave open.
     x = linear.system.solution.copy()
-    x[layout.foreign] = 0.0
+    size, std = np.abs(x[layout.foreign]), np.sqrt(np.diag(linear.system.covariance)[layout.foreign])
+    x[layout.foreign] = np.where(size > STANDS * std, 0.0, x[layout.foreign])
     residuals = []
+    sharings = fitted_sharing(search)
     left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
-    for one, scene, rest in zip(comparison.aligned, search.scenes, left, strict=True):
+    for one, scene, rest, sharing in zip(comparison.aligned, search.scenes, left, sharings, strict=True):
         residuals.append(
             AlignedResidual(
                 theta_1=scene.samples.theta_1,
@@ -108,8 +117,8 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
                 torque=one.torque,
                 speed=one.speed,
                 flank=one.flank,
-                sharing=one.template.sharing,
-                contact=one.template.sharing.contact,
+                sharing=sharing,
+                contact=sharing.contact,
             )
         )
     pair = comparison.assembled.pair
@@ -129,6 +138,18 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
+
+
+def fitted_sharing(search: Search) -> list[Sharing]:
+    """How the pairs of the fitted set-up share each recording: without load that is another matter than for the
+    declared teeth, which touch all at once."""
+    assembled = search.model.assembled()
+    made: dict[tuple[str, float], Sharing] = {}
+    for scene in search.scenes:
+        flank, torque = scene.samples.flank, scene.samples.torque
+        if (flank, torque) not in made:
+            made[flank, torque] = make_template(assembled, flank=flank, torque=torque).sharing
+    return [made[scene.samples.flank, scene.samples.torque] for scene in search.scenes]
 
 
 def _by_law(entry: Entry, deflection: float) -> bool:
