@@ -21,7 +21,6 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.units import UM, FloatArray
 
-
 STANDS = 4.0
 """Standard errors by which a foreign wave stands out beside everything else; none is located at less."""
 
