@@ -15,6 +15,9 @@ ALIKE = 0.5
 CLEARLY = 4.0
 """Standard errors by which the place taken must be more alike than any other."""
 
+PERFECT = 1.0 - 1e-12
+"""Correlation of a recording with itself, short of what has no transformation."""
+
 COVERED = 0.5
 """Part of the hunting cycle's meshes that both recordings must hold."""
 
@@ -42,9 +45,8 @@ def turns_between(first: Curve, other: Curve, cycle: Cycle) -> int | None:
     best = int(np.argmax(alike))
     next_best = float(np.max(np.delete(alike, best), initial=-1.0))
     # By Fisher's transformation a correlation is normal with this standard error.
-    apart = (np.arctanh(min(alike[best], 1.0 - 1e-12)) - np.arctanh(min(next_best, 1.0 - 1e-12))) * math.sqrt(
-        max(held - 3, 0)
-    )
+    sure, doubt = np.arctanh(np.clip([alike[best], next_best], -PERFECT, PERFECT))
+    apart = (sure - doubt) * math.sqrt(max(held - 3, 0))
     return best if alike[best] > ALIKE and apart > CLEARLY else None
 
 

@@ -1,0 +1,46 @@
+"""Whole turns between two recordings, told by teeth that nobody inspected."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.among import turns_between
+from gearpoly.compare.curve import Curve, Cycle
+
+Z = 18, 25
+MESHES = 450
+CYCLE = cast(Cycle, SimpleNamespace(meshes=MESHES, pitch=2.0 * np.pi / Z[1]))
+
+
+def seen(turns: int, *, turn: int, deflection: float, rng: np.random.Generator, meshes: int = MESHES) -> Curve:
+    """A curve whose zero is so many turns of its encoder's shaft late: pitch errors of both gears, a ripple at every
+    mesh, an offset by load, noise."""
+    pitch = np.random.default_rng(3).normal(0.0, 3.0, Z[0]), np.random.default_rng(4).normal(0.0, 3.0, Z[1])
+    theta_2 = np.sort(rng.uniform(0.0, meshes, 16 * meshes)) * CYCLE.pitch
+    mesh = np.floor(theta_2 / CYCLE.pitch).astype(int) - turns * turn
+    te = pitch[0][mesh % Z[0]] + pitch[1][mesh % Z[1]] - deflection + 0.2 * deflection * np.sin(Z[1] * theta_2)
+    te = 1e-3 * (te + rng.normal(0.0, 1.0, te.size))
+    return cast(Curve, SimpleNamespace(theta_2=theta_2, te=te, weight=np.ones(te.size), turn=turn))
+
+
+@pytest.mark.parametrize("turns", [0, 1, 7, 17])
+@pytest.mark.parametrize("turn", [25, 18])
+def test_turns_are_told_by_the_mates_teeth(turns: int, turn: int) -> None:
+    """Modulo the hunting cycle: after 18 turns of the driven shaft, or 25 of the driving, all is as before."""
+    rng = np.random.default_rng(turns)
+    one = seen(0, turn=turn, deflection=0.0, rng=rng)
+    other = seen(turns, turn=turn, deflection=8.0, rng=rng)
+    assert turns_between(one, other, CYCLE) == turns % (MESHES // turn)
+
+
+def test_what_is_too_short_or_all_alike_tells_nothing() -> None:
+    rng = np.random.default_rng(1)
+    whole = seen(0, turn=25, deflection=0.0, rng=rng)
+    assert turns_between(whole, seen(3, turn=25, deflection=0.0, rng=rng, meshes=150), CYCLE) is None
+    noise = cast(Curve, SimpleNamespace(**{**vars(whole), "te": rng.normal(0.0, 1e-3, whole.te.size)}))
+    assert turns_between(noise, noise, CYCLE) == 0  # the very same samples are as alike as can be
+    assert turns_between(whole, noise, CYCLE) is None
