@@ -11,7 +11,7 @@ ORDER = 70
 
 
 def prove(
-    quick: Annotated[bool, typer.Option("--quick", help="16 cases instead of 440, without controls.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="16 cases instead of 454, without controls.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of the ground; another one makes cases that nobody has seen.")] = 1,
     json: Annotated[
         Path | None, typer.Option(help="Write every figure of the scoreboard (JSON; - for standard output).")

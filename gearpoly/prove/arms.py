@@ -11,7 +11,7 @@ from proving.ground import Entry
 PLAIN = "plain"
 """The arm of the proof itself."""
 
-MOST = 12
+MOST = 16
 """Cases per arm: a rate of one half is then known to 0.2, and five arms cost a fifth of the ground."""
 
 
