@@ -131,8 +131,17 @@ def test_numberings_come_from_the_curves_alone(case: str, tmp_path: Path) -> Non
         assert one is not None and other is not None
         # The same minimum, begun elsewhere.
         assert apart(one / DEG, other / DEG) < 0.001
-    # Reliefs and deflection that the file does not know of move the corners, which is what the zero goes by.
-    assert found.alignment.std / DEG < (0.1 if case == "relief_cancels_deflection" else 0.03)
+    if case != "relief_cancels_deflection":  # asked for below
+        assert found.alignment.std / DEG < 0.03
+
+
+@pytest.mark.slow
+@needs_bench
+@pytest.mark.xfail(reason="0.064 deg is stated, though a fit of everything puts the zero within 0.004 deg of it")
+def test_undeclared_reliefs_leave_the_zero_known() -> None:
+    pair, recordings = bench("relief_cancels_deflection")
+    found = lay_beside(read_pair(pair), [read_recording(r) for r in recordings], path=pair)
+    assert found.alignment.std / DEG < 0.03
 
 
 @needs_bench

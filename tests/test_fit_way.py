@@ -23,16 +23,17 @@ def system(of: Curve, x: FloatArray, *, step: float = 1e-7) -> System:
 
 def walked(of: Curve, start: FloatArray, *, most: int) -> tuple[FloatArray, int, list[float]]:
     """Where a fit comes to rest, after how many looks at the curve, and the square misfits of the states it kept."""
-    way, x, kept = Way(), start.copy(), []
+    way, x, good, kept = Way(), start.copy(), start.copy(), []
     for n in range(1, most + 1):
         linear = system(of, x)
         if way.overshot(linear, x):
             if not way.again():
-                return np.asarray(way.kept), n, kept
-            x = way.kept + way.step
+                return good, n, kept
+            x = good + way.step
             continue
         kept.append(float(of(x) @ of(x)))
-        way.go(linear, x, kept=x.copy())
+        good = x.copy()
+        way.go(linear, x)
         if way.rests:
             return x, n, kept
         x = x + way.step

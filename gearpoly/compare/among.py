@@ -18,36 +18,41 @@ CLEARLY = 4.0
 PERFECT = 1.0 - 1e-12
 """Correlation of a recording with itself, short of what has no transformation."""
 
+LEAST = 8
+"""Least meshes from which a correlation means anything."""
+
 COVERED = 0.5
 """Part of the hunting cycle's meshes that both recordings must hold."""
 
 
 def turns_between(first: Curve, other: Curve, cycle: Cycle) -> int | None:
     """How many turns of its encoder's shaft, modulo the hunting cycle, ``other`` lies further on than ``first``; None
-    where the recordings do not tell.
+    where the recordings do not tell. Both count from the same zero.
 
     After whole turns of one shaft its teeth are the same and the mate's are not. Means over each mesh know all teeth,
     also those that nobody inspected, and little of load, which changes all meshes alike.
     """
     one, two = _by_mesh(first, cycle), _by_mesh(other, cycle)
     ways = cycle.meshes // math.gcd(other.turn, cycle.meshes)
-    alike = np.full(ways, -1.0)
-    held = 0
+    alike, count = np.full(ways, -1.0), np.zeros(ways)
     for n in range(ways):
         there = np.roll(two, -n * other.turn)
         both = np.isfinite(one) & np.isfinite(there)
-        held = int(both.sum())
-        if held < COVERED * cycle.meshes or held < 3:
+        if np.count_nonzero(both) < max(COVERED * cycle.meshes, LEAST):
             continue
         a, b = one[both] - one[both].mean(), there[both] - there[both].mean()
         size = math.sqrt(float(a @ a) * float(b @ b))
-        alike[n] = float(a @ b) / size if size > 0.0 else -1.0
-    best = int(np.argmax(alike))
-    next_best = float(np.max(np.delete(alike, best), initial=-1.0))
-    # By Fisher's transformation a correlation is normal with this standard error.
-    sure, doubt = np.arctanh(np.clip([alike[best], next_best], -PERFECT, PERFECT))
-    apart = (sure - doubt) * math.sqrt(max(held - 3, 0))
-    return best if alike[best] > ALIKE and apart > CLEARLY else None
+        alike[n], count[n] = float(a @ b) / size if size > 0.0 else -1.0, a.size
+    order: list[int] = np.argsort(-alike, kind="stable").tolist()
+    best, *others = order
+    if alike[best] <= ALIKE:
+        return None
+    if not others:
+        return best
+    # Fisher (1921): the inverse hyperbolic tangent of a correlation is normal, its variance 1/(n - 3).
+    sure, doubt = np.arctanh(np.clip(alike[[best, others[0]]], -PERFECT, PERFECT))
+    told = float(sure - doubt) / math.sqrt(2.0 / (count[best] - 3.0)) > CLEARLY
+    return best if told else None
 
 
 def _by_mesh(curve: Curve, cycle: Cycle) -> FloatArray:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gear, stated_limits
+from gearpoly.assemble import nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
@@ -18,11 +18,11 @@ from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
-from gearpoly.compare.template import Found, Template, make_template
+from gearpoly.compare.template import Template, templates_of
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.mesh.pair import Flank, GearPair, tight_centre_distance
+from gearpoly.mesh.pair import GearPair, tight_centre_distance
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.recording import Recording
@@ -85,8 +85,9 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
-    speeds = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
-    templates = _templates(assembled, [one.recording.flank for one in cleaned], torques, speeds)
+    stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
+    speeds = [None if rpm is None else rpm * RPM for rpm in stated]
+    templates = templates_of(assembled, [one.recording.flank for one in cleaned], torques, speeds)
     cycle = Cycle(
         z_1=z_1,
         z_2=z_2,
@@ -124,23 +125,6 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         gears=gears,
         remarks=tuple(_remarks(file, aligned, alignment, base)),
     )
-
-
-def _templates(
-    assembled: Assembled, flanks: list[Flank], torques: list[float], speeds: list[float | None]
-) -> list[Template]:
-    """One simulation per recording; those of one condition share theirs."""
-    made: dict[tuple[Flank, float, float | None], Template] = {}
-    found: Found = {}
-    keys = []
-    for flank, torque, speed in zip(flanks, torques, speeds, strict=True):
-        loads = assembled.elasticity is not None or not assembled.shafts.rigid
-        turns = None if speed is None or assembled.shafts.frequency is None else speed * RPM
-        keys.append((flank, torque if loads else 0.0, turns))
-    # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
-    for flank, torque, turns in sorted(set(keys), key=lambda key: -key[1]):
-        made[flank, torque, turns] = make_template(assembled, flank=flank, torque=torque, speed=turns, found=found)
-    return [made[key] for key in keys]
 
 
 def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Base, cycle: Cycle) -> Curve:

@@ -213,3 +213,21 @@ def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, b
         flank=rows.flank,
         approach=None if load is None else np.abs(rows.te - load.te) * pair.r_b2,
     )
+
+
+def templates_of(
+    assembled: Assembled, flanks: list[Flank], torques: list[float], speeds: list[float | None]
+) -> list[Template]:
+    """One simulation per recording, by its flank, torque in N.mm and driving speed in rad/s; those of one condition
+    share theirs. Raises what ``make_template`` does."""
+    made: dict[tuple[Flank, float, float | None], Template] = {}
+    found: Found = {}
+    keys = []
+    for flank, torque, speed in zip(flanks, torques, speeds, strict=True):
+        loads = assembled.elasticity is not None or not assembled.shafts.rigid
+        turns = None if speed is None or assembled.shafts.frequency is None else speed
+        keys.append((flank, torque if loads else 0.0, turns))
+    # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
+    for flank, torque, turns in sorted(set(keys), key=lambda key: -key[1]):
+        made[flank, torque, turns] = make_template(assembled, flank=flank, torque=torque, speed=turns, found=found)
+    return [made[key] for key in keys]

@@ -21,6 +21,7 @@ from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.rivals import Judged, judge
 from gearpoly.diagnose.search import Search
@@ -58,7 +59,9 @@ def diagnose(
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = replace(prepare(file, comparison, path=Path(path)), method=method or Method())
     model.observed = beside_jumps(model.observed, jumps(comparison))
-    search = Search.begin(model, foreign(comparison, model), watch.stage("prepare"))
+    waves, preparing = foreign(comparison, model), watch.stage("prepare")
+    placed(model, waves, preparing)
+    search = Search.begun(model, waves, preparing)
     if model.offset:
         comparison = comparison.moved(model.offset)
     search.step = watch.stage("search")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -38,7 +38,8 @@ PASSES = 16
 
 @dataclass(kw_only=True, eq=False)
 class Fit:
-    """The ``model`` and everything linear about it; ``step`` tells the user what is done."""
+    """The ``model`` and everything linear about it; ``step`` tells the user what is done. A ``trial`` does without
+    doubt about compliance laws."""
 
     model: Model
     foreign: list[FloatArray]
@@ -48,16 +49,46 @@ class Fit:
     nuisance: Nuisance
     linear: Linear
     laws: list[FloatArray] | None
+    trial: bool = False
     largest: float = 0.0
     deflection: float = 0.0
 
+    @classmethod
+    def begun(
+        cls, model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, trial: int | None = None
+    ) -> Self:
+        """Simulate the declared pair at all samples and fit what is open of it; ``trial``: so many rounds only, and
+        without laws, which differ alike wherever the teeth are.
+
+        Raises ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under the recordings' conditions.
+        """
+        scenes = model.scenes()
+        laws = law_modes(scenes, law_changes(scenes)) if trial is None else None
+        nuisance = nuisance_of(model, scenes, laws)
+        first = noises(model, model.residuals(scenes))
+        fit = cls(
+            model=model,
+            foreign=foreign,
+            step=step,
+            scenes=scenes,
+            noises=first,
+            nuisance=nuisance,
+            linear=linearise(model, scenes, first, nuisance=nuisance, foreign=foreign),
+            laws=laws,
+            trial=trial is not None,
+        )
+        fit.settle(PASSES if trial is None else trial)
+        if trial is None:
+            fit.choose_law()
+        return fit
+
     def settle(self, passes: int = PASSES) -> None:
-        """Simulate, fit, and simulate again until nothing moves."""
-        way, moved = Way(), math.inf
+        """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most."""
+        way, moved, good = Way(), math.inf, self.kept()
         for turn in range(passes):
             self.scenes = self.model.scenes()
             if turn == 0:
-                if self.laws is None and passes == PASSES:
+                if self.laws is None and not self.trial:
                     # Teeth may have begun to bend.
                     self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
@@ -66,7 +97,7 @@ class Fit:
                 self.nuisance = self.nuisance.sloping([slope_of(scene) for scene in self.scenes])
             self.linear = self.linearised()
             if way.overshot(self.linear.system, self.present()):
-                self.restore(way.kept)
+                self.restore(good)
                 if not way.again():
                     break
                 moved = self.take(self.linear, way.step)
@@ -74,7 +105,8 @@ class Fit:
             if moved > STEADY * min(noise.level for noise in self.noises):
                 self.noises = noises(self.model, self.linear.left())
                 self.linear = self.linear.under(self.noises)
-            way.go(self.linear.system, self.present(), kept=self.kept())
+            way.go(self.linear.system, self.present())
+            good = self.kept()
             moved = self.take(self.linear, way.step)
             if moved < SETTLED or way.rests:
                 break

@@ -12,9 +12,8 @@ from gearpoly.compare.locate import locate
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.sharing import Sharing
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.template import make_template
+from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
@@ -103,9 +102,14 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     size, std = np.abs(x[layout.foreign]), np.sqrt(np.diag(linear.system.covariance)[layout.foreign])
     x[layout.foreign] = np.where(size > STANDS * std, 0.0, x[layout.foreign])
     residuals = []
-    sharings = fitted_sharing(search)
+    # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
+    # touch all at once.
+    conditions = [scene.samples for scene in search.scenes]
+    fitted = templates_of(
+        model.assembled(), [s.flank for s in conditions], [s.torque for s in conditions], [s.speed for s in conditions]
+    )
     left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
-    for one, scene, rest, sharing in zip(comparison.aligned, search.scenes, left, sharings, strict=True):
+    for one, scene, rest, template in zip(comparison.aligned, search.scenes, left, fitted, strict=True):
         residuals.append(
             AlignedResidual(
                 theta_1=scene.samples.theta_1,
@@ -116,15 +120,15 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
                 torque=one.torque,
                 speed=one.speed,
                 flank=one.flank,
-                sharing=sharing,
-                contact=sharing.contact,
+                sharing=template.sharing,
+                contact=template.sharing.contact,
             )
         )
     pair = comparison.assembled.pair
     found = locate(
         residuals,
         gears=(gears[0], gears[1]),
-        floor=pair.chord_noise + max(one.template.error for one in comparison.aligned),
+        floor=pair.chord_noise + max(template.error for template in fitted),
         numbered=comparison.alignment.numbered,
     )
     doubt = search.deflection / UM
@@ -137,18 +141,6 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
-
-
-def fitted_sharing(search: Search) -> list[Sharing]:
-    """How the pairs of the fitted set-up share each recording: without load that is another matter than for the
-    declared teeth, which touch all at once."""
-    assembled = search.model.assembled()
-    made: dict[tuple[str, float], Sharing] = {}
-    for scene in search.scenes:
-        flank, torque = scene.samples.flank, scene.samples.torque
-        if (flank, torque) not in made:
-            made[flank, torque] = make_template(assembled, flank=flank, torque=torque).sharing
-    return [made[scene.samples.flank, scene.samples.torque] for scene in search.scenes]
 
 
 def _by_law(entry: Entry, deflection: float) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -133,15 +134,15 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
         return out
     rigid = [scene.under(None) for scene in loaded]
     bent = sum(float(np.mean(scene.te - stiff)) for scene, stiff in zip(loaded, rigid, strict=True))
-    for law in law_names():
-        for contact in CONTACTS:
-            if (law, contact) == _law_of(loaded[0]) or only not in (None, (law, contact)):
-                continue
-            there = each(partial(_under, law=law, contact=contact, ratio=1.0), loaded)
-            ratio = bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
-            there = each(partial(_under, law=law, contact=contact, ratio=ratio), scenes)
-            parts = [x - scene.te for x, scene in zip(there, scenes, strict=True)]
-            out[law, contact] = LawChange(ratio=ratio, parts=parts)
+    asked = product(law_names(), CONTACTS) if only is None else [only]
+    for law, contact in asked:
+        if (law, contact) == _law_of(loaded[0]):
+            continue
+        there = each(partial(_under, law=law, contact=contact, ratio=1.0), loaded)
+        ratio = bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
+        there = each(partial(_under, law=law, contact=contact, ratio=ratio), scenes)
+        parts = [x - scene.te for x, scene in zip(there, scenes, strict=True)]
+        out[law, contact] = LawChange(ratio=ratio, parts=parts)
     return out
 
 

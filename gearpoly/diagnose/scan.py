@@ -119,12 +119,10 @@ def scan(
             if apart or len(groups[-1]) >= BATCH // 2:
                 groups.append([])
         groups[-1].append(claim)
-    weighed = each(
-        lambda group: _weigh(model, scenes, linear, group, roughly=True), [group for group in groups if group]
-    )
-    return sorted((one for group in weighed for one in group), key=lambda one: -one.gain), Looked(
-        waves=waves, others=others
-    )
+    held = [group for group in groups if group]
+    weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
+    found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
+    return found, Looked(waves=waves, others=others)
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:
@@ -146,20 +144,28 @@ def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[i
     return out[0], out[1]
 
 
-def _weigh(
-    model: Model, scenes: list[Scene], linear: Linear, held: list[Claim], *, roughly: bool = False
-) -> list[Candidate]:
-    """Claims that are possible as candidates, each beside all that is believed; ``roughly``: what is there or is not
-    may be there in part, since at a shape beside the true one it would be too much as a whole."""
-    sums = []
+def _beside(
+    model: Model, scenes: list[Scene], linear: Linear, held: list[Claim]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Score (q,) and information (q, q) per unit of all amplitudes of some claims beside all that is believed, and the
+    information (q,) of each alone."""
     one_tooth = held[0].place.tooth is not None
     parts = [_columns(model, scenes, claim) for claim in held]
+    sums = []
     for k in range(len(scenes)):
         columns = np.concatenate([mine[k] for mine in parts], axis=1)
         where = np.flatnonzero(np.any(columns != 0.0, axis=1)) if one_tooth else None
         sums.append(linear.sums(k, columns, where=where))
     score, information = linear.system.beside(sums)
-    alone = sum((np.diag(one.own) for one in sums), np.zeros(score.size))
+    return score, information, sum((np.diag(one.own) for one in sums), np.zeros(score.size))
+
+
+def _weigh(
+    model: Model, scenes: list[Scene], linear: Linear, held: list[Claim], *, roughly: bool = False
+) -> list[Candidate]:
+    """Claims that are possible as candidates, each beside all that is believed; ``roughly``: what is there or is not
+    may be there in part, since at a shape beside the true one it would be too much as a whole."""
+    score, information, alone = _beside(model, scenes, linear, held)
     left = np.diag(information)
     out, at = [], 0
     for claim in held:
@@ -170,15 +176,14 @@ def _weigh(
             continue
         gain, amplitude = gain_of(score, information, index[None, :])
         physics = claim.physics
-        if not (roughly and physics.fixed_amplitudes) and not _allowed(physics, amplitude[0]):
-            continue
-        if physics.fixed_amplitudes and np.any(amplitude <= 0.0):
+        partly = roughly and physics.fixed_amplitudes and bool(np.all(amplitude > 0.0))
+        if not (partly or _allowed(physics, amplitude[0])):
             continue
         if physics.fixed_amplitudes:
             amplitude = np.ones_like(amplitude)
-        if physics.fixed_amplitudes and not roughly:
-            # Present as it is, not as much of it as fits best.
-            gain = np.array([2.0 * score[index].sum() - information[np.ix_(index, index)].sum()])
+            if not roughly:
+                # Present as it is, not as much of it as fits best.
+                gain = np.array([2.0 * score[index].sum() - information[np.ix_(index, index)].sum()])
         values = (*amplitude[0].tolist(), *claim.values[q:])
         out.append(
             Candidate(claim=replace(claim, values=values), gain=float(gain[0]), freedoms=len(physics.coordinates))
@@ -198,9 +203,7 @@ def together(model: Model, scenes: list[Scene], linear: Linear, physics: Physics
     second = [k for k, one in enumerate(held) if one.place.gear == 1]
     if not first or not second or physics.amplitudes != 1:
         return 0.0, []
-    parts = [_columns(model, scenes, claim) for claim in held]
-    sums = [linear.sums(k, np.concatenate([mine[k] for mine in parts], axis=1)) for k in range(len(scenes))]
-    score, information = linear.system.beside(sums)
+    score, information, _ = _beside(model, scenes, linear, held)
     pairs = np.array([(i, j) for i in first for j in second])
     gain, amplitude = gain_of(score, information, pairs)
     possible = np.array([all(_allowed(physics, one[k : k + 1]) for k in (0, 1)) for one in amplitude])

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
-from gearpoly.diagnose.fit import PASSES, Fit, nuisance_of
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import unseen_misfit
-from gearpoly.diagnose.linear import linearise
-from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import law_changes, law_modes
 from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan, together
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.threads import each
-from gearpoly.units import FloatArray
 
 FAMILY = 0.025
 """Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located."""
@@ -38,21 +33,6 @@ PARTLY, MOSTLY = 0.03, 0.1
 BETTER = 10.0
 """Gain by which a substitute must be better than the claim: more than three standard deviations."""
 
-PHASES = 8
-"""Phases of a pitch that are tried where the curves do not place the teeth."""
-
-ELSEWHERE = 5
-"""Other places in the hunting cycle that are tried where the curves leave several."""
-
-TRIALS = (2, 6)
-"""Rounds of simulating and fitting at each, first at all and then at those that may still be best."""
-
-HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
-"""Misfit over the least at which a place, or a phase of a pitch, may still be best after the first trial."""
-
-BETTER_PLACE = 0.995
-"""Part of the misfit at the stated place that another must leave at most to take its place."""
-
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
@@ -71,35 +51,6 @@ class Search(Fit):
     """The search in progress; ``looked`` says at how many places."""
 
     looked: Looked = field(default_factory=Looked)
-
-    @staticmethod
-    def begin(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Search:
-        """Simulate the declared pair at all samples and fit what is open of it."""
-        _place(model, foreign, step)
-        return Search._begun(model, foreign, step)
-
-    @staticmethod
-    def _begun(model: Model, foreign: list[FloatArray], step: Callable[[str], None], passes: int = PASSES) -> Search:
-        scenes = model.scenes()
-        # A trial does without: laws differ alike wherever the teeth are.
-        laws = law_modes(scenes, law_changes(scenes)) if passes == PASSES else None
-        nuisance = nuisance_of(model, scenes, laws)
-        first = noises(model, model.residuals(scenes))
-        linear = linearise(model, scenes, first, nuisance=nuisance, foreign=foreign)
-        search = Search(
-            model=model,
-            foreign=foreign,
-            step=step,
-            scenes=scenes,
-            noises=first,
-            nuisance=nuisance,
-            linear=linear,
-            laws=laws,
-        )
-        search.settle(passes)
-        if passes == PASSES:
-            search.choose_law()
-        return search
 
     def run(self) -> list[Candidate]:
         """Make claims until none pays; return the candidates of the last look."""
@@ -162,24 +113,21 @@ class Search(Fit):
         if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
-        return honest.log_chance(tests=self.looked.tests(physics)) < math.log(FAMILY) and self.size(one) > self.least(
-            one
-        )
+        if honest.log_chance(tests=self.looked.tests(physics)) >= math.log(FAMILY):
+            return False
+        return self.size(one) > self.least(one)
 
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
         the simulation is wrong in some way of its own (a law of compliance, corners), and small parts of that look like
         anything; most of all like a further physics of the mean tooth."""
-        samples = sum(scene.samples.size for scene in self.scenes)
-        beyond = self.linear.system.misfit - samples
         further = one.claim.physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
-        return one.gain > (MOSTLY if further else PARTLY) * beyond
+        return one.gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
-        samples = sum(scene.samples.size for scene in self.scenes)
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
-        return level * math.sqrt(max(one.gain, 0.0) / samples)
+        return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
 
     def least(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what the simulation leaves of others."""
@@ -242,8 +190,11 @@ class Search(Fit):
         ]
         found, _ = scan(others, self.scenes, bare, only=places)
         out = []
-        twins = (p for p in self.model.method.physics if _shaped(p) and p is not claim.physics and p.mean_tooth)
-        for physics in twins if claim.physics.mean_tooth else ():
+        for physics in self.model.method.physics:
+            if not (
+                claim.physics.mean_tooth and physics.mean_tooth and _shaped(physics) and physics is not claim.physics
+            ):
+                continue
             both, claims = together(others, self.scenes, bare, physics)
             freedoms = sum(len(one.values) for one in claims)
             if claims and both - 2.0 * freedoms > gain - 2.0 * len(claim.values) + BETTER:
@@ -285,20 +236,6 @@ class Search(Fit):
             self.settle()
 
 
-def _place(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
-    """Move all to where teeth as they were built fit best, of what the declared pair's curve leaves open: the tooth,
-    where several do, and the place within a pitch, where the curve is flat."""
-    if model.elsewhere and _told_apart(model):
-        step("telling the teeth apart")
-        ways = [0.0, *(-by for by in model.elsewhere[:ELSEWHERE])]
-        _best_of(model, foreign, step, ways, hopeful=HOPEFUL)
-    if not model.phased:
-        step("placing the teeth within their pitch")
-        # Every tooth hands over at the same place of its pitch.
-        ways = [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)]
-        _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
-
-
 def _are_twins(one: Claim, other: Claim) -> bool:
     """Whether two claims are the same shaped physics of the mean tooth, one of each gear."""
     alike = _shaped(one.physics) and one.physics.mean_tooth and other.physics is one.physics
@@ -308,32 +245,3 @@ def _are_twins(one: Claim, other: Claim) -> bool:
 def _shaped(physics: Physics) -> bool:
     """Whether a physics has more to it than amplitudes."""
     return len(physics.coordinates) > physics.amplitudes
-
-
-def _told_apart(model: Model) -> bool:
-    """Whether anything is declared that makes one tooth another than the next."""
-    sections = model.scope.file.driving, model.scope.file.driven
-    return any(one.eccentricity is not None for one in sections) or any(model.scope.inspected)
-
-
-def _best_of(
-    model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float
-) -> None:
-    """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well; only
-    what is ``hopeful`` times the least or better after a first trial is looked at closely."""
-    kept, noise = model.kept(), None
-    tried = dict.fromkeys(ways, 0.0)
-    for passes in TRIALS:
-        least = min(tried.values())
-        tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= hopeful * least}
-        for way in tried if len(tried) > 1 else ():
-            model.moved(way)
-            search = Search._begun(model, foreign, step, passes=passes)
-            # By the same noise, so that the misfits compare.
-            noise = noise or search.noises
-            tried[way] = search.linear.under(noise).system.misfit
-            model.restore(kept)
-            model.moved(-way)
-    best = min(tried, key=lambda way: tried[way])
-    if tried[best] < BETTER_PLACE * tried[ways[0]] - BETTER:
-        model.moved(best)

@@ -81,6 +81,16 @@ class System:
         off = self.solution - self.prior
         return float(off @ self.precision @ off) + sum(float(r @ r) for r in self.left)
 
+    @property
+    def samples(self) -> int:
+        """Samples of all recordings."""
+        return sum(y.size for y in self.target)
+
+    @property
+    def beyond(self) -> float:
+        """Misfit beyond what noise alone would leave, 0 or more."""
+        return max(0.0, self.misfit - self.samples)
+
     @cached_property
     def whiteness(self) -> float:
         """Mean square of what is left; 1 where noise alone is left."""

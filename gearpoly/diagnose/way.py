@@ -1,9 +1,11 @@
-"""The way of a fit towards rest: steps lengthened in bent valleys, and shortened where contacts change on the way."""
+"""The way of a fit towards rest: steps lengthened in bent valleys, and damped where contacts change on the way.
+
+Damping is Levenberg's with Marquardt's scale (1944, 1963).
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -39,12 +41,15 @@ TRIALS = 4
 
 class Way:
     """The way that a fit has come: the next ``step`` (m,), 0 for what is not in the simulation; the ``fall`` in misfit
-    that the linear system promises for it, and the fall that is not worth a step, ``enough``; ``kept`` is the last good
-    state."""
+    that the linear system promises for it, and the fall that is not worth a step, ``enough``. Misfits are in sigmas
+    squared. Whoever walks keeps the state of the last ``go``, from which ``again`` leads on."""
 
     def __init__(self) -> None:
         self._at: FloatArray | None = None
         self._last: FloatArray | None = None
+        self._system: System | None = None
+        self._start = np.zeros(0)
+        self._inside = np.zeros(0, dtype=np.bool_)
         self._misfit = math.inf
         self._gained = math.inf
         self._promise = 0.0
@@ -53,7 +58,6 @@ class Way:
         self.step: FloatArray = np.zeros(0)
         self.fall = math.inf
         self.enough = NEGLIGIBLE
-        self.kept: Any = None
 
     def overshot(self, system: System, present: FloatArray) -> bool:
         """Whether the last step ended at a larger misfit than it began with, by the same noise."""
@@ -67,21 +71,20 @@ class Way:
         return self.fall < self.enough or (self._gained < NEGLIGIBLE and self.fall < VAIN * self.enough)
 
     def again(self) -> bool:
-        """A more careful step from the last good state; whether it is worth a trial."""
+        """A more careful step from the state of the last ``go``; whether it is worth a trial."""
         self._trials += 1
         self._damping = max(self._damping * MORE, DAMPED)
         self._damped()
         return self._trials < TRIALS and self.fall > self.enough
 
-    def go(self, system: System, present: FloatArray, *, kept: Any) -> None:
-        """Look from the ``present`` state (m,) towards the solution; ``kept`` is what leads back to this state.
+    def go(self, system: System, present: FloatArray) -> None:
+        """Look from the ``present`` state (m,) towards the solution.
 
         What is not in the simulation starts where the last solution had it.
         """
         first = self._at is None
-        self.kept, self._misfit, self._trials = kept, misfit_at(system, present), 0
-        samples = sum(left.size for left in system.left)
-        self.enough = NEGLIGIBLE + HALF_DONE * max(0.0, system.misfit - samples)
+        self._misfit, self._trials = misfit_at(system, present), 0
+        self.enough = NEGLIGIBLE + HALF_DONE * system.beyond
         self._inside = ~np.isnan(present)
         self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
         self._system = system
@@ -108,6 +111,7 @@ class Way:
     def _damped(self) -> None:
         """The step to the solution, or a damped part of it."""
         system = self._system
+        assert system is not None
         whole = system.solution - self._start
         towards = system.normal @ whole
         if self._damping > 0.0:

@@ -12,7 +12,7 @@ PLAIN = "plain"
 """The arm of the proof itself."""
 
 MOST = 16
-"""Cases per arm: a rate of one half is then known to 0.2, and five arms cost a fifth of the ground."""
+"""Cases per arm: a rate of one half is then known to a quarter, and five arms cost a fifth of the ground."""
 
 
 @dataclass(frozen=True, kw_only=True)

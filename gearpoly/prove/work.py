@@ -23,8 +23,7 @@ LONGEST = 240.0
 """Processor seconds after which a diagnosis counts as failed: 600 diagnoses in 90 minutes on two cores leave 18 for
 each, and the longest honest ones take four times as long."""
 
-
-LONGEST_QUICK = 90.0
+HURRIED = 90.0
 """The same on the quick ground, which is to be done in three minutes whatever happens, and for a diagnosis that is to
 do without a part of its method: claim after claim of coloured noise takes long, and the first say enough."""
 
@@ -113,7 +112,7 @@ def diagnose(job: Diagnosing) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            with limited(LONGEST_QUICK if job.quick or job.how != How() else LONGEST):
+            with limited(HURRIED if job.quick or job.how != How() else LONGEST):
                 verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
         except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
             last = traceback.extract_tb(caught.__traceback__)[-1]
