@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.compare import lay_beside
-from gearpoly.files.models import Encoder, Measurement, PairFile
+from gearpoly.files.models import Encoder, Interpolation, Measurement, PairFile
 from gearpoly.recording.chain import EncoderErrors, corrected, encoder_errors
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, UM, URAD, FloatArray
@@ -25,8 +25,8 @@ WRONG = Encoder(
     eccentricity_urad=300.0,
     eccentricity_deg=77.0,
     interpolation=(
-        {"order": 900, "amplitude_urad": 3.0, "angle_deg": 20.0},  # type: ignore[arg-type]
-        {"order": 1800, "amplitude_urad": 2.0, "angle_deg": -130.0},  # type: ignore[arg-type]
+        Interpolation(order=900, amplitude_urad=3.0, angle_deg=20.0),
+        Interpolation(order=1800, amplitude_urad=2.0, angle_deg=-130.0),
     ),
 )
 
@@ -112,8 +112,12 @@ def test_a_rig_that_computed_te_gets_the_recorded_shaft_put_right(shaft: str, co
     wrong = {**truth, shaft: direction * reading}
     unit = 1.0 if column == "te_rad" else R_B2
     te = wrong["driven"] - RATIO * wrong["driving"]
-    keys = {column: te * unit, f"{shaft}_angle_rad": np.mod(reading, TURN), f"{shaft}_direction": direction}
-    recording = Recording(source=Path("r.csv"), **keys)  # type: ignore[arg-type]
+    keys: dict[str, Any] = {
+        column: te * unit,
+        f"{shaft}_angle_rad": np.mod(reading, TURN),
+        f"{shaft}_direction": direction,
+    }
+    recording = Recording(source=Path("r.csv"), **keys)
     errors = {shaft: encoder_errors(section)}
     none = EncoderErrors()
     back = corrected(recording, errors.get("driving", none), errors.get("driven", none), ratio=RATIO, r_b2=R_B2)

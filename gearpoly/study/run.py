@@ -35,7 +35,7 @@ def plan_study(study: Study) -> Plan:
     """The plan of ``study``, every end of every sweep tried. Raises ``InputFileError`` for a pair that is none."""
     plan = plan_of(study)
     try:
-        plan.design.combinations  # noqa: B018 - too many are refused here
+        plan.design.combinations  # noqa: B018 - asked for what it raises: too many are refused here
         corners = plan.design.corners()
     except OutOfRangeError as error:
         raise InputFileError(study.path, where="sweep", wish=str(error)) from None

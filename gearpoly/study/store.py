@@ -155,7 +155,7 @@ def read_store(folder: Path) -> tuple[Store, dict[str, Any]]:
     try:
         document = json.loads(manifest.read_text(encoding="utf-8"))
         plan = Plan(document["plan"])
-        plan.file  # noqa: B018 - a plan that is none fails here
+        plan.file  # noqa: B018 - asked for what it raises: a plan that is none fails here
     except (ValueError, KeyError, TypeError) as error:
         raise InputFileError(manifest, found=f"not a study's manifest ({error})", wish="run the study again") from None
     if not (folder / ROWS).is_dir():

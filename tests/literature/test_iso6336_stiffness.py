@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -72,9 +73,9 @@ def test_single_stiffness_with_profile_shift() -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"z_1": 26}, {"x_1": -0.1}, {"x_1": 1.5, "x_2": 1.0}, {"x_1": -0.3, "x_2": -0.3}])
-def test_outside_the_fit(wrong: dict[str, float]) -> None:
+def test_outside_the_fit(wrong: dict[str, Any]) -> None:
     with pytest.raises(OutOfRangeError):
-        single_stiffness(**({"z_1": 18, "z_2": 25} | wrong))  # type: ignore[arg-type]
+        single_stiffness(**({"z_1": 18, "z_2": 25} | wrong))
 
 
 @pytest.mark.parametrize(

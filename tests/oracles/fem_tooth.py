@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -176,7 +177,7 @@ class FemTooth:
         direction = np.array([-math.sin(beta), -math.cos(beta)])
 
         @LinearForm
-        def traction(v, w):  # type: ignore[no-untyped-def]
+        def traction(v: Any, w: Any) -> Any:
             return w.p / total * (direction[0] * v[0] + direction[1] * v[1])
 
         force = traction.assemble(boundary, p=weight)
@@ -281,7 +282,7 @@ def _tables() -> None:
     for z, tooth in teeth.items():
         mate = teeth[43 - z]
         radii = (tooth.r_a, tooth.r, lowest_contact(tooth, mate))
-        rings = {}
+        rings: dict[str, dict[str, Any]] = {}
         for depth in (3, 4, 5):
             rings[f"ring, {depth} m below the root"] = {"r_inner": tooth.r_f - depth * tooth.m}
         rings["sector +-1.5 pitches, 5 m"] = {"r_inner": tooth.r_f - 5 * tooth.m, "neighbours": 1}
@@ -293,7 +294,7 @@ def _tables() -> None:
         print("|---|---|---|---|---|---|---|")
         found = {}
         for name, options in rings.items():
-            model = FemTooth(tooth, n=10, **options)  # type: ignore[arg-type]
+            model = FemTooth(tooth, n=10, **options)
             loads = [model.load(r) for r in radii]
             found[name] = np.array([load.compliance for load in loads])
         reference = found["ring, 5 m below the root"]
@@ -313,8 +314,14 @@ def _tables() -> None:
             teeth=z,
         )
         for law in law_names():
-            options = {"face_width": b, "youngs_modulus": E, "poisson_ratio": nu, "law": law}
-            q = tooth_compliance(section, radius=[load.radius for load in loads], **options)  # type: ignore[arg-type]
+            q = tooth_compliance(
+                section,
+                radius=[load.radius for load in loads],
+                face_width=b,
+                youngs_modulus=E,
+                poisson_ratio=nu,
+                law=law,
+            )
             row(law, q * b * E, reference)
             at_pitch[law] += float(q[1])
     W = 250.0 * b
