@@ -10,6 +10,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.beside import Beside
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
@@ -88,6 +89,11 @@ class Rig:
     correlation: float = 0.0
 
 
+RIG = Rig(zero_1=2.1, zero_2=4.4)
+HALF_1, HALF_2 = math.pi / 18, math.pi / 25
+"""Half a tooth of a pair of 18 and 25, rad."""
+
+
 def record(
     made: Assembled,
     rig: Rig,
@@ -143,3 +149,20 @@ def off_deg(found: float | None, true: float) -> float:
     """Error of a zero in deg, within half a turn."""
     assert found is not None
     return math.remainder(found - true, TURN) / DEG
+
+
+def errors(beside: Beside, rig: Rig) -> tuple[float, float]:
+    """Errors of both zeros in deg."""
+    zeros = beside.alignment.zeros
+    return off_deg(zeros.driving, rig.zero_1), off_deg(zeros.driven, rig.zero_2)
+
+
+def flat_pair(folder: Path, extra: str = "") -> Path:
+    """A pair file free of deviations, whose curve says nothing of its teeth."""
+    path = folder / "flat.toml"
+    gears = "".join(
+        f"[{name}]\nteeth = {z}\nmodule_mm = 2.0\nface_width_mm = 20.0\npoints_per_flank = 300\n{extra}\n"
+        for name, z in (("driving", 18), ("driven", 25))
+    )
+    path.write_text("[pair]\ncentre_distance_mm = 43.05\n" + gears, encoding="utf-8")
+    return path

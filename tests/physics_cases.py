@@ -57,7 +57,38 @@ class Condition:
     speed_rpm: float = SPEED
 
 
+NAMES = sorted(catalogue())
+
 CONDITIONS = tuple(Condition(flank=flank, torque_nm=t) for t in (20.0, 0.0) for flank in ("drive", "coast"))
+
+
+CAMPAIGNS = {"mesh_resonance": (Condition(speed_rpm=600.0), Condition(speed_rpm=300.0))}
+"""A resonance shows by two speeds; all else by full and nearly no torque, and both flanks."""
+
+# The contract's table: names and parameters. Further parameters may stand beside these.
+CONTRACT = {
+    "eccentricity": {"amplitude_um", "angle_deg"},
+    "cumulative_pitch": {"amplitude_um", "order"},
+    "tooth_pitch": {"deviation_um"},
+    "profile_slope": {"slope_um"},
+    "profile_crowning": {"crowning_um"},
+    "tip_relief": {"amount_um", "length_mm"},
+    "undulation": {"order", "amplitude_um"},
+    "wear": {"depth_um"},
+    "tooth_spall": {"depth_um", "from_mm", "to_mm"},
+    "tooth_crack": {"compliance_factor"},
+    "tooth_deflection": {"compliance_um_per_n"},
+    "misalignment": {"lead_um"},
+    "friction": {"coefficient"},
+    "centre_distance": {"offset_um"},
+    "tooth_thickness": {"deviation_um"},
+    "shaft_windup": {"compliance_urad_per_nm"},
+    "mesh_resonance": {"frequency_hz", "damping_ratio"},
+    "thermal_drift": {"amplitude_um"},
+    "encoder_eccentricity": {"amplitude_urad"},
+    "encoder_interpolation": {"order", "amplitude_urad"},
+    "encoder_scale": {"ratio"},
+}
 
 
 def claim_of(name: str) -> Claim:

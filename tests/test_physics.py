@@ -1,7 +1,7 @@
 """The catalogue: what every physics promises, whoever wrote it.
 
 No amplitude changes nothing, a first-order effect is what the exact simulation of the written file gives, the file is
-read back, the parameters are the contract's, and a recording made with the physics gives it back.
+read back, and the parameters are the contract's.
 """
 
 from __future__ import annotations
@@ -18,54 +18,29 @@ import pytest
 
 from gearpoly import physics as package
 from gearpoly.assemble import Assembled
-from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.verdict import Diagnosis, Finding
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
-from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place, Values
 from gearpoly.physics.scene import Samples, Scene, stage
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
-from gearpoly.units import NM, UM, FloatArray
+from gearpoly.units import UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import (
+    CAMPAIGNS,
     CASES,
     CONDITIONS,
+    CONTRACT,
+    NAMES,
     Condition,
     claim_of,
     declared,
-    recorded,
     rough,
     samples_at,
     scope_of,
 )
 
-# The contract's table: names and parameters. Further parameters may stand beside these.
-CONTRACT = {
-    "eccentricity": {"amplitude_um", "angle_deg"},
-    "cumulative_pitch": {"amplitude_um", "order"},
-    "tooth_pitch": {"deviation_um"},
-    "profile_slope": {"slope_um"},
-    "profile_crowning": {"crowning_um"},
-    "tip_relief": {"amount_um", "length_mm"},
-    "undulation": {"order", "amplitude_um"},
-    "wear": {"depth_um"},
-    "tooth_spall": {"depth_um", "from_mm", "to_mm"},
-    "tooth_crack": {"compliance_factor"},
-    "tooth_deflection": {"compliance_um_per_n"},
-    "misalignment": {"lead_um"},
-    "friction": {"coefficient"},
-    "centre_distance": {"offset_um"},
-    "tooth_thickness": {"deviation_um"},
-    "shaft_windup": {"compliance_urad_per_nm"},
-    "mesh_resonance": {"frequency_hz", "damping_ratio"},
-    "thermal_drift": {"amplitude_um"},
-    "encoder_eccentricity": {"amplitude_urad"},
-    "encoder_interpolation": {"order", "amplitude_urad"},
-    "encoder_scale": {"ratio"},
-}
 ON_A_GEAR = {
     "eccentricity", "cumulative_pitch", "tooth_pitch", "profile_slope", "profile_crowning", "tip_relief", "undulation",
     "wear", "tooth_spall", "tooth_crack", "tooth_thickness", "encoder_eccentricity", "encoder_interpolation",
@@ -73,7 +48,6 @@ ON_A_GEAR = {
 }  # fmt: skip
 ON_A_TOOTH = {"tooth_pitch", "tooth_spall", "tooth_crack"}
 
-NAMES = sorted(catalogue())
 
 # Per-mesh places of the comparison: enough that each state of contact is seen on every pair of teeth.
 PER_MESH = 12
@@ -441,87 +415,3 @@ def test_a_new_file_is_found_without_registration(tmp_path: Path, monkeypatch: p
             sys.modules.pop(f"gearpoly.physics.{name}", None)
             if hasattr(package, name):
                 delattr(package, name)
-
-
-# (g) A recording made with the physics gives it back.
-
-LIGHT = 2.0
-FULL_AND_LIGHT = (
-    Condition(),
-    Condition(flank="coast", torque_nm=LIGHT),
-    Condition(torque_nm=LIGHT),
-)
-CAMPAIGNS = {"mesh_resonance": (Condition(speed_rpm=600.0), Condition(speed_rpm=300.0))}
-"""A resonance shows by two speeds; all else by full and nearly no torque, and both flanks."""
-
-ALIKE = {"profile_slope", "profile_crowning", "tip_relief", "tooth_thickness", "wear", "encoder_scale"}
-"""Physics whose gear no recording of one pair tells: the other one may be named, if this one is its rival."""
-
-
-def truths(claim: Claim, file: PairFile) -> dict[str, float]:
-    """The contract's parameters of what was written in."""
-    q = len(claim.values)
-    found = {k: v for k, (v, _) in claim.physics.report(claim.place, np.array(claim.values), np.zeros((q, q))).items()}
-    if claim.physics.name == "tooth_deflection":
-        assembled = made(file.model_copy(update={"model": file.model.model_copy(update={"tooth_deflection": True})}))
-        assert assembled.elasticity is not None
-        pair, by = assembled.pair, pair_compliance(assembled.pair, assembled.elasticity)
-        point, zero = np.array([[pair.driving.gear.r, 0.0]]), np.zeros(1, dtype=np.int64)
-        force = np.array([FULL_AND_LIGHT[0].torque_nm * NM / pair.r_b2])
-        unit = float(by.secant(force, by.teeth(zero, zero, point), point)[0]) / UM
-        found["compliance_um_per_n"] = found["compliance_scale"] * unit
-    return found
-
-
-def is_same(name: str, claim: Claim, gear: int | None) -> bool:
-    return claim.physics.name == name and claim.place.gear == gear
-
-
-def assert_given_back(name: str, file: PairFile, diagnosis: Diagnosis) -> None:
-    claim = claim_of(name)
-    named = [(f.claim.physics.name, f.claim.place.gear, f.claim.place.tooth) for f in diagnosis.findings]
-    assert len(named) == 1, named
-    finding: Finding = diagnosis.findings[0]
-    found = finding.claim
-    if not is_same(name, found, claim.place.gear):
-        assert name in ALIKE and found.physics.name == name, named
-        assert any(is_same(name, rival.claim, claim.place.gear) for rival in finding.rivals), named
-        return  # the twin has other parameters, its own
-    assert (found.place.tooth, found.place.flank) == (claim.place.tooth, claim.place.flank)
-    assert diagnosis.status == "explained"
-    expected = truths(claim, file)
-    for key in CONTRACT[name]:
-        value, std = finding.parameters[key]
-        # The walls of a spall are the least certain of it: what a tooth's form leaves open is no error of the fit.
-        slack = 0.05 * abs(expected[key]) if key != "ratio" else 0.0
-        assert abs(value - expected[key]) <= max(3.0 * std, slack), (key, value, std, expected[key])
-    # White noise of 0.3 um is all that is left, also where the fit never looked: of 800 samples 2.5 % are one standard
-    # error, and 60 free teeth take 4 % more.
-    assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.1)
-
-
-def given_back(name: str, folder: Path, conditions: tuple[Condition, ...], *, per_mesh: int) -> None:
-    file = declared(name)
-    recordings = recorded(claim_of(name).written(file), conditions, np.random.default_rng(11), per_mesh=per_mesh)
-    diagnosis = diagnose(file, recordings, path=folder / "pair.toml")
-    assert_given_back(name, file, diagnosis)
-    fitted = folder / "fitted.toml"
-    fitted.write_text(dump_pair(diagnosis.fitted), encoding="utf-8")
-    read_pair(fitted)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_a_recording_gives_the_physics_back(name: str, tmp_path: Path) -> None:
-    """Recordings of two hunting cycles with 0.3 um of noise: name, place and size within three standard errors or 5 %,
-    and nothing else."""
-    given_back(name, tmp_path, CAMPAIGNS.get(name, FULL_AND_LIGHT), per_mesh=20)
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["tooth_pitch", *(pytest.param(n, marks=pytest.mark.slow) for n in ("eccentricity", "tooth_crack"))],
-)
-def test_two_short_recordings_give_back_what_is_plain(name: str, tmp_path: Path) -> None:
-    """The whole shaft, one tooth under load, and one tooth under any."""
-    given_back(name, tmp_path, FULL_AND_LIGHT[:2], per_mesh=8)
