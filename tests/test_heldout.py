@@ -28,8 +28,8 @@ def gained(plain: System) -> float:
 
 
 def test_what_contradicts_an_inspection_pays() -> None:
-    """6 um are 12 of its standard deviations, 144 in misfit; the samples alone follow either way. Half of it is asked: the
-    fit leaves a part to the samples."""
+    """6 um are 12 of its standard deviations, 144 in misfit; the samples alone follow either way. Half of it is asked:
+    the fit leaves a part to the samples."""
     plain = system(6.0, np.random.default_rng(1))
     assert gained(plain) > 0.5 * (6.0 / 0.5) ** 2
 
