@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.assemble import Assembled
-from gearpoly.simulate import cycle_positions
+from gearpoly.positions import cycle_positions
 from gearpoly.study.pipeline import _assembled, first_touch, make_row
 from gearpoly.study.plan import Plan
 from gearpoly.study.read import read_study

@@ -29,7 +29,8 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
-from gearpoly.simulate import POINTS_PER_MESH, Simulation, cycle_positions, simulate
+from gearpoly.positions import POINTS_PER_MESH, cycle_positions
+from gearpoly.simulate import Simulation, simulate
 from gearpoly.units import NM, FloatArray, read_only
 
 GLANCE = Detail(points=24)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from gearpoly import __version__
 from gearpoly.assemble import Assembled
-from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
@@ -25,93 +22,7 @@ from gearpoly.mesh.transmission import (
     mean_count,
     mean_pairs,
 )
-from gearpoly.recording.recording import Recording
 from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, BoolArray, FloatArray, IntArray
-
-POINTS_PER_MESH = 40
-"""Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
-
-CSV_HEADER = "driven_angle_deg,driving_angle_deg,te_urad,te_um,backlash_um,contact_pairs"
-
-
-def cycle_positions(
-    pair: GearPair, *, turns: float | None = None, points_per_mesh: int = POINTS_PER_MESH
-) -> FloatArray:
-    """Driven rotations (N,) in rad: ``turns`` of the driven gear (default: a whole hunting cycle) at
-    ``points_per_mesh`` a pitch."""
-    meshes = pair.meshes_per_cycle if turns is None else turns * pair.driven.gear.z
-    count = max(1, round(meshes * points_per_mesh))
-    return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
-
-
-def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArray, list[str]]:
-    """Driven rotations (N,) in rad at the samples of ``recording``, drop-outs left out, and remarks on what had to be
-    assumed.
-
-    From the driven encoder where there is one, else from the driving encoder and the recorded TE. Raises
-    ``OutOfRangeError`` where no sample is left.
-    """
-    remarks = []
-
-    def forward(angle: FloatArray, zero: float | None, direction: int, name: str) -> FloatArray:
-        if zero is None:
-            remarks.append(
-                f"{name}_zero_deg is not stated: taken as 0, so teeth are numbered from the encoder's own zero "
-                "(compare finds it)"
-            )
-        return direction * (np.unwrap(angle) - (zero or 0.0))
-
-    if recording.driven_angle_rad is not None:
-        keep = np.isfinite(recording.driven_angle_rad)
-        theta_2 = forward(
-            recording.driven_angle_rad[keep], recording.driven_zero_rad, recording.driven_direction, "driven"
-        )
-        theta_2 = theta_2 + _driven_turns(pair, recording, theta_2, keep)
-    else:
-        assert recording.driving_angle_rad is not None  # a Recording has one of the two
-        te = recording.te_rad if recording.te_mm is None else recording.te_mm / pair.r_b2
-        assert te is not None  # and TE beside a single angle
-        keep = np.isfinite(recording.driving_angle_rad) & np.isfinite(te)
-        theta_1 = forward(
-            recording.driving_angle_rad[keep],
-            recording.driving_zero_rad,
-            recording.driving_direction,
-            "driving",
-        )
-        theta_2 = te[keep] + pair.ratio * theta_1
-    dropped = keep.size - theta_2.size
-    if dropped:
-        remarks.append(f"{dropped} drop-outs of {keep.size} samples are left out")
-    if theta_2.size == 0:
-        raise OutOfRangeError(f"{recording.source}: no sample is left, all are drop-outs")
-    return theta_2, remarks
-
-
-def _driven_turns(pair: GearPair, recording: Recording, theta_2: FloatArray, keep: BoolArray) -> float:
-    """Whole driven turns in rad to add to ``theta_2``, since an encoder does not say which turn of the hunting cycle
-    it is on.
-
-    The turn decides which driving tooth meets, and the driving encoder tells; without its reading and both zeros it
-    stays open.
-    """
-    if recording.driving_angle_rad is None or recording.driving_zero_rad is None or recording.driven_zero_rad is None:
-        return 0.0
-    reading = recording.driving_angle_rad[keep]
-    both = np.isfinite(reading)
-    theta_1 = recording.driving_direction * (np.unwrap(reading[both]) - recording.driving_zero_rad)
-    ahead = float(np.median(theta_1 - theta_2[both] / pair.ratio))
-    turns = np.arange(pair.driving.gear.z)
-    apart = (ahead - 2.0 * np.pi * turns / pair.ratio + np.pi) % (2.0 * np.pi) - np.pi
-    return 2.0 * np.pi * float(turns[np.argmin(np.abs(apart))])
-
-
-def recorded_torque(recording: Recording, *, default: float) -> float:
-    """Torque in N.m of a recording: as stated, else the mean of its torque column, else ``default``."""
-    if recording.torque_nm is not None:
-        return recording.torque_nm
-    if recording.torque_samples_nm is not None:
-        return max(0.0, float(np.nanmean(recording.torque_samples_nm)))
-    return default
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -168,7 +79,7 @@ class Simulation:
         return (self.contacts.theta_2 - self.te) / self.pair.ratio
 
     def table(self) -> FloatArray:
-        """The columns of ``CSV_HEADER`` as (N, 6)."""
+        """Columns (N, 6): driven and driving angle in deg, transmission error in urad and um, backlash in um, pairs."""
         return np.column_stack(
             (
                 self.contacts.theta_2 / DEG,
@@ -334,50 +245,3 @@ def strength_remarks(simulation: Simulation) -> list[str]:
         "MPa: teeth of most "
         "steels would yield under this torque; lower torque_nm or widen the faces"
     ]
-
-
-def csv_text(simulation: Simulation) -> str:
-    """The run as CSV: angles to 1e-9 deg, TE and backlash to 1e-6 um, which is finer than the chords allow."""
-    lines = [CSV_HEADER]
-    lines += [
-        f"{row[0]:.9f},{row[1]:.12f},{row[2]:.6f},{row[3]:.6f},{row[4]:.6f},{int(row[5])}"
-        for row in simulation.table().tolist()
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, object]], remarks: list[str]) -> str:
-    """The run as JSON: summary, columns, and every near contact with tooth numbers, place, normal and what touches."""
-    found, pair, load = simulation.contacts, simulation.pair, simulation.load
-    table = simulation.table()
-    radius_2 = np.hypot(found.point[:, 0] - pair.a, found.point[:, 1])
-    document = {
-        "gearpoly": __version__,
-        "pair": name,
-        "flank": simulation.flank,
-        "seed": simulation.seed,
-        "gears": dict(zip(("driving", "driven"), simulation.assembled.origin, strict=True)),
-        "centre_distance_mm": pair.a,
-        "tight_centre_distance_mm": pair.a_w,
-        "working_pressure_angle_deg": pair.alpha_w / DEG,
-        "base_radius_mm": [pair.r_b1, pair.r_b2],
-        "defaults": dict(defaults),
-        "remarks": remarks,
-        "summary": simulation.summary(),
-        "columns": {key: table[:, k].tolist() for k, key in enumerate(CSV_HEADER.split(","))}
-        | ({} if load is None else {"mesh_stiffness_n_per_um": (load.stiffness * UM).tolist()}),
-        "contacts": {
-            "position": found.position.tolist(),
-            "driving_tooth": found.driving.tolist(),
-            "driven_tooth": found.driven.tolist(),
-            "touches": simulation.touches.tolist(),
-            "gap_um": (found.gap / UM).tolist(),
-            "point_mm": found.point.tolist(),
-            "normal": found.normal.tolist(),
-            "driving_radius_mm": np.hypot(found.point[:, 0], found.point[:, 1]).tolist(),
-            "driven_radius_mm": radius_2.tolist(),
-            **({} if load is None else {"force_n": load.force.tolist(), "share": load.share.tolist()}),
-            "feature": [("flank", "driving_tip_corner", "driven_tip_corner")[k] for k in found.feature.tolist()],
-        },
-    }
-    return json.dumps(document, allow_nan=False)

@@ -20,7 +20,7 @@ ORDER = (
     "errors threads units",
     "files gear",
     "mesh recording",
-    "assemble",
+    "assemble positions",
     "simulate",
     "export compare",
     "physics api",
@@ -38,7 +38,6 @@ LEVEL = {name: k for k, line in enumerate(ORDER) for name in line.split()}
 LONGEST = 360
 WHOLE = {
     "gearpoly.mesh.radial_search": "one compiled search, which the compiler has to see whole",
-    "gearpoly.simulate": "to be divided: what a run is, and what its file looks like",
 }
 
 

@@ -597,7 +597,7 @@ def test_help_needs_no_heavy_imports() -> None:
 
 def test_a_bug_is_no_bad_input(pair_file: Path) -> None:
     code = (
-        "import sys\nimport gearpoly.simulate as run\nrun.cycle_positions = None\n"
+        "import sys\nimport gearpoly.positions as run\nrun.cycle_positions = None\n"
         f"sys.argv = ['gearpoly', 'simulate', {str(pair_file)!r}]\nfrom gearpoly.__main__ import main\nmain()\n"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

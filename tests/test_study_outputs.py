@@ -16,7 +16,8 @@ from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
 from gearpoly.gear.tolerances import tolerances
 from gearpoly.mesh.pair import GearPair
-from gearpoly.simulate import cycle_positions, simulate
+from gearpoly.positions import cycle_positions
+from gearpoly.simulate import simulate
 from gearpoly.study.composite import composite_tolerances, grade_of, own_curve, tooth_composite, total_composite
 from gearpoly.study.making import maker
 from gearpoly.study.outputs import PLAIN, Curves, output

@@ -48,12 +48,15 @@ def simulate(
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
     from rich.console import Console
 
-    from gearpoly import simulate as run
+    from gearpoly import positions
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_target, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
+    from gearpoly.report.simulation_files import csv_text, json_text
+    from gearpoly.simulate import simulate as run
+    from gearpoly.simulate import strength_remarks
     from gearpoly.units import NM, RPM
 
     outputs = [target for target in (csv, json, plot) if target is not None]
@@ -79,19 +82,19 @@ def simulate(
         recording = corrected(
             read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
         )
-        theta_2, remarks = run.recording_positions(assembled.pair, recording)
+        theta_2, remarks = positions.recording_positions(assembled.pair, recording)
         remarks += recording.remarks
         side = recording.flank if flank is None else side
-        torque = run.recorded_torque(recording, default=torque)
+        torque = positions.recorded_torque(recording, default=torque)
         speed = recording.speed_rpm if recording.speed_rpm is not None else speed
     else:
-        theta_2 = run.cycle_positions(
-            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or run.POINTS_PER_MESH
+        theta_2 = positions.cycle_positions(
+            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
     to_stdout = any(str(target) == "-" for target in outputs)
     console = Console(stderr=to_stdout)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
-        simulation = run.simulate(
+        simulation = run(
             assembled,
             theta_2,
             torque=torque * NM,
@@ -102,12 +105,12 @@ def simulate(
             speed=None if speed is None else speed * RPM,
             progress=progress,
         )
-    remarks += run.strength_remarks(simulation)
+    remarks += strength_remarks(simulation)
     defaults = effective_defaults(file)
     if csv is not None:
-        write_text(csv, run.csv_text(simulation))
+        write_text(csv, csv_text(simulation))
     if json is not None:
-        write_text(json, run.json_text(simulation, name=file.name, defaults=defaults, remarks=remarks))
+        write_text(json, json_text(simulation, name=file.name, defaults=defaults, remarks=remarks))
     if plot is not None:
         plot_run(simulation, name=file.name, target=plot)
     if not to_stdout:

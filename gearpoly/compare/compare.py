@@ -23,10 +23,10 @@ from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
+from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.recording import Recording
-from gearpoly.simulate import recorded_torque
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64

@@ -36,9 +36,9 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     from gearpoly.diagnose.diagnose import diagnose
     from gearpoly.diagnose.method import Method
     from gearpoly.files.pairfile import read_pair
+    from gearpoly.positions import recorded_torque
     from gearpoly.recording.read import read_recording
     from gearpoly.report.diagnosis_report import verdict_json
-    from gearpoly.simulate import recorded_torque
 
     file = read_pair(pair)
     read = [read_recording(path) for path in recordings]

@@ -24,7 +24,7 @@ from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
 from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, expected_closing, mean_count, touching_rows
-from gearpoly.simulate import cycle_positions
+from gearpoly.positions import cycle_positions
 from gearpoly.study.keys import with_values
 from gearpoly.study.making import Maker, maker
 from gearpoly.study.outputs import Curves, needs_of, output

@@ -12,7 +12,8 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.errors import OutOfRangeError, blamed
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.transmission import Progress
-from gearpoly.simulate import POINTS_PER_MESH, Simulation, cycle_positions, simulate, strength_remarks
+from gearpoly.positions import POINTS_PER_MESH, cycle_positions
+from gearpoly.simulate import Simulation, simulate, strength_remarks
 from gearpoly.units import DEG
 
 POSITIONS = 80_000
