@@ -68,6 +68,15 @@ class AsBuilt:
         """What the teeth of one gear's flank have in common of crowning."""
         return float(values[self.start(flank, gear) + 2 * self.gears[gear].z])
 
+    def alike(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
+        """The parameters (m,) with all teeth of a flank leaning as its median tooth does, on these ``gears``."""
+        out = values.copy()
+        for flank in self.flanks:
+            for gear in gears:
+                slopes = self.slope(out, flank, gear)
+                slopes[:] = np.median(slopes)
+        return out
+
     def columns(self, scene: Scene) -> FloatArray:
         """Effects (n, m) in mm of one um of each parameter."""
         n = scene.samples.size

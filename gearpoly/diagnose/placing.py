@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
+
+from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.model import Model, Observed
 from gearpoly.units import FloatArray
 
 PHASES = 8
@@ -21,6 +26,9 @@ HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
 """Misfit over the least at which a place, or a phase of a pitch, may still be best after the first trial: of a pair
 of 24 and 36 teeth the right tooth then had 1.28 times the least, of an unloaded one of 17 and 22 the wrong phases had
 1.2 times or more."""
+
+CYCLES, ENOUGH = 3, 12_000
+"""Whole hunting cycles and samples of a recording that suffice for that; a wrong place misfits by a tenth and more."""
 
 BETTER = 10.0, 0.005
 """Misfit, and part of the misfit, by which another place must be better than the stated one: more than three standard
@@ -52,19 +60,46 @@ def _best_of(
 ) -> None:
     """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well; only
     what is ``hopeful`` times the least or better after a first trial is looked at closely."""
-    kept, noises = model.kept(), None
+    openings = [opening(one, model) for one in model.observed]
+    trial = replace(model, observed=[first(one, n, model) for one, n in zip(model.observed, openings, strict=True)])
+    columns = [one[:n] for one, n in zip(foreign, openings, strict=True)]
+    kept, noises = trial.kept(), None
     tried = dict.fromkeys(ways, 0.0)
     for rounds in TRIALS:
         least = min(tried.values())
         tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= hopeful * least}
         for way in tried if len(tried) > 1 else ():
-            model.moved(way)
-            fit = Fit.begun(model, foreign, step, trial=rounds)
+            trial.moved(way)
+            fit = Fit.begun(trial, columns, step, trial=rounds)
             # By the same noise, so that the misfits compare.
             noises = noises or fit.noises
             tried[way] = fit.linear.under(noises).system.misfit
-            model.restore(kept)
-            model.moved(-way)
+            trial.restore(kept)
+            trial.moved(-way)
     best, stated = min(tried, key=lambda way: tried[way]), tried[ways[0]]
     if tried[best] < stated - BETTER[0] - BETTER[1] * stated:
         model.moved(best)
+
+
+def _meshes(one: Observed, model: Model) -> FloatArray:
+    """Meshes (n,) of driven rotation."""
+    return one.samples.theta_2 / model.scope.gears[1].tau
+
+
+def opening(one: Observed, model: Model) -> int:
+    """Samples of a recording that suffice to place the teeth: whole hunting cycles of a long one, else all."""
+    u, period = _meshes(one, model), math.lcm(*(gear.z for gear in model.scope.gears))
+    cycles = whole_cycles(u, period)
+    wanted = max(CYCLES, math.ceil(ENOUGH * max(cycles, 1) / u.size))
+    return int(np.flatnonzero(u - u[0] >= wanted * period)[0]) if wanted < cycles else u.size
+
+
+def first(one: Observed, n: int, model: Model) -> Observed:
+    """The first ``n`` samples of a recording."""
+    if n == one.samples.size:
+        return one
+    estimator = NoiseEstimator(_meshes(one, model)[:n], z_1=model.scope.gears[0].z, z_2=model.scope.gears[1].z)
+    return replace(
+        one, samples=one.samples.first(n), recorded=one.recorded[:n], slope=one.slope[:n], fit=one.fit[:n],
+        estimator=estimator,
+    )  # fmt: skip

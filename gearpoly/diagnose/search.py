@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import BETTER, Fit
 from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan, together
 from gearpoly.errors import GearpolyError
@@ -29,9 +29,6 @@ LIKELY = 0.7
 
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
-
-BETTER = 10.0
-"""Gain by which a substitute must be better than the claim: more than three standard deviations."""
 
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
@@ -78,6 +75,7 @@ class Search(Fit):
         self.model.claims.append(claim)
         try:
             self.settle()
+            self.relax()
             self.declared_law()
             self.choose_law()
             self.drop_idle()

@@ -8,7 +8,7 @@ of small changes need no further simulation.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -59,6 +59,12 @@ class Samples:
     def size(self) -> int:
         """Number of samples."""
         return self.theta_2.size
+
+    def first(self, n: int) -> Samples:
+        """The first ``n`` samples."""
+        names = ("theta_1", "theta_2", "reading_1", "reading_2")
+        mine = {name: getattr(self, name)[:n] for name in names}
+        return replace(self, time=None if self.time is None else self.time[:n], **mine)
 
     @property
     def coast(self) -> bool:
