@@ -95,12 +95,21 @@ class Comparison(Beside):
 
     located: Located
 
+    def refined(self, shift: float, std: float) -> Comparison:
+        """The same with zeros that a fit of everything moved by ``shift`` in rad of driven rotation, known to ``std``;
+        the residuals stay those of the declared pair where compare laid it."""
+        directions = (self.gears[0].direction, self.gears[1].direction)
+        ratio = self.gears[0].z / self.gears[1].z
+        return self._with(self.alignment.refined(shift, std, ratio=ratio, directions=directions))
+
+    def _with(self, alignment: Alignment) -> Comparison:
+        zeros = (alignment.zeros.driving, alignment.zeros.driven)
+        first, second = (replace(gear, zero=zero) for gear, zero in zip(self.gears, zeros, strict=True))
+        return replace(self, alignment=alignment, gears=(first, second))
+
     def moved(self, offset: float) -> Comparison:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
         ratio = self.gears[0].z / self.gears[1].z
         directions = (self.gears[0].direction, self.gears[1].direction)
-        alignment = self.alignment.moved(offset, ratio=ratio, directions=directions)
-        zeros = (alignment.zeros.driving, alignment.zeros.driven)
-        first, second = (replace(gear, zero=zero) for gear, zero in zip(self.gears, zeros, strict=True))
-        aligned = tuple(one.moved(offset) for one in self.aligned)
-        return replace(self, alignment=alignment, gears=(first, second), aligned=aligned)
+        there = self._with(self.alignment.moved(offset, ratio=ratio, directions=directions))
+        return replace(there, aligned=tuple(one.moved(offset) for one in self.aligned))

@@ -92,6 +92,13 @@ class Alignment:
         rivals = (self.zeros, *(one for one in self.rivals if not one.near(zeros)))
         return replace(self, zeros=zeros, shift=self.shift - offset, rivals=rivals, further=())
 
+    def refined(self, shift: float, std: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
+        """The same with zeros that a fit of everything moved by ``shift`` in rad of driven rotation, to ``std``, where
+        the curves had placed the teeth at all."""
+        moved = self.moved(shift, ratio=ratio, directions=directions)
+        known = (std / ratio, std) if self.phased else (self.std_driving, self.std_driven)
+        return replace(moved, std_driving=known[0], std_driven=known[1], rivals=self.rivals, further=self.further)
+
     @property
     def numbered(self) -> bool:
         """Whether tooth numbers mean anything."""

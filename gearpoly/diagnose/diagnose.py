@@ -67,6 +67,7 @@ def diagnose(
     search.step = watch.stage("search")
     start_linear = search.linear
     search.run()
+    comparison = comparison.refined(model.shift, search.shift_std)
     watch.stage("rivals")("weighing rivals")
     judged = [judge(model, search.scenes, search.linear, k) for k in range(len(model.claims))]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)

@@ -32,6 +32,10 @@ WIDER, WIDEST = 1.2, 5.0
 MOST_SHIFT = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
 
+HAND_OVER = 0.1
+"""Pitches, one sigma, by which a zero may be wrong where a relief was left out: curves are placed by where pairs hand
+over, and a relief moves that from the end of double contact to its middle."""
+
 PASSES = 16
 """Most rounds of simulating and fitting again after a change."""
 
@@ -40,6 +44,10 @@ BETTER = 10.0
 
 RELAXED = 3
 """Times that a fit begins once more with slopes alike."""
+
+
+Kept = tuple[dict[str, Any], dict[str, Any]]
+"""A state to come back to: of the model, and of the fit."""
 
 
 @dataclass(kw_only=True, eq=False)
@@ -99,9 +107,8 @@ class Fit:
                     # Teeth may have begun to bend.
                     self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
-            if not self.model.phased:
-                # The declared pair's curve is flat; the one of its teeth as they were built is not.
-                self.nuisance = self.nuisance.sloping([slope_of(scene) for scene in self.scenes])
+            # The declared pair's curve is another: flat where nothing is known of its teeth, and without reliefs.
+            self.nuisance = self.nuisance.sloping([slope_of(scene) for scene in self.scenes])
             self.linear = self.linearised()
             if way.overshot(self.linear.system, self.present()):
                 self.restore(good)
@@ -136,12 +143,12 @@ class Fit:
                 self.restore(before)
                 return
 
-    def kept(self) -> tuple[dict[str, Any], dict[str, Any]]:
+    def kept(self) -> Kept:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""
         names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection")
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
-    def restore(self, kept: tuple[dict[str, Any], dict[str, Any]]) -> None:
+    def restore(self, kept: Kept) -> None:
         """Come back to a state."""
         self.model.restore(kept[0])
         for name, value in kept[1].items():
@@ -191,6 +198,12 @@ class Fit:
         gone = np.where(inside, x - old, 0.0)
         return max(float(np.std(columns @ gone)) for columns in linear.columns)
 
+    @property
+    def shift_std(self) -> float:
+        """Standard error of the driven zero in rad."""
+        at = self.linear.layout.nuisance.start + self.nuisance.shift
+        return math.sqrt(float(self.linear.system.covariance[at, at]))
+
     def choose_law(self) -> None:
         """Take the compliance law that fits best, if one is clearly better than the present one."""
         changes = law_changes(self.scenes)
@@ -220,12 +233,17 @@ class Fit:
         if self.model.law is None:
             return
         before, there = self.kept(), self.linear.system.misfit
-        self.model.soften(self.by_declared_law())
-        self.model.law = None
-        self.laws = None
+        self.by_law_declared()
         self.settle()
         if self.linear.under(before[1]["noises"]).system.misfit > there + CLEARLY:
             self.restore(before)
+
+    def by_law_declared(self) -> None:
+        """Take the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
+        if self.model.law is not None:
+            self.model.soften(self.by_declared_law())
+            self.model.law = None
+            self.laws = None
 
     def by_declared_law(self) -> float:
         """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
@@ -263,4 +281,6 @@ class Fit:
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
     slopes = [one.slope for one in model.observed]
     scaled = model.declared.model.tooth_deflection
-    return make_nuisance(scenes, slopes=slopes, shift_std=model.shift_std, laws=laws, scaled=scaled)
+    relieved = any(one.physics.mean_tooth and one.physics.shaped for one in model.claims)
+    shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if relieved else 0.0)
+    return make_nuisance(scenes, slopes=slopes, shift_std=shift_std, laws=laws, scaled=scaled)

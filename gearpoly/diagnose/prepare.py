@@ -26,7 +26,8 @@ LEAST_SHIFT = 0.002 * DEG
 """rad. No zero is known better than this before the fit, whatever the alignment says of itself."""
 
 MOST_SHIFT = 0.06
-"""Pitches. Farther a zero is not moved: where the curves do not place the teeth, any place is as good."""
+"""Pitches. Farther a zero is not moved: where the curves do not place the teeth, places an eighth of a pitch apart were
+tried, and any is as good."""
 
 ZEROED = 1e-3
 """Part of the scatter of a computed transmission error below which its mean was taken off by the rig."""

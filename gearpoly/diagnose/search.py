@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
-from gearpoly.diagnose.fit import BETTER, Fit
+from gearpoly.diagnose.fit import BETTER, Fit, Kept
 from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan, together
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.base import Claim
 from gearpoly.threads import each
 
 FAMILY = 0.025
@@ -25,7 +26,12 @@ SWAPS = 4
 """Most exchanges after a claim."""
 
 LIKELY = 0.7
-"""Part of a claim's gain that its substitute must reach by its coarse shapes to be polished."""
+"""Part of a claim's gain that its substitute must reach by its coarse shapes to be polished, and that another first
+step must have reached to be gone back to."""
+
+ROADS, LEFT = 2, 0.2
+"""Other steps that are gone back to, where the search ended with more misfit beyond noise than this part of noise's
+own."""
 
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
@@ -43,6 +49,16 @@ SHORTLIST = 40
 """Candidates from which those are chosen."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Road:
+    """A step that might have been taken: the ``claim`` instead of the one that was, from the ``state`` before; it
+    explained this ``part`` of what that one did."""
+
+    state: Kept
+    claim: Claim
+    part: float
+
+
 @dataclass(kw_only=True, eq=False)
 class Search(Fit):
     """The search in progress; ``looked`` says at how many places."""
@@ -50,25 +66,59 @@ class Search(Fit):
     looked: Looked = field(default_factory=Looked)
 
     def run(self) -> list[Candidate]:
-        """Make claims until none pays; return the candidates of the last look."""
+        """Make claims until none pays; return the candidates of the last look.
+
+        Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
+        show of bending at first, and the reliefs that would tell them apart come later. So the other steps are gone
+        too, and the end that fits best is kept.
+        """
+        found, roads = self.forward()
+        for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
+            if self.linear.system.beyond < LEFT * self.linear.system.samples:
+                break
+            end, looked, there = self.kept(), self.looked, self.worth()
+            self.restore(road.state)
+            other = self.forward()[0] if self.accept(road.claim) else []
+            if self.worth(end[1]["noises"]) < there - BETTER:
+                found = other
+            else:
+                self.restore(end)
+                self.looked = looked
+        self.widen()
+        self.model.ratio = self.by_declared_law()
+        return found
+
+    def forward(self) -> tuple[list[Candidate], list[Road]]:
+        """Make claims until none pays; the candidates of the last look, and the steps that might have been taken."""
         refused: set[tuple[object, ...]] = set()
         found: list[Candidate] = []
+        roads: list[Road] = []
         while len(self.model.claims) < MOST:
             self.step(f"looking for what is missing ({len(self.model.claims)} found)")
             found, self.looked = scan(self.model, self.scenes, self.linear)
-            best = self.best(found, refused)
+            ones = self.likely(found, refused)
+            best = next((one for one in ones if self.matters(one) and self.pays(one)), None)
             if best is None:
                 break
             before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
-            if not self.accept(best.claim):
-                refused.add(best.claim.key)
-                self.restore(before)
-                if len(refused) > MOST:
-                    break
-        self.widen()
-        self.model.ratio = self.by_declared_law()
-        return found
+            if self.accept(best.claim):
+                roads += [
+                    Road(state=before, claim=one.claim, part=one.gain / best.gain)
+                    for one in ones
+                    if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
+                ]
+                continue
+            refused.add(best.claim.key)
+            self.restore(before)
+            if len(refused) > MOST:
+                break
+        return found, roads
+
+    def worth(self, noises: list[Noise] | None = None) -> float:
+        """Misfit by these or the present ``noises``, and what freedoms cost."""
+        linear = self.linear if noises is None else self.linear.under(noises)
+        return linear.system.misfit + 2.0 * sum(len(claim.values) for claim in self.model.claims)
 
     def accept(self, claim: Claim) -> bool:
         """Make a claim and fit everything again; whether it stands, and leaves gears that can still run."""
@@ -86,8 +136,8 @@ class Search(Fit):
             return False
         return kept
 
-    def best(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> Candidate | None:
-        """The candidate that explains most, shapes polished, if it is more than chance and pays on held-out cycles."""
+    def likely(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
+        """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
         likely = [one for one in found[: 4 * SHORTLIST] if self.hopeful(one) and one.claim.key not in refused]
         chosen: list[Candidate] = []
         for one in likely[:SHORTLIST]:
@@ -96,14 +146,11 @@ class Search(Fit):
                 chosen.append(one)
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
-        for one in done:
-            if self.significant(one) and self.matters(one) and self.pays(one):
-                return one
-        return None
+        return [one for one in done if self.significant(one)]
 
     def hopeful(self, one: Candidate) -> bool:
         """Whether a candidate may be significant once its shape is polished."""
-        return self.significant(replace(one, gain=POLISH * one.gain) if _shaped(one.claim.physics) else one)
+        return self.significant(replace(one, gain=POLISH * one.gain) if one.claim.physics.shaped else one)
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
@@ -118,9 +165,13 @@ class Search(Fit):
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
         the simulation is wrong in some way of its own (a law of compliance, corners), and small parts of that look like
-        anything; most of all like a further physics of the mean tooth."""
-        further = one.claim.physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
-        return one.gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
+        anything; most of all like a further physics of the mean tooth. Makers relieve both gears, so a relief explains
+        what both do together."""
+        physics, gain = one.claim.physics, one.gain
+        further = physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
+        if further and physics.shaped:
+            gain = max(gain, together(self.model, self.scenes, self.linear, physics)[0])
+        return gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
@@ -190,7 +241,7 @@ class Search(Fit):
         out = []
         for physics in self.model.method.physics:
             if not (
-                claim.physics.mean_tooth and physics.mean_tooth and _shaped(physics) and physics is not claim.physics
+                claim.physics.mean_tooth and physics.mean_tooth and physics.shaped and physics is not claim.physics
             ):
                 continue
             both, claims = together(others, self.scenes, bare, physics)
@@ -204,8 +255,9 @@ class Search(Fit):
         return out
 
     def even(self) -> None:
-        """Begin once more with both gears alike where a shaped physics is claimed of both: what one takes of the other
-        bends the valley between them into several, and makers relieve both gears alike."""
+        """Begin once more with both gears alike, by the declared compliance law, where a shaped physics is claimed of
+        both: what one takes of the other bends the valley between them into several, each with a law of its own, and
+        makers relieve both gears alike."""
         for k, one in enumerate(self.model.claims):
             twins = [j for j, other in enumerate(self.model.claims) if _are_twins(one, other)]
             if not twins:
@@ -214,7 +266,9 @@ class Search(Fit):
             values = tuple(np.mean([one.values, self.model.claims[twins[0]].values], axis=0).tolist())
             for j in (k, twins[0]):
                 self.model.claims[j] = replace(self.model.claims[j], values=values)
+            self.by_law_declared()
             self.settle()
+            self.choose_law()
             if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
                 self.restore(before)
             return
@@ -236,10 +290,5 @@ class Search(Fit):
 
 def _are_twins(one: Claim, other: Claim) -> bool:
     """Whether two claims are the same shaped physics of the mean tooth, one of each gear."""
-    alike = _shaped(one.physics) and one.physics.mean_tooth and other.physics is one.physics
+    alike = one.physics.shaped and one.physics.mean_tooth and other.physics is one.physics
     return alike and one.place.gear == 0 and other.place.gear == 1
-
-
-def _shaped(physics: Physics) -> bool:
-    """Whether a physics has more to it than amplitudes."""
-    return len(physics.coordinates) > physics.amplitudes

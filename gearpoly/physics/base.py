@@ -140,6 +140,11 @@ class Physics:
     fixed_amplitudes: bool = field(default=False)
     """The amplitudes only say whether it is there (1) or not (0)."""
 
+    @property
+    def shaped(self) -> bool:
+        """Whether it has more to it than amplitudes."""
+        return len(self.coordinates) > self.amplitudes
+
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
