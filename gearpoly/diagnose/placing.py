@@ -38,15 +38,16 @@ deviations, and more than what a fit leaves undone."""
 def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
     """Move ``model`` to where teeth as they were built fit best: the tooth, where the curves leave several, and the
     place within a pitch, where they are flat. Raises what ``Fit.begun`` does."""
-    if model.elsewhere and _differ(model):
-        step("telling the teeth apart")
-        ways = [0.0, *(-by for by in model.elsewhere[:ELSEWHERE])]
-        _best_of(model, foreign, step, ways, hopeful=HOPEFUL)
+    pitch = model.scope.gears[1].tau
     if not model.phased:
         step("placing the teeth within their pitch")
-        # Every tooth hands over at the same place of its pitch.
-        ways = [k * model.scope.gears[1].tau / PHASES for k in range(PHASES)]
+        # Every tooth hands over at the same place of its pitch, also beside a wrong one.
+        ways = [k * pitch / PHASES for k in range(PHASES)]
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
+    if model.elsewhere and _differ(model):
+        step("telling the teeth apart")
+        others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
+        _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
 
 
 def _differ(model: Model) -> bool:

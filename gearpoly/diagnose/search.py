@@ -22,6 +22,9 @@ FAMILY = 0.025
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
 
+ALIKE = 0.1
+"""Part of its mean by which a value of twins may differ for both to be alike."""
+
 SWAPS = 4
 """Most exchanges after a claim."""
 
@@ -263,7 +266,10 @@ class Search(Fit):
             if not twins:
                 continue
             before, there = self.kept(), self.linear.system.misfit
-            values = tuple(np.mean([one.values, self.model.claims[twins[0]].values], axis=0).tolist())
+            both = np.array([one.values, self.model.claims[twins[0]].values])
+            values = tuple(np.mean(both, axis=0).tolist())
+            if np.all(np.ptp(both, axis=0) < ALIKE * np.abs(values)):
+                return
             for j in (k, twins[0]):
                 self.model.claims[j] = replace(self.model.claims[j], values=values)
             self.by_law_declared()

@@ -15,7 +15,7 @@ from gearpoly.units import FloatArray
 NEGLIGIBLE = 1.0
 """Fall in misfit below which a fit need not be repeated: a tenth of what any claim must gain."""
 
-HALF_DONE = 0.002
+HALF_DONE = 0.01
 """The same as a part of the misfit beyond noise: while something large is missing, the rest need not be exact."""
 
 ALONG, FARTHEST = 0.8, 3.0
