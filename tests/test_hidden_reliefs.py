@@ -79,6 +79,7 @@ def test_reliefs_and_bending_are_told_though_the_curve_was_placed_by_another_han
     assert diagnosis.after.unseen == pytest.approx(0.5e-3, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hand_over", "held"), [(fit.HAND_OVER, False), (0.0, True)])
 def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     hand_over: float, held: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -87,7 +87,7 @@ class Model:
     def restore(self, kept: dict[str, object]) -> None:
         """Come back to a state."""
         for name, value in kept.items():
-            setattr(self, name, value)
+            setattr(self, name, list(value) if isinstance(value, list) else value)
 
     def soften(self, ratio: float) -> None:
         """Multiply the compliance of all pairs, declared or claimed."""

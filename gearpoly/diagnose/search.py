@@ -106,8 +106,13 @@ class Search(Fit):
             before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if self.accept(best.claim):
+                # Without what the next fit makes anew: a hundred columns at all samples.
+                light = (
+                    before[0],
+                    {name: value for name, value in before[1].items() if name not in ("scenes", "linear")},
+                )
                 roads += [
-                    Road(state=before, claim=one.claim, part=one.gain / best.gain)
+                    Road(state=light, claim=one.claim, part=one.gain / best.gain)
                     for one in ones
                     if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
                 ]
