@@ -89,7 +89,7 @@ def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     monkeypatch.setattr(fit, "HAND_OVER", hand_over)
     true, known = hidden(np.random.default_rng(11))
     conditions = tuple(Condition(torque_nm=one) for one in TORQUES[::2])
-    recordings = recorded(true, conditions, np.random.default_rng(12), cycles=2.0, per_mesh=7, noise_um=0.5)
+    recordings = recorded(true, conditions, np.random.default_rng(12), cycles=2.0, per_mesh=10, noise_um=0.5)
     path = tmp_path / "pair.toml"
     comparison = compare(known, recordings, path=path)
     model = prepare(known, comparison, path=path)
