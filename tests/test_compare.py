@@ -137,7 +137,10 @@ def test_numberings_come_from_the_curves_alone(case: str, tmp_path: Path) -> Non
 
 @pytest.mark.slow
 @needs_bench
-@pytest.mark.xfail(reason="0.064 deg is stated, though a fit of everything puts the zero within 0.004 deg of it")
+@pytest.mark.xfail(
+    reason="0.064 deg is stated, and the zero is within 0.004 deg; but reliefs that nobody declared move the hand-over "
+    "by which curves are placed, by 2.2 deg in another pair, so less would not be honest before they are found"
+)
 def test_undeclared_reliefs_leave_the_zero_known() -> None:
     pair, recordings = bench("relief_cancels_deflection")
     found = lay_beside(read_pair(pair), [read_recording(r) for r in recordings], path=pair)

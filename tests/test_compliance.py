@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,7 +50,7 @@ BEAM_LAWS = ("cantilever", "cantilever_published", "weber_banaschek", "potential
 
 
 def section_of(tooth: RackTooth, **changes: object) -> ToothSection:
-    known: dict[str, object] = {
+    known: dict[str, Any] = {
         "radius": tooth.radius,
         "drive": tooth.psi,
         "coast": -tooth.psi,
@@ -58,7 +59,7 @@ def section_of(tooth: RackTooth, **changes: object) -> ToothSection:
         "bore_radius": 5.0 * tooth.m,
         "teeth": tooth.z,
     }
-    return tooth_section(**(known | changes))  # type: ignore[arg-type]
+    return tooth_section(**(known | changes))
 
 
 def flank(tooth: RackTooth, k: int = 30) -> np.ndarray:
@@ -99,8 +100,9 @@ def parts(section: ToothSection, x_load: float, b: float) -> dict[str, float]:
         "Y": float(load.y[0, 0]),
         "beta": float(load.beta[0, 0]),
     }
-    for form in ("symmetric", "published"):
-        whole = cantilever.compliance(section, load, blank, form=form)  # type: ignore[arg-type]
+    forms: tuple[cantilever.Form, ...] = ("symmetric", "published")
+    for form in forms:
+        whole = cantilever.compliance(section, load, blank, form=form)
         found[form] = float((whole - rim)[0, 0])
     return found
 
@@ -437,11 +439,11 @@ def test_laws_are_found_by_name() -> None:
         {"radius": [math.nan]},
     ],
 )
-def test_bad_numbers_are_refused(wrong: dict[str, object]) -> None:
+def test_bad_numbers_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(OutOfRangeError):
         tooth_compliance(
             section_of(rack_tooth(18, 2.0)),
-            **({"radius": [18.0]} | STEEL | wrong),  # type: ignore[arg-type]
+            **({"radius": [18.0]} | STEEL | wrong),
         )
 
 

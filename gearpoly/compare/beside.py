@@ -98,9 +98,15 @@ class Comparison(Beside):
     def refined(self, shift: float, std: float) -> Comparison:
         """The same with zeros that a fit of everything moved by ``shift`` in rad of driven rotation, known to ``std``;
         the residuals stay those of the declared pair where compare laid it."""
-        directions = (self.gears[0].direction, self.gears[1].direction)
-        ratio = self.gears[0].z / self.gears[1].z
-        return self._with(self.alignment.refined(shift, std, ratio=ratio, directions=directions))
+        return self._with(self.alignment.refined(shift, std, ratio=self._ratio, directions=self._directions))
+
+    @property
+    def _ratio(self) -> float:
+        return self.gears[0].z / self.gears[1].z
+
+    @property
+    def _directions(self) -> tuple[int, int]:
+        return self.gears[0].direction, self.gears[1].direction
 
     def _with(self, alignment: Alignment) -> Comparison:
         zeros = (alignment.zeros.driving, alignment.zeros.driven)
@@ -109,7 +115,5 @@ class Comparison(Beside):
 
     def moved(self, offset: float) -> Comparison:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
-        ratio = self.gears[0].z / self.gears[1].z
-        directions = (self.gears[0].direction, self.gears[1].direction)
-        there = self._with(self.alignment.moved(offset, ratio=ratio, directions=directions))
+        there = self._with(self.alignment.moved(offset, ratio=self._ratio, directions=self._directions))
         return replace(there, aligned=tuple(one.moved(offset) for one in self.aligned))

@@ -51,6 +51,12 @@ class Zeros:
     driven: float | None
     rms: float
 
+    def moved(self, offset: float, *, ratio: float, directions: tuple[int, int]) -> Zeros:
+        """The same where all turn by ``offset`` in rad of driven rotation more, ``ratio`` of the driving one."""
+        held, by = (self.driving, self.driven), (offset / ratio, offset)
+        there = [None if z is None else (z - way * b) % TURN for z, way, b in zip(held, directions, by, strict=True)]
+        return replace(self, driving=there[0], driven=there[1])
+
     def near(self, other: Zeros) -> bool:
         """Whether both are the same to a degree."""
         pairs = ((self.driving, other.driving), (self.driven, other.driven))
@@ -85,19 +91,16 @@ class Alignment:
     def moved(self, offset: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together; ``ratio`` is that
         of the driven over the driving rotation. What was found first becomes the first rival."""
-        by = (offset / ratio, offset)
-        held = (self.zeros.driving, self.zeros.driven)
-        there = [None if z is None else (z - way * b) % TURN for z, way, b in zip(held, directions, by, strict=True)]
-        zeros = Zeros(driving=there[0], driven=there[1], rms=self.zeros.rms)
+        zeros = self.zeros.moved(offset, ratio=ratio, directions=directions)
         rivals = (self.zeros, *(one for one in self.rivals if not one.near(zeros)))
         return replace(self, zeros=zeros, shift=self.shift - offset, rivals=rivals, further=())
 
     def refined(self, shift: float, std: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
         """The same with zeros that a fit of everything moved by ``shift`` in rad of driven rotation, to ``std``, where
         the curves had placed the teeth at all."""
-        moved = self.moved(shift, ratio=ratio, directions=directions)
+        zeros = self.zeros.moved(shift, ratio=ratio, directions=directions)
         known = (std / ratio, std) if self.phased else (self.std_driving, self.std_driven)
-        return replace(moved, std_driving=known[0], std_driven=known[1], rivals=self.rivals, further=self.further)
+        return replace(self, zeros=zeros, std_driving=known[0], std_driven=known[1])
 
     @property
     def numbered(self) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance, slope_of
+from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
@@ -44,7 +44,6 @@ BETTER = 10.0
 
 RELAXED = 3
 """Times that a fit begins once more with slopes alike."""
-
 
 Kept = tuple[dict[str, Any], dict[str, Any]]
 """A state to come back to: of the model, and of the fit."""
@@ -107,8 +106,9 @@ class Fit:
                     # Teeth may have begun to bend.
                     self.laws = law_modes(self.scenes, law_changes(self.scenes))
                 self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
-            # The declared pair's curve is another: flat where nothing is known of its teeth, and without reliefs.
-            self.nuisance = self.nuisance.sloping([slope_of(scene) for scene in self.scenes])
+            else:
+                # Teeth and reliefs have changed, and the slope of the curve with them.
+                self.nuisance = self.nuisance.sloping(self.scenes)
             self.linear = self.linearised()
             if way.overshot(self.linear.system, self.present()):
                 self.restore(good)
@@ -233,19 +233,19 @@ class Fit:
         if self.model.law is None:
             return
         before, there = self.kept(), self.linear.system.misfit
-        self.by_law_declared()
+        self.take_declared_law()
         self.settle()
         if self.linear.under(before[1]["noises"]).system.misfit > there + CLEARLY:
             self.restore(before)
 
-    def by_law_declared(self) -> None:
+    def take_declared_law(self) -> None:
         """Take the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
         if self.model.law is not None:
-            self.model.soften(self.by_declared_law())
+            self.model.soften(self.declared_ratio())
             self.model.law = None
             self.laws = None
 
-    def by_declared_law(self) -> float:
+    def declared_ratio(self) -> float:
         """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
         named = self.model.declared.model
         law = named.compliance, named.contact
@@ -279,8 +279,8 @@ class Fit:
 
 
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
-    slopes = [one.slope for one in model.observed]
+    """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
     scaled = model.declared.model.tooth_deflection
     relieved = any(one.physics.mean_tooth and one.physics.shaped for one in model.claims)
     shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if relieved else 0.0)
-    return make_nuisance(scenes, slopes=slopes, shift_std=shift_std, laws=laws, scaled=scaled)
+    return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled)

@@ -20,13 +20,11 @@ from gearpoly.units import FloatArray
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observed:
-    """A recording: its ``samples``, the ``recorded`` transmission error (n,) in mm, the ``slope`` (n,) in mm/rad of the
-    declared pair's; ``fit`` (n,) marks the samples that a cross-validated fit sees (``whole``: whole hunting cycles);
-    ``estimator`` of its noise."""
+    """A recording: its ``samples``, the ``recorded`` transmission error (n,) in mm; ``fit`` (n,) marks the samples that
+    a cross-validated fit sees (``whole``: whole hunting cycles); ``estimator`` of its noise."""
 
     samples: Samples
     recorded: FloatArray
-    slope: FloatArray
     fit: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     whole: bool
     estimator: NoiseEstimator

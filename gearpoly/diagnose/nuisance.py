@@ -49,20 +49,18 @@ class Nuisance:
     shift: int
     scale: int | None
 
-    def sloping(self, slopes: list[FloatArray]) -> Nuisance:
-        """The same with other ``slopes`` (n_k,) in mm/rad of the transmission error over driven rotation."""
+    def sloping(self, scenes: list[Scene]) -> Nuisance:
+        """The same with the slopes of the ``scenes`` as they are now, where a zero is late."""
         columns = [one.copy() for one in self.columns]
-        for mine, along in zip(columns, slopes, strict=True):
-            mine[:, self.shift] = along
+        for mine, scene in zip(columns, scenes, strict=True):
+            mine[:, self.shift] = slope_of(scene)
         return replace(self, columns=columns)
 
 
-def make_nuisance(
-    scenes: list[Scene], *, slopes: list[FloatArray], shift_std: float, laws: list[FloatArray] | None, scaled: bool
-) -> Nuisance:
-    """The nuisance of all scenes; ``slopes`` (n_k,) in mm/rad of the transmission error over driven rotation,
-    ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in which compliance laws differ;
-    ``scaled``: the compliance is declared, so its scale is open (else it is claimed, and no nuisance).
+def make_nuisance(scenes: list[Scene], *, shift_std: float, laws: list[FloatArray] | None, scaled: bool) -> Nuisance:
+    """The nuisance of all scenes; ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in
+    mm in which compliance laws differ; ``scaled``: the compliance is declared, so its scale is open (else it is
+    claimed, and no nuisance).
     """
     sizes = [scene.samples.size for scene in scenes]
     counted = [scene.samples.counted for scene in scenes]
@@ -72,8 +70,8 @@ def make_nuisance(
     columns = [[np.full(size, mean[k]) for mean in means] for k, size in enumerate(sizes)]
     std = [1e3] * len(means)
     at_shift = len(std)
-    for mine, along in zip(columns, slopes, strict=True):
-        mine.append(along)
+    for mine, scene in zip(columns, scenes, strict=True):
+        mine.append(slope_of(scene))
     std.append(shift_std)
     at_scale = None
     if scaled and any(scene.bends for scene in scenes):

@@ -101,6 +101,6 @@ def first(one: Observed, n: int, model: Model) -> Observed:
         return one
     estimator = NoiseEstimator(_meshes(one, model)[:n], z_1=model.scope.gears[0].z, z_2=model.scope.gears[1].z)
     return replace(
-        one, samples=one.samples.first(n), recorded=one.recorded[:n], slope=one.slope[:n], fit=one.fit[:n],
+        one, samples=one.samples.first(n), recorded=one.recorded[:n], fit=one.fit[:n],
         estimator=estimator,
     )  # fmt: skip

@@ -169,7 +169,4 @@ def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Ob
     along = u - u[0]
     blocks = np.floor(along * (BLOCKS / along[-1])) % 2 == 0
     fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else blocks
-    slope = one.template.slope(one.theta_2)
-    return Observed(
-        samples=samples, recorded=one.recorded, slope=slope, fit=fit, whole=cycles >= 2, estimator=estimator
-    )
+    return Observed(samples=samples, recorded=one.recorded, fit=fit, whole=cycles >= 2, estimator=estimator)

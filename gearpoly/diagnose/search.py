@@ -81,14 +81,14 @@ class Search(Fit):
                 break
             end, looked, there = self.kept(), self.looked, self.worth()
             self.restore(road.state)
-            other = self.forward()[0] if self.accept(road.claim) else []
-            if self.worth(end[1]["noises"]) < there - BETTER:
+            other = self.forward()[0] if self.accept(road.claim) else None
+            if other is not None and self.worth(end[1]["noises"]) < there - BETTER:
                 found = other
             else:
                 self.restore(end)
                 self.looked = looked
         self.widen()
-        self.model.ratio = self.by_declared_law()
+        self.model.ratio = self.declared_ratio()
         return found
 
     def forward(self) -> tuple[list[Candidate], list[Road]]:
@@ -106,13 +106,10 @@ class Search(Fit):
             before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if self.accept(best.claim):
-                # Without what the next fit makes anew: a hundred columns at all samples.
-                light = (
-                    before[0],
-                    {name: value for name, value in before[1].items() if name not in ("scenes", "linear")},
-                )
+                # What the next fit makes anew is large: a hundred columns at all samples.
+                fit = {name: value for name, value in before[1].items() if name not in ("scenes", "linear")}
                 roads += [
-                    Road(state=light, claim=one.claim, part=one.gain / best.gain)
+                    Road(state=(before[0], fit), claim=one.claim, part=one.gain / best.gain)
                     for one in ones
                     if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
                 ]
@@ -247,11 +244,9 @@ class Search(Fit):
         ]
         found, _ = scan(others, self.scenes, bare, only=places)
         out = []
-        for physics in self.model.method.physics:
-            if not (
-                claim.physics.mean_tooth and physics.mean_tooth and physics.shaped and physics is not claim.physics
-            ):
-                continue
+        known = claim.physics
+        shaped = [one for one in self.model.method.physics if one.mean_tooth and one.shaped and one is not known]
+        for physics in shaped if known.mean_tooth else ():
             both, claims = together(others, self.scenes, bare, physics)
             freedoms = sum(len(one.values) for one in claims)
             if claims and both - 2.0 * freedoms > gain - 2.0 * len(claim.values) + BETTER:
@@ -277,7 +272,7 @@ class Search(Fit):
                 return
             for j in (k, twins[0]):
                 self.model.claims[j] = replace(self.model.claims[j], values=values)
-            self.by_law_declared()
+            self.take_declared_law()
             self.settle()
             self.choose_law()
             if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:

@@ -47,7 +47,7 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
     out = [
         "# The proof",
         "",
-        f"Made by `make proof` from the scoreboard of the {board['of']}: {board['cases']} cases, gearpoly "
+        f"Made from the scoreboard of the {board['of']}: {board['cases']} cases, gearpoly "
         f"{board['gearpoly']}. Nothing on this page is written by hand.",
         "",
         "A bench of its own (`proving/`) makes recordings of pairs in which something is concealed; it shares no code "

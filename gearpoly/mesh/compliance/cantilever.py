@@ -15,6 +15,9 @@ from gearpoly.mesh.compliance.law import Blank, ComplianceLaw
 from gearpoly.mesh.compliance.outline import ToothSection
 from gearpoly.units import BoolArray, FloatArray
 
+Form = Literal["symmetric", "published"]
+"""Of the beam integrals: which of two ways the moment of the load is written in."""
+
 WIDE = 5.0
 """Face width over pitch-point thickness above which a tooth is in plane strain; Cornell (1981)."""
 
@@ -54,7 +57,7 @@ def compliance(
     load: LoadPoints,
     blank: Blank,
     *,
-    form: Literal["symmetric", "published"] = "symmetric",
+    form: Form = "symmetric",
 ) -> FloatArray:
     """Q_b + Q_f in mm/N along the line of action, (z, k).
 
