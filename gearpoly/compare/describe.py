@@ -52,8 +52,8 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     name, peaks = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
     at = search.places[k][name][2 * peaks.index(peak) :][:2]
     ab = solution.beta[at]
-    scale = peak.frequency if peak.domain == "order" else peak.frequency * s.search.dt / s.search.spacing
-    rest = float(s.noise.rest_at(np.array([scale]))[0][0])
+    scale = s.search.per_mesh(peak)
+    rest = float(s.noise.rest_at(np.array([s.search.image(scale)]))[0][0])
     covariance = solution.covariance[np.ix_(at, at)] * rest
     # Means over a stretch make a wave smaller by sin(x)/x; what is reported is the wave itself.
     damped = float(np.sinc(scale * s.data.averaged))
@@ -97,30 +97,45 @@ def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, st
     )
 
 
+def _train(peak: Peak, unit: str, *, scale: float = 1.0) -> str:
+    """The train of pulses that a wave belongs to, in words."""
+    if not peak.harmonic:
+        return ""
+    return f"harmonic {peak.harmonic} of pulses at {peak.frequency / peak.harmonic * scale:.4g} {unit}"
+
+
 def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry | None:
     """The entry of a wave first seen in recording ``k``; ``None`` where the joint fit leaves nothing of it."""
     share = {"time": SHARES.time}.get(peak.domain, SHARES.orders if peak.known else SHARES.between)
-    p_value = float(share * math.exp(min(0.0, peak.log_false)))
+    p_value = float((SHARES.faint if peak.faint else share) * math.exp(min(0.0, peak.log_false)))
     s = search.states[k]
     if peak.domain == "time":
         amplitude, std, phase, square = _wave(search, solution, k, peak)
-        per_hz = s.search.dt / s.search.spacing * search.z_1
+        # Of waves found together the strongest stands for all, and others where they stand out beside it.
+        if peak.faint and square < SEEN and not peak.leads:
+            return None
+        per_hz = s.search.pace * search.z_1
         rivals: tuple[str, ...] = (
             () if peak.gain - peak.rival > TIE else (f"order {peak.frequency * per_hz:.4g} of the driving shaft",)
         )
+        if peak.gain - peak.image <= TIE and s.search.time_grid is not None:
+            rivals += (f"{abs(s.search.rate - peak.frequency):.4g} Hz, which so few samples show alike",)
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
+            label=_train(peak, "Hz"),
         )  # fmt: skip
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
     amplitude, std, phase, square = found[best]
-    if amplitude < search.floor or square < SEEN:
+    if amplitude < search.floor or (square < SEEN and not peak.leads):
         return None
     kind, gear, order, label, rivals = _kind(search, peak.frequency)
+    if peak.harmonic:
+        label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
     if not peak.known and peak.gain - peak.rival <= TIE and s.search.time_grid is not None:
-        rivals = (*rivals, f"{peak.frequency * s.search.spacing / s.search.dt:.4g} Hz")
+        rivals = (*rivals, f"{peak.frequency / s.search.pace:.4g} Hz")
     return Entry(
         kind="mesh_order" if kind == "mesh_order" else "shaft_order",
         gear=gear,

@@ -105,7 +105,7 @@ def _entry(peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int
     amplitude = float(np.hypot(*ab))
     timed = peak.domain == "time"
     tie = lines.time_grid is not None and peak.gain - peak.rival <= TIE
-    per_mesh = lines.dt / lines.spacing if lines.time_grid is not None else 1.0
+    per_mesh = lines.pace if lines.time_grid is not None else 1.0
     rivals: tuple[str, ...]
     if timed:
         rivals = (f"order {peak.frequency * per_mesh * z_1:.4g} of the driving shaft",) if tie else ()

@@ -7,18 +7,19 @@ the other way round. Both spectra are searched, and the sharper line says which 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from gearpoly.compare.families import SHARES, log_false_any
+from gearpoly.compare.families import SHARES, log_false_any, log_tail_line
 from gearpoly.compare.noise import Noise, spacing_of
+from gearpoly.compare.orders import known_orders
 from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.regression import WaveSums
 from gearpoly.compare.spectrum import Grid
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 Domain = Literal["order", "time"]
 
@@ -43,6 +44,26 @@ STRETCHES = 2048
 """Stretches of a record whose sums and moments stand for it where a wave is placed: over half of one a wave that is a
 line off turns by 0.0015 rad, whose third power is left out."""
 
+MAINS = (50.0, 60.0)
+"""Hz at whose multiples a wave that may as well be fixed in time as in angle is hum; elsewhere something turns."""
+
+MAINS_STRAYS = 0.002
+"""Part by which a mains frequency strays."""
+
+GAP = 1.5
+"""Middle steps from which on a step in time is a gap."""
+
+HALF_WAY = 2.0
+"""Independent lines about half the sampling rate in which nothing is looked for over time."""
+
+TWICE = 100_000
+"""Samples up to which hum is looked for up to the sampling rate, not half of it: times that are a little uneven tell a
+wave above from its image below."""
+
+WHOLE_TURN, REPEATS = 1.5, 0.4
+"""Hunting cycles from which on frequencies that repeat with the pair stand apart from others, and the independent lines
+within which a wave of any frequency may be one of them."""
+
 TIE = 6.0
 """Difference in likelihood (twice its log) below which a wave may as well be fixed in time as in angle: odds of 20."""
 
@@ -51,7 +72,9 @@ TIE = 6.0
 class Peak:
     """A wave found: ``frequency`` in cycles per mesh, or in Hz; ``gain`` twice the log likelihood that it brings;
     ``log_false`` log of the expected number of such finds in noise; ``known``: it is an integer order of a shaft.
-    ``std`` of the frequency; ``rival`` the gain of the best wave of the other kind at its place."""
+    ``std`` of the frequency; ``rival`` the gain of the best wave of the other kind at its place, ``image`` that of the
+    wave in time which the same samples show where the sampling is even. ``faint``: it was found together with others
+    only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them."""
 
     domain: Domain
     frequency: float
@@ -60,48 +83,17 @@ class Peak:
     log_false: float
     known: bool
     rival: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class KnownOrders:
-    """Integer orders of both shafts below the sampling's limit, and the lowest sums and differences of both shafts.
-
-    ``place`` (k,) frequencies in cycles per mesh times lcm(z_1, z_2): first ``first`` orders of the driving shaft
-    from 1 on, then those of the driven shaft that are none of the driving, then the sums and differences.
-    """
-
-    z_1: int
-    z_2: int
-    first: int
-    second: IntArray
-    place: IntArray
+    image: float = 0.0
+    harmonic: int = 0
+    faint: bool = False
+    leads: bool = False
 
     @property
-    def period(self) -> int:
-        """Meshes in a hunting cycle."""
-        return math.lcm(self.z_1, self.z_2)
-
-    @property
-    def frequency(self) -> FloatArray:
-        """Frequencies (k,) in cycles per mesh."""
-        return self.place / float(self.period)
-
-
-def known_orders(z_1: int, z_2: int, *, nyquist: float, slowest: float) -> KnownOrders:
-    """The orders between ``slowest`` and ``nyquist`` cycles per mesh (the slower ones stand in the list all the
-    same)."""
-    period = math.lcm(z_1, z_2)
-    one, two = period // z_1, period // z_2
-    top = max(int(nyquist * period), one + 1)
-    driving = np.arange(one, top, one)
-    driven = np.arange(two, top, two)
-    driven = driven[driven % one != 0]
-    both = set(driving.tolist()) | set(driven.tolist())
-    mixed = {abs(i * one + j * two) for i in (1, 2) for j in (-2, -1, 1, 2)}
-    rest = np.array(sorted(k for k in mixed - both if slowest * period < k < top), dtype=np.int64)
-    return KnownOrders(
-        z_1=z_1, z_2=z_2, first=driving.size, second=driven // two, place=np.concatenate([driving, driven, rest])
-    )
+    def hum(self) -> bool:
+        """Whether its frequency is a multiple of the mains'."""
+        off = MAINS_STRAYS * self.frequency + 3.0 * self.std
+        near = [abs(math.remainder(self.frequency, mains)) < off and self.frequency > 0.5 * mains for mains in MAINS]
+        return self.domain == "time" and any(near)
 
 
 class LineSearch:
@@ -121,13 +113,17 @@ class LineSearch:
             u, step=1.0 / (self.period * self.fine), count=int(self.nyquist * self.period * self.fine)
         )
         self.time_grid: Grid | None = None
-        self.dt = 0.0
+        self.pace = self.rate = 0.0
         if time is not None:
-            self.dt = float(np.median(np.diff(time)))
-            self.duration = float(time[-1] - time[0]) + self.dt
-            if self.dt > 0.0:
-                count = int(0.5 / self.dt * 2.0 * self.duration)
-                self.time_grid = Grid(time, step=0.5 / self.duration, count=count)
+            step = np.diff(time)
+            dt = float(np.median(step))
+            self.duration = float(time[-1] - time[0]) + dt
+            self.pace = self.duration / self.span
+            if dt > 0.0:
+                # Uneven sampling has no middle step to go by, and gaps belong to no step.
+                self.rate = 1.0 / float(np.mean(step[step < GAP * dt]))
+                self.top = (1.0 if u.size <= TWICE else 0.5) * self.rate
+                self.time_grid = Grid(time, step=0.5 / self.duration, count=int(self.top * 2.0 * self.duration))
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
         self.searched = self.orders.frequency > SLOWEST / self.span
@@ -137,9 +133,20 @@ class LineSearch:
         """Sums over the waves of all known orders."""
         return WaveSums(self.u, step=1.0 / self.period, place=self.orders.place)
 
+    def lines_from(self, peak: Peak, frequency: float) -> float:
+        """Independent lines between a wave, or its image below half the sampling rate, and a ``frequency`` in cycles
+        per mesh."""
+        here = self.per_mesh(peak)
+        return self.span * min(abs(here - frequency), abs(self.image(here) - frequency))
+
+    def image(self, frequency: float) -> float:
+        """The frequency, both in cycles per mesh, below half the sampling rate that even samples show alike."""
+        rate = self.rate * self.pace
+        return rate - frequency if frequency > 0.5 * rate > 0.0 else frequency
+
     def per_mesh(self, peak: Peak) -> float:
         """Frequency of a wave in cycles per mesh, at the mean speed where it is fixed in time."""
-        return peak.frequency * (self.duration / self.span if peak.domain == "time" else 1.0)
+        return peak.frequency * (self.pace if peak.domain == "time" else 1.0)
 
     def peaks(
         self, white: FloatArray, noise: Noise, *, recordings: int = 1, most: int = 12, least: float = 0.0
@@ -149,7 +156,7 @@ class LineSearch:
         lines = self.nyquist * self.span * recordings / SHARES.between
         found = self._blind("order", white, noise, lines=lines, most=most, least=least)
         if self.time_grid is not None:
-            lines = 0.5 / self.dt * self.duration * recordings / SHARES.time
+            lines = self.top * self.duration * recordings / SHARES.time
             found += self._blind("time", white, noise, lines=lines, most=most, least=least)
         return self._sorted_out(found)
 
@@ -158,19 +165,25 @@ class LineSearch:
     ) -> list[Peak]:
         """The strongest waves over angle or over time, ``lines`` independent ones sharing the chance of a false
         find."""
-        x, grid, span, per_mesh = self.u, self.order_grid, self.span, 1.0
-        if domain == "time":
-            assert self.t is not None
-            assert self.time_grid is not None
-            x, grid, span, per_mesh = self.t, self.time_grid, self.duration, self.dt / self.spacing
+        x, grid, span, per_mesh = self.over(domain)
         z = grid.power(white)
         held, false = [], []
         for here in pieces(z.size):
             frequency = np.arange(here.start, here.stop) * grid.step
-            rest, count = noise.rest_at(frequency * per_mesh)
+            image = frequency
+            if domain == "time":
+                image = np.minimum(frequency, self.rate - frequency)
+            rest, count = noise.rest_at(image * per_mesh)
+            if domain == "time":
+                # Uneven times spread noise of all frequencies over those above half the rate.
+                rest[frequency > 0.5 * self.rate] = np.maximum(rest[frequency > 0.5 * self.rate], 1.0)
             z[here] /= white.size * rest
             log_false = log_false_any(z[here], count, lines=lines)
-            top = np.flatnonzero((log_false < 0.0) & (frequency > SLOWEST_BLIND / span))
+            seen = image > SLOWEST_BLIND / span
+            if domain == "time":
+                # Half way a wave and its image are one, and even samples see one of its two phases only.
+                seen &= np.abs(frequency - 0.5 * self.rate) > HALF_WAY / span
+            top = np.flatnonzero((log_false < 0.0) & seen)
             held.append(here.start + top)
             false.append(log_false[top])
         places, log_false = np.concatenate(held), np.concatenate(false)
@@ -189,10 +202,53 @@ class LineSearch:
                 here_z *= max(higher, 1.0)
             # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
             std = 0.551 / span / math.sqrt(2.0 * here_z)
-            out.append(
-                Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
-            )  # fmt: skip
+            peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
+            peak = replace(peak, image=self._image_gain(peak, white))
+            # A wave above half the sampling rate has to explain more than its image below, which few recordings show.
+            if not self._fast(peak) or peak.gain > peak.image + TIE:
+                out.append(peak)
         return out
+
+    def _image_gain(self, peak: Peak, white: FloatArray) -> float:
+        """Gain of the image that even samples would show alike of a wave in time in the whitened residual (n,); 0 where
+        no image is looked for."""
+        image = self.rate - peak.frequency
+        if peak.domain == "order" or self.t is None or not 0.0 < image < self.top:
+            return 0.0
+        image, _ = _refined(self.t, white, image, self.duration)
+        there, here = (abs(np.sum(white * np.exp(-2j * np.pi * f * self.t))) ** 2 for f in (image, peak.frequency))
+        return peak.gain * float(there / here)
+
+    def over(self, domain: Domain) -> tuple[FloatArray, Grid, float, float]:
+        """Samples (n,) in angle or time, their grid, their span, and cycles per mesh in one of the grid's unit."""
+        if domain == "order":
+            return self.u, self.order_grid, self.span, 1.0
+        assert self.t is not None
+        assert self.time_grid is not None
+        return self.t, self.time_grid, self.duration, self.pace
+
+    def chances(self, domain: Domain, white: FloatArray, noise: Noise) -> FloatArray:
+        """Log chance (m,) that noise exceeds a whitened residual (n,) at each place of the grid below half the sampling
+        rate, 0 where orders of the shafts or what is no slower than drift stand."""
+        _, grid, span, per_mesh = self.over(domain)
+        below = int(self.nyquist / per_mesh / grid.step)
+        frequency: FloatArray = grid.step * np.arange(min(grid.count, below), dtype=np.float64)
+        rest, count = noise.rest_at(frequency * per_mesh)
+        chance = log_tail_line(grid.power(white)[: frequency.size] / (white.size * rest), count)
+        chance[self.own(frequency * per_mesh) | (frequency * span < SLOWEST_BLIND)] = 0.0
+        return chance
+
+    def own(self, frequency: FloatArray) -> BoolArray:
+        """Whether waves (k,), in cycles per mesh, may be orders of the shafts."""
+        places, known = frequency * self.period, np.sort(self.orders.place)
+        near = np.clip(np.searchsorted(known, places), 1, known.size - 1)
+        off = np.minimum(np.abs(places - known[near - 1]), np.abs(places - known[near]))
+        return np.asarray(off * self.span / self.period < APART)
+
+    def repeats(self, frequency: FloatArray) -> BoolArray:
+        """Whether waves (k,), in cycles per mesh, repeat with the pair as far as so long a record shows."""
+        places, cycles = frequency * self.period, self.span / self.period
+        return np.asarray((np.abs(places - np.rint(places)) * cycles < REPEATS) & (cycles > WHOLE_TURN))
 
     def snapped(self, frequency: float, std: float) -> float | None:
         """The integer order (or low sum of both shafts) in cycles per mesh that ``frequency`` is, if it is one."""
@@ -204,19 +260,23 @@ class LineSearch:
 
     def _sorted_out(self, found: list[Peak]) -> list[Peak]:
         """One peak per place, the sharper of angle and time; what is another's foot left out."""
-        scale = self.dt / self.spacing if self.time_grid is not None else 1.0
         out: list[Peak] = []
         for peak in sorted(found, key=lambda p: (-p.gain, not p.known)):
-            here = peak.frequency if peak.domain == "order" else peak.frequency * scale
+            here = self.per_mesh(peak)
             rival, foot = False, False
             for j, kept in enumerate(out):
-                there = kept.frequency if kept.domain == "order" else kept.frequency * scale
+                there = self.per_mesh(kept)
                 apart = abs(here - there) * self.span
+                if self._fast(peak) or self._fast(kept):
+                    image = abs(self.rate * self.pace - here - there) * self.span
+                    if image < FOOT:
+                        foot = True
+                        break
                 if apart < APART or (peak.gain < 0.3 * kept.gain and apart < FOOT and peak.domain != kept.domain):
                     foot = True
                     if kept.domain != peak.domain and apart < APART and peak.gain > kept.rival:
                         rival = True
-                        out[j] = _with_rival(kept, peak.gain)
+                        out[j] = self._likelier(kept, peak)
                     break
             if not foot and not rival:
                 out.append(peak)
@@ -225,19 +285,19 @@ class LineSearch:
             if peak.domain == "order" and not peak.known:
                 exact = self.snapped(peak.frequency, peak.std)
                 if exact is not None:
-                    peak = Peak(
-                        domain="order", frequency=exact, std=0.0, gain=peak.gain, log_false=peak.log_false,
-                        known=True, rival=peak.rival,
-                    )  # fmt: skip
+                    peak = replace(peak, frequency=exact, std=0.0, known=True)
             final.append(peak)
         return final
 
+    def _likelier(self, best: Peak, other: Peak) -> Peak:
+        """Of a wave over angle and the same over time, the ``best`` explaining more, the one to report."""
+        if best.gain - other.gain <= TIE and (other.domain == "time") == (best.hum or other.hum):
+            best, other = other, best
+        return replace(best, rival=other.gain, image=max(best.image, other.image))
 
-def _with_rival(peak: Peak, gain: float) -> Peak:
-    return Peak(
-        domain=peak.domain, frequency=peak.frequency, std=peak.std, gain=peak.gain, log_false=peak.log_false,
-        known=peak.known, rival=gain,
-    )  # fmt: skip
+    def _fast(self, peak: Peak) -> bool:
+        """Whether a wave in time is faster than half the sampling rate."""
+        return peak.domain == "time" and peak.frequency > 0.5 * self.rate
 
 
 def _refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> tuple[float, float]:

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.jump_search import JumpSearch
-from gearpoly.compare.lines import APART, TIE, Peak
+from gearpoly.compare.lines import APART, REPEATS, TIE, WHOLE_TURN, Peak
 from gearpoly.compare.model import State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
@@ -30,10 +31,6 @@ MOST = 40
 TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
-
-WHOLE_TURN, REPEATS = 1.5, 0.4
-"""Hunting cycles from which on frequencies that repeat with the pair stand apart from others, and the independent lines
-within which a wave of any frequency may be one of them."""
 
 RIVALRY = 30.0
 """Ratio of gains within which a tooth and a wave are both tried before one is taken, and a jump before either."""
@@ -87,7 +84,7 @@ class Search(JumpSearch):
         fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
         for p in other:
             # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
-            near = [q for q in fresh if q.known and abs(q.frequency - s.search.per_mesh(p)) * s.search.span < APART]
+            near = [q for q in fresh if q.known and s.search.lines_from(p, q.frequency) < APART]
             if self._above_floor(s, p) and all(p.gain > q.gain + TIE for q in near):
                 fresh = [q for q in fresh if q not in near] + [p]
         return sorted(fresh, key=lambda p: -p.gain)
@@ -103,6 +100,20 @@ class Search(JumpSearch):
         least = max(self.floor, FOLLOWED_WAVE * self.built_rms if repeats else 0.0)
         gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=search.spacing))[0])
         return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > least
+
+    def faint_candidates(self, solution: Solution) -> list[list[Peak]]:
+        """Waves, per recording, that stand out together only."""
+        whites = [s.noise.whitened(left) for s, left in zip(self.states, solution.left, strict=True)]
+        found = faint_waves([s.search for s in self.states], whites, [s.noise for s in self.states])
+        for s, peaks in zip(self.states, found, strict=True):
+            for peak in peaks:
+                taken = [p for p in (s.times if peak.domain == "time" else s.orders) if p.domain == peak.domain]
+                span = s.search.over(peak.domain)[2]
+                if peak.leads and not self._above_floor(s, peak):
+                    return [[] for _ in found]
+                if any(abs(peak.frequency - p.frequency) * span < APART for p in taken):
+                    return [[] for _ in found]
+        return found
 
     def tooth_candidates(self, solution: Solution) -> list[ToothFind]:
         out: list[ToothFind] = []
@@ -151,6 +162,9 @@ class Search(JumpSearch):
             solution, jumped = self.jump(solution, least=best / RIVALRY)
             if jumped:
                 continue
+            if best == 0.0:
+                waves = self.faint_candidates(solution)
+                best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
             largest = max(largest, best)
             if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
                 break
@@ -205,7 +219,7 @@ class Search(JumpSearch):
     def _take_waves(self, waves: list[list[Peak]], best: float) -> None:
         for k, peaks in enumerate(waves):
             for peak in peaks:
-                if peak.gain < TOGETHER * best:
+                if peak.gain < TOGETHER * best and not peak.faint:
                     continue
                 if peak.domain == "time":
                     self.states[k].times.append(peak)

@@ -20,8 +20,12 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.units import UM, FloatArray
 
-STANDS = 4.0
-"""Standard errors by which a foreign wave stands out beside everything else; none is located at less."""
+STANDS = 3.5
+"""Standard errors by which a foreign wave stands out beside everything else, to be looked for again; most are located
+at more only."""
+
+ONE_WAVE = 0.5
+"""Independent lines within which waves of two recordings are one."""
 
 
 def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
@@ -47,27 +51,48 @@ def foreign_waves(comparison: Comparison) -> list[FloatArray]:
 
     They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
     """
+    blocks = _blocks(comparison)
     out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
+    for k, block in blocks:
+        for j, mine in enumerate(out):
+            mine.append(block if j == k else np.zeros((mine[0].shape[0], block.shape[1])))
+    return [np.concatenate(mine, axis=1) for mine in out]
+
+
+def _blocks(comparison: Comparison) -> list[tuple[int, FloatArray]]:
+    """The recording and the columns (n, 1) of a jump or (n, 2) of a wave in it, for every jump and wave."""
+    blocks: list[tuple[int, FloatArray]] = []
+    seen: list[float] = []
     for entry in comparison.located.entries:
-        if not _is_foreign(entry):
+        if not _is_foreign(entry) or _seen_already(entry, seen, comparison):
             continue
         for k, one in enumerate(comparison.aligned):
             if k not in entry.recordings and entry.kind == "time":
                 continue
             if entry.moment is not None:
                 at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
-                step = (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
-                for j, mine in enumerate(out):
-                    mine.append(step if j == k else np.zeros((mine[0].shape[0], 1)))
+                blocks.append((k, (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]))
                 continue
             if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
                 angle = 2.0 * math.pi * entry.hz * one.time_s
             else:
                 angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
-            for j, mine in enumerate(out):
-                waves = np.column_stack((np.cos(angle), np.sin(angle))) if j == k else np.zeros((mine[0].shape[0], 2))
-                mine.append(waves)
-    return [np.concatenate(mine, axis=1) for mine in out]
+            blocks.append((k, np.column_stack((np.cos(angle), np.sin(angle)))))
+    return blocks
+
+
+def _seen_already(entry: Entry, seen: list[float], comparison: Comparison) -> bool:
+    """Whether a wave of this order was found in another recording and is fitted in all; if not it is noted in
+    ``seen``."""
+    if entry.kind == "time" or entry.order is None:
+        return False
+    z = [gear.z for gear in comparison.gears]
+    driving = entry.order * (1.0 if entry.gear == "driving" else z[0] / z[1])
+    turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
+    if any(abs(driving - other) * turns < ONE_WAVE for other in seen):
+        return True
+    seen.append(driving)
+    return False
 
 
 def jumps(comparison: Comparison) -> list[list[int]]:
@@ -99,8 +124,14 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
     # teeth as they were built: their size is whatever the teeth leave open.
     x = linear.system.solution.copy()
-    size, std = np.abs(x[layout.foreign]), np.sqrt(np.diag(linear.system.covariance)[layout.foreign])
-    x[layout.foreign] = np.where(size > STANDS * std, 0.0, x[layout.foreign])
+    covariance = linear.system.covariance
+    at = layout.foreign.start
+    widths = [block.shape[1] for _, block in _blocks(comparison)]
+    for width in [*widths, *[1] * (layout.foreign.stop - at - sum(widths))]:
+        here = slice(at, at + width)
+        if x[here] @ np.linalg.solve(covariance[here, here], x[here]) > STANDS**2:
+            x[here] = 0.0
+        at += width
     residuals = []
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
     # touch all at once.
@@ -144,7 +175,10 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
 
 
 def _by_law(entry: Entry, deflection: float) -> bool:
-    """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent."""
+    """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent:
+    that repeats with the pair."""
+    if _is_foreign(entry):
+        return False
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
     part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
     if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:

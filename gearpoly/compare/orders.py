@@ -1,0 +1,52 @@
+"""The orders at which two shafts and their mesh can make waves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.units import FloatArray, IntArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class KnownOrders:
+    """Integer orders of both shafts below the sampling's limit, and the lowest sums and differences of both shafts.
+
+    ``place`` (k,) frequencies in cycles per mesh times lcm(z_1, z_2): first ``first`` orders of the driving shaft
+    from 1 on, then those of the driven shaft that are none of the driving, then the sums and differences.
+    """
+
+    z_1: int
+    z_2: int
+    first: int
+    second: IntArray
+    place: IntArray
+
+    @property
+    def period(self) -> int:
+        """Meshes in a hunting cycle."""
+        return math.lcm(self.z_1, self.z_2)
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Frequencies (k,) in cycles per mesh."""
+        return self.place / float(self.period)
+
+
+def known_orders(z_1: int, z_2: int, *, nyquist: float, slowest: float) -> KnownOrders:
+    """The orders between ``slowest`` and ``nyquist`` cycles per mesh (the slower ones stand in the list all the
+    same)."""
+    period = math.lcm(z_1, z_2)
+    one, two = period // z_1, period // z_2
+    top = max(int(nyquist * period), one + 1)
+    driving = np.arange(one, top, one)
+    driven = np.arange(two, top, two)
+    driven = driven[driven % one != 0]
+    both = set(driving.tolist()) | set(driven.tolist())
+    mixed = {abs(i * one + j * two) for i in (1, 2) for j in (-2, -1, 1, 2)}
+    rest = np.array(sorted(k for k in mixed - both if slowest * period < k < top), dtype=np.int64)
+    return KnownOrders(
+        z_1=z_1, z_2=z_2, first=driving.size, second=driven // two, place=np.concatenate([driving, driven, rest])
+    )
