@@ -21,8 +21,9 @@ def told(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, 
 @pytest.mark.slow
 def test_relief_that_cancels_deflection(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = told("relief_cancels_deflection", tmp_path, monkeypatch)
-    light, _, full = found["mesh ripple, um peak to peak, by torque"]
-    assert full < 0.5 * light  # unloaded the relief shows as it is; under design torque most of it is taken up
+    light, _, full = found["mismatch at every mesh, um rms, by torque"]
+    # The ground's own reliefs leave 0.08 to 0.2 of what they do unloaded; the teeth as built leave as much again.
+    assert full < 0.4 * light
     assert any("relief" in words for words in found["three torques"])
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,8 @@ from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.units import UM
-from proving.case import build, make
-from proving.effects import Effect, apply, truth
+from proving.case import make
 from proving.ground import Entry
-from proving.recipes import recipe
-from proving.rig import Rig
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,21 +37,9 @@ class Concealed:
         return diagnose(read_pair(self.pair), [read_recording(path) for path in chosen], path=self.pair)
 
 
-def conceal(
-    folder: Path, *, klass: str, physics: str, seed: int, over: float = 0.0,
-    effects: Callable[[Rig, float], list[Effect]] | None = None,
-) -> Concealed:  # fmt: skip
-    """Make one case of the proving ground in ``folder``; ``effects`` of the rig as built and the highest torque in N.m
-    take the place of what the ground conceals."""
+def conceal(folder: Path, *, klass: str, physics: str, seed: int, over: float = 0.0) -> Concealed:
+    """Make one case of the proving ground in ``folder``."""
     case = make(seed, Entry(index=0, klass=klass, physics=(physics,), over=over, variant=0))
-    if effects is not None:
-        rng = np.random.default_rng([seed, 0])
-        rig, _ = build(recipe(case.entry, rng), rng)
-        hidden = effects(rig, max(one.torque for one in case.conditions))
-        for one in hidden:
-            rig = apply(rig, one)
-        items = [truth(rig, one, case.chain, case.conditions) for one in hidden]
-        case = replace(case, rig=rig, truth={**case.truth, "truth": items})
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in case.files():
         (folder / name).write_text(text)

@@ -1,0 +1,100 @@
+"""The search goes back to contested steps, and comes back from those that lead nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearpoly.diagnose.scan import Candidate
+from gearpoly.diagnose.search import Road, Search
+from gearpoly.errors import GeometryError
+
+
+@dataclass
+class System:
+    beyond: float = 900.0
+    samples: int = 1000
+
+
+@dataclass
+class Linear:
+    system: System = field(default_factory=System)
+
+
+class Walk(Search):
+    """A search whose state is a name, whose first end is contested, and whose other ends are as good as ``worths``."""
+
+    def __init__(self, worths: dict[str, float], *, broken: tuple[str, ...] = ()) -> None:
+        self.worths, self.broken = worths, broken
+        self.here = "start"
+        self.linear: Any = Linear()
+        self.noises: list[Any] = []
+        self.looked: Any = None
+
+        class Model:
+            ratio = 1.0
+
+        self.model: Any = Model()
+
+    def forward(self) -> tuple[list[Candidate], list[Road]]:
+        if self.here == "start":
+            self.here = "first"
+            claims: list[Any] = ["other", "third"]
+            roads = [
+                Road(state=({"here": "start"}, {}), claim=claim, part=0.9 - 0.1 * k) for k, claim in enumerate(claims)
+            ]
+            return [], roads
+        found: list[Any] = [self.here]
+        return found, []
+
+    def accept(self, claim: Any) -> bool:
+        self.here = claim
+        if claim in self.broken:
+            # As far as a fit comes that ends on gears that cannot turn.
+            try:
+                raise GeometryError("tip below base")
+            except GeometryError:
+                return False
+        return True
+
+    def kept(self) -> Any:
+        return {"here": self.here}, {"noises": self.noises}
+
+    def restore(self, state: Any) -> None:
+        self.here = state[0]["here"]
+
+    def worth(self, noises: Any = None) -> float:
+        return self.worths[self.here]
+
+    def widen(self) -> None:
+        pass
+
+    def declared_ratio(self) -> float:
+        return 1.0
+
+
+@pytest.mark.parametrize(
+    ("worths", "broken", "end"),
+    [
+        ({"first": 100.0, "other": 50.0, "third": 70.0}, (), "other"),  # the best of all ends
+        ({"first": 100.0, "other": 95.0, "third": 97.0}, (), "first"),  # not better by as much as chance makes
+        ({"first": 100.0, "other": 10.0, "third": 70.0}, ("other",), "third"),  # what is no state is no end
+        ({"first": 100.0, "other": 10.0, "third": 20.0}, ("other", "third"), "first"),
+    ],
+)
+def test_the_best_end_is_kept(worths: dict[str, float], broken: tuple[str, ...], end: str) -> None:
+    walk = Walk(worths, broken=broken)
+    found = walk.run()
+    assert walk.here == end
+    assert found == ([] if end == "first" else [end])
+
+
+def test_nothing_is_gone_back_to_where_little_is_left() -> None:
+    walk = Walk({"first": 100.0, "other": 10.0, "third": 20.0})
+    walk.linear.system.beyond = 0.1 * walk.linear.system.samples
+    walk.run()
+    assert walk.here == "first"
+    assert np.isfinite(walk.worth())
