@@ -94,6 +94,18 @@ def test_no_two_modules_import_each_other() -> None:
     list(TopologicalSorter(graph).static_order())  # raises CycleError with the ring
 
 
+@pytest.mark.parametrize("name", ["bodies", "impact", "certificate", "contact"])
+def test_the_contact_kernel_knows_no_gears(name: str) -> None:
+    seen: set[str] = set()
+    todo = {f"gearpoly.mesh.{name}"}
+    while todo:
+        module = todo.pop()
+        seen.add(module)
+        todo |= imports(module) - seen
+    kernel = {"bodies", "impact", "certificate", "contact", "features"}
+    assert seen <= {"gearpoly.units", "gearpoly.errors"} | {f"gearpoly.mesh.{part}" for part in kernel}
+
+
 def test_the_root_is_imported_for_its_version_alone() -> None:
     for name, tree in modules().items():
         for node in ast.walk(tree):

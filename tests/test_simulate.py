@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import csv
 import io
 import json
@@ -16,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import gearpoly
 from gearpoly.__main__ import main
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.units import FloatArray
@@ -511,88 +509,6 @@ def test_bad_options_are_refused(gearpoly_command: Command, pair_file: Path, arg
 
 def test_a_missing_pair_file(gearpoly_command: Command, tmp_path: Path) -> None:
     assert_refused(gearpoly_command("simulate", tmp_path / "none.toml"), tmp_path, "none.toml", "no such file")
-
-
-# The package itself.
-
-
-def imports(file: Path) -> set[str]:
-    """Modules of the package that a module imports, wherever in it, in full."""
-    found = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{file} has a relative import"
-            found |= {f"{node.module}.{alias.name}" for alias in node.names}
-    names = set()
-    for name in found:
-        # "from gearpoly.units import UM" names the module, "from gearpoly.mesh import contact" the module inside.
-        while name.startswith("gearpoly") and name not in MODULES:
-            name = name.rpartition(".")[0]
-        if name.startswith("gearpoly."):
-            names.add(name)
-    return names
-
-
-PACKAGE = Path(gearpoly.__file__).parent
-MODULES = {
-    ".".join((path.relative_to(PACKAGE.parent).with_suffix("")).parts).removesuffix(".__init__"): path
-    for path in sorted(PACKAGE.rglob("*.py"))
-}
-
-LAYERS = ("errors", "units", "gear", "mesh", "files", "recording", "assemble", "simulate")
-"""Each imports only from itself and what stands before it. Everything else (reports, studies, diagnosis, commands)
-comes after, and none of these may know of it."""
-
-
-def test_imports_run_one_way() -> None:
-    for module, file in MODULES.items():
-        layer = module.split(".")[1] if "." in module else ""
-        if layer not in LAYERS:
-            continue
-        for other in imports(file):
-            below = other.split(".")[1]
-            assert below in LAYERS, f"{module} imports {other}"
-            assert LAYERS.index(below) <= LAYERS.index(layer), f"{module} imports {other}"
-
-
-def test_no_two_modules_import_each_other() -> None:
-    edges = {module: imports(file) - {module} for module, file in MODULES.items()}
-    while edges:
-        # A module that imports nothing left can go; where none can, there is a circle.
-        free = {module for module, others in edges.items() if not others & edges.keys()}
-        assert free, f"these import one another in a circle: {sorted(edges)}"
-        edges = {module: others for module, others in edges.items() if module not in free}
-
-
-def test_nobody_but_the_entry_imports_the_command_line() -> None:
-    users = {module for module, file in MODULES.items() if "gearpoly.cli" in imports(file)}
-    assert users <= {"gearpoly.__main__"}
-
-
-@pytest.mark.parametrize("name", ["bodies", "impact", "certificate", "contact"])
-def test_the_contact_kernel_knows_no_gears(name: str) -> None:
-    seen: set[str] = set()
-    todo = {f"gearpoly.mesh.{name}"}
-    while todo:
-        module = todo.pop()
-        seen.add(module)
-        todo |= imports(MODULES[module]) - seen
-    kernel = {"bodies", "impact", "certificate", "contact", "features"}
-    assert seen <= {"gearpoly.units", "gearpoly.errors"} | {f"gearpoly.mesh.{part}" for part in kernel}
-
-
-def test_help_needs_no_heavy_imports() -> None:
-    code = (
-        "import sys\nsys.argv = ['gearpoly', '--help']\nfrom gearpoly.__main__ import main\n"
-        "try:\n    main()\nexcept SystemExit as stop:\n    assert not stop.code\n"
-        "heavy = {'numpy', 'scipy', 'shapely', 'matplotlib', 'pydantic', 'numba'} & set(sys.modules)\n"
-        "assert not heavy, heavy\n"
-    )
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert ran.returncode == 0, ran.stderr
-    assert "simulate" in ran.stdout
 
 
 def test_a_bug_is_no_bad_input(pair_file: Path) -> None:
