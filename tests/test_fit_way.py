@@ -88,3 +88,12 @@ def test_what_is_not_in_the_simulation_is_where_it_fits_best() -> None:
     tried = [misfit_at(one, np.array([0.3, -0.2, z])) for z in np.linspace(-2.0, 2.0, 4001)]
     assert misfit_at(one, state) == pytest.approx(min(tried), rel=1e-6)
     assert misfit_at(one, one.solution) == pytest.approx(one.misfit)
+
+
+def test_what_neither_data_nor_priors_fix_stays_where_it_is() -> None:
+    """A parameter that nothing depends on makes the normal matrix singular; damped steps leave it alone."""
+    a = np.array([[3.0, 0.0], [0.5, 0.0]])
+    free = System(white=[a], target=[a @ np.array([2.0, 0.0])], precision=np.zeros((2, 2)), prior=np.zeros(2))
+    plain, damped = (free.damped(free.normal @ free.solution, np.full(2, more)) for more in (0.0, 1.0))
+    np.testing.assert_allclose(plain, [2.0, 0.0], atol=1e-8)
+    np.testing.assert_allclose(damped, [1.0, 0.0], atol=1e-8)  # the diagonal counts twice

@@ -42,19 +42,33 @@ class System:
         return out
 
     @cached_property
-    def _factor(self) -> tuple[FloatArray, tuple[FloatArray, bool]]:
+    def _scaled(self) -> tuple[FloatArray, FloatArray]:
+        """Square roots of the normal matrix's diagonal (m,), and the matrix over them, which is never singular."""
         diagonal = np.diag(self.normal).copy()
         diagonal[diagonal <= 0.0] = 1.0
         scale = np.sqrt(diagonal)
         scaled = self.normal / np.outer(scale, scale)
         scaled[np.diag_indices(self.size)] += FLOOR
-        return scale, cho_factor(scaled)
+        return scale, scaled
+
+    @cached_property
+    def _factor(self) -> tuple[FloatArray, bool]:
+        out: tuple[FloatArray, bool] = cho_factor(self._scaled[1])
+        return out
 
     def solved(self, right: FloatArray) -> FloatArray:
         """Inverse of the normal matrix times ``right`` (m,) or (m, q)."""
-        scale, factor = self._factor
+        scale, _ = self._scaled
         wide = scale if right.ndim == 1 else scale[:, None]
-        out: FloatArray = cho_solve(factor, right / wide) / wide
+        out: FloatArray = cho_solve(self._factor, right / wide) / wide
+        return out
+
+    def damped(self, right: FloatArray, more: FloatArray) -> FloatArray:
+        """Inverse of the normal matrix times ``right`` (m,), its diagonal enlarged by these parts ``more`` (m,)."""
+        scale, scaled = self._scaled
+        wider = scaled.copy()
+        wider[np.diag_indices(self.size)] += more
+        out: FloatArray = cho_solve(cho_factor(wider), right / scale) / scale
         return out
 
     @cached_property

@@ -115,9 +115,7 @@ class Way:
         whole = system.solution - self._start
         towards = system.normal @ whole
         if self._damping > 0.0:
-            damped = system.normal.copy()
-            damped[np.diag_indices(system.size)] *= 1.0 + self._damping * self._inside
-            whole = np.asarray(np.linalg.solve(damped, towards), dtype=np.float64)
+            whole = system.damped(towards, np.where(self._inside, self._damping, 0.0))
         self.fall = float(2.0 * towards @ whole - whole @ system.normal @ whole)
         self._at = self._start + whole
         self.step = np.where(self._inside, whole, 0.0)

@@ -73,7 +73,7 @@ def prove_ground(
     )  # fmt: skip
     cases = {k: case_files(out / "cases", entries[k].name, truths=out / "truths") for k in chosen}
     extra = [] if quick or indices is not None else arms(entries)
-    part = "" if indices is None else f", {len(chosen)} of its {len(entries)} cases"
+    part = "" if indices is None else f", {len(chosen)} of its {len(entries)} cases, without its controls"
     of = f"ground of seed {seed}{', quick' if quick else ''}{part}"
     return _prove(cases, extra, of=of, seed=seed, quick=quick, out=out, workers=workers, diagnoser=diagnoser, say=say)
 
