@@ -27,7 +27,7 @@ def main(folder: Path) -> dict[str, object]:
     figure = Figure(figsize=(10.0, 4.2), layout="constrained")
     axes = figure.subplots(1, 3, sharey=True)
     # What the bench itself says: here curves are laid by a hand-over that the reliefs have moved.
-    ripple = case.truth["mesh_ripple_um"]
+    ripple = case.truth["depth"]["mesh_ripple_um"]
     for plot, one, rms in zip(axes, seen(whole), ripple, strict=True):
         for values, colour, name in (
             (one.recorded, BLUE, "recorded"),
