@@ -11,7 +11,7 @@ import numpy as np
 
 from proving.chain import Chain, Condition, Motion, motion, record
 from proving.compliance import LAWS
-from proving.drawn import Known, draw, index_covariance, make_pair, pair_file, slope_covariance
+from proving.drawn import Known, draw, form_deviation, index_covariance, make_pair, pair_file, slope_covariance
 from proving.effects import Effect, apply, truth
 from proving.flanks import Teeth
 from proving.gears import FloatArray
@@ -75,7 +75,8 @@ def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Kno
         gear = pair.gear(index)
         E_s = -60.0 if gear.m >= 1 else -40.0
         thick = E_s + (rng.normal(0, made.uncertainty) if made.inspected else rng.uniform(-7, 7))
-        drawn = draw(gear, made.grade, float(thick), rng)
+        form = 0.0 if made.inspected else form_deviation(gear, made.grade)
+        drawn = draw(gear, made.grade, float(thick), rng, form=form)
         relief, off = made.relief[index - 1], made.eccentric[index - 1]
         if relief is not None:
             drawn = replace(drawn, relief=relief[0], relief_mm=relief[1], power=relief[2])
@@ -106,6 +107,9 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
             return np.asarray(made.uncertainty**2 * np.eye(gear.z))
         return np.asarray(of(gear, made.grade))
 
+    def form(index: int) -> float:
+        return 0.0 if made.inspected else form_deviation(rig.pair.gear(index), made.grade)
+
     look = sights(made.conditions, paths, made.chain)
     return Limit(
         rig, look, made.chain,
@@ -113,6 +117,7 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         slope=(prior(slope_covariance, 1), prior(slope_covariance, 2)),
         thickness=made.uncertainty if made.inspected else 4.0,
         compliance=0.08 if rig.deflect else 0.0,
+        form=(form(1), form(2)),
     )  # fmt: skip
 
 
@@ -121,6 +126,10 @@ def _signal(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
     if effect.physics in ("tooth_pitch", "cumulative_pitch"):
         p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
         return limit.index_signal(effect.gear, p)
+    if effect.physics == "profile_slope":
+        return limit.slope_signal(
+            effect.gear, apply(rig, effect).teeth(effect.gear).slope - rig.teeth(effect.gear).slope
+        )
     return limit.difference(apply(rig, effect))
 
 

@@ -40,11 +40,12 @@ def make_pair(name: str, offset: float = 0.0) -> Pair:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Limits in um of one gear at one grade: single pitch, total cumulative pitch, profile slope."""
+    """Limits in um of one gear at one grade: single pitch, total cumulative pitch, profile slope, profile form."""
 
     f_p: float
     F_p: float
     f_H: float
+    f_f: float
 
 
 def limits(gear: Gear, grade: int) -> Limits:
@@ -54,6 +55,7 @@ def limits(gear: Gear, grade: int) -> Limits:
         f_p=(0.001 * d + 0.4 * m + 5) * step,
         F_p=(0.002 * d + 0.55 * sqrt(d) + 0.7 * m + 12) * step,
         f_H=(0.4 * m + 0.001 * d + 4) * step,
+        f_f=(0.55 * m + 5) * step,
     )
 
 
@@ -73,8 +75,14 @@ def slope_covariance(gear: Gear, grade: int) -> FloatArray:
     return np.asarray((0.25 * limit.f_H) ** 2 + (0.10 * limit.f_H) ** 2 * np.eye(gear.z))
 
 
-def draw(gear: Gear, grade: int, E_s: float, rng: np.random.Generator) -> Teeth:
-    """A gear as built within its grade; E_s in um, the same for all teeth. Drawn again until no limit is broken."""
+def form_deviation(gear: Gear, grade: int) -> float:
+    """Standard deviation (um) of the crowning that all teeth of a graded gear have, as of its mean slope."""
+    return 0.25 * limits(gear, grade).f_f
+
+
+def draw(gear: Gear, grade: int, E_s: float, rng: np.random.Generator, form: float = 0.0) -> Teeth:
+    """A gear as built within its grade; E_s in um, the same for all teeth, form in um the standard deviation of a
+    crowning of all. Drawn again until no limit is broken."""
     limit = limits(gear, grade)
     index = np.linalg.cholesky(index_covariance(gear, grade) + 1e-9 * np.eye(gear.z))
     slopes = np.linalg.cholesky(slope_covariance(gear, grade))
@@ -84,9 +92,10 @@ def draw(gear: Gear, grade: int, E_s: float, rng: np.random.Generator) -> Teeth:
         slope = slopes @ rng.standard_normal(gear.z)
         arc = p / cos(gear.alpha)
         single = np.abs(np.diff(np.append(arc, arc[0]))).max()
+        crowning = form * rng.standard_normal() if form > 0.0 else 0.0
         if single <= limit.f_p and np.ptp(arc) <= limit.F_p and np.abs(slope).max() <= limit.f_H:
-            zero = np.zeros(gear.z)
-            return Teeth(p=p, slope=slope, crowning=zero, E_s=np.full(gear.z, E_s), own=np.ones(gear.z))
+            crown = np.full(gear.z, np.clip(crowning, -limit.f_f, limit.f_f))
+            return Teeth(p=p, slope=slope, crowning=crown, E_s=np.full(gear.z, E_s), own=np.ones(gear.z))
     raise RuntimeError(f"no gear with {gear.z} teeth fits grade {grade} in 1000 draws")
 
 

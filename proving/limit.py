@@ -23,6 +23,8 @@ POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
 RUN = 9
 """Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
+FORMS = 4
+"""Columns for the mean form of graded gears: a crowning of either gear on either flank."""
 LAW = 5
 """Columns for what a compliance law leaves open: its scale, three shapes over the path of contact, a power of the
 load."""
@@ -72,7 +74,7 @@ def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain) -> FloatArray:
 
 
 def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
-    """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance."""
+    """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance, form."""
     pair = rig.pair
     drive = sight.condition.flank == "drive"
     got = mesh(rig, sight.path.angle(sight.time), torque=sight.condition.torque, flank=sight.condition.flank)
@@ -80,7 +82,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
     both = 2 * (z_1 + z_2)
-    out = np.zeros((n, 2 * both + 3 + LAW))
+    out = np.zeros((n, 2 * both + 3 + LAW + FORMS))
     side = 1.0 if drive else -1.0
     first = 0 if drive else both
     starts = tuple(first + start for start in (0, z_1, z_1 + z_2, 2 * z_1 + z_2))
@@ -93,6 +95,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
             u = (roll[:, slot] - start) / (pair.gear(index).l_tip - start)
             out[rows, starts[index - 1] + tooth[:, slot]] += w
             out[rows, starts[index + 1] + tooth[:, slot]] += side * w * (u - 0.5)
+            out[:, (0 if drive else 2) - FORMS + index - 1] -= side * w * (2 * u - 1) ** 2
             if index == 1:
                 sag = side * w * got.deflections[:, slot] / UM
                 for k in range(LAW - 1):
@@ -102,7 +105,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     out[:, mean] = 1.0
     if not drive:
         out[:, mean + 1 : mean + 3] = 1.0
-    out[:, mean + 3 :] = law
+    out[:, mean + 3 : mean + 3 + LAW] = law
     return out
 
 
@@ -111,11 +114,13 @@ class Limit:
 
     index, slope: prior covariances (um^2) of the gears' index deviations and slopes, driving then driven; thickness:
     prior standard deviation (um) of both; compliance: prior standard deviation of a declared compliance's scale, 0
-    where none is declared."""
+    where none is declared; form: prior standard deviations (um) of a crowning of all teeth of either gear, 0 where
+    somebody looked."""
 
     def __init__(
         self, rig: Rig, look: tuple[Sight, ...], chain: Chain, *, index: tuple[FloatArray, FloatArray],
         slope: tuple[FloatArray, FloatArray], thickness: float, compliance: float,
+        form: tuple[float, float] = (0.0, 0.0),
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self.z_1 = rig.pair.driving.z
@@ -135,6 +140,8 @@ class Limit:
         # Where nothing is declared, the columns of compliance are tied to zero, like a prior of a thousandth.
         for j in range(LAW):
             inverse[place + 3 + j, place + 3 + j] = 1 / max(compliance * (1.0 if j == 0 else 0.6), 1e-3) ** 2
+        for j in range(FORMS):
+            inverse[place + 3 + LAW + j, place + 3 + LAW + j] = 1 / max(form[j % 2], 1e-3) ** 2
         self.factor = cho_factor(self.N.T @ self.N + inverse)
 
     def perp(self, s: FloatArray) -> FloatArray:
@@ -151,9 +158,16 @@ class Limit:
         It is taken as the nuisances take it: which pair leads changes with the size of a pitch error, and that bend
         would count as evidence though a fit of the teeth follows it.
         """
-        start = 0 if index == 1 else self.z_1
+        return self._taken(0 if index == 1 else self.z_1, dp)
+
+    def slope_signal(self, index: int, ds: FloatArray) -> FloatArray:
+        """The same of a change ds (um) of the profile slopes of gear 1 or 2."""
+        return self._taken(self.coast // 2 + (0 if index == 1 else self.z_1), ds)
+
+    def _taken(self, start: int, values: FloatArray) -> FloatArray:
+        """Whitened signal of nuisances from a place on, on both flanks alike."""
         flanks = (start, start + self.coast)
-        return np.asarray(sum(self.N[:, one : one + dp.size] @ dp for one in flanks))
+        return np.asarray(sum(self.N[:, one : one + values.size] @ values for one in flanks))
 
     def size_of(self, s: FloatArray) -> float:
         """Size over limit of a whitened signal."""

@@ -53,7 +53,7 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     at = search.places[k][name][2 * peaks.index(peak) :][:2]
     ab = solution.beta[at]
     scale = s.search.per_mesh(peak)
-    rest = float(s.noise.rest_at(np.array([s.search.image(scale)]))[0][0])
+    rest = float(s.search.rest_at(peak.domain, np.array([peak.frequency]), s.noise)[0][0])
     covariance = solution.covariance[np.ix_(at, at)] * rest
     # Means over a stretch make a wave smaller by sin(x)/x; what is reported is the wave itself.
     damped = float(np.sinc(scale * s.data.averaged))

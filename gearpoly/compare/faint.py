@@ -61,7 +61,9 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
             repeats.append(searches[k].repeats(at * per_mesh))
         train = find_train(chances, step=step, repeats=repeats, share=SHARES.faint / len(domains))
         if train is not None:
-            found.append(_peaks(train, domain, searches, whites))
+            found.append(_peaks(train, domain, searches, whites, noises))
+    # Lines beside an order of a shaft may fall to it once they are placed.
+    found = [peaks for peaks in found if any(peaks)]
     if not found:
         return [[] for _ in searches]
     if len(found) == 1:
@@ -111,7 +113,9 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
     return best
 
 
-def _peaks(train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray]) -> list[list[Peak]]:
+def _peaks(
+    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+) -> list[list[Peak]]:
     """The waves of a train, per recording: its fundamental where the lines hold most, of orders of the shafts none."""
     multiples: FloatArray = np.arange(1.0, train.count + 1.0)
     longest = max(searches[k].over(domain)[2] for k in train.recordings)
@@ -125,9 +129,12 @@ def _peaks(train: Train, domain: Domain, searches: list[LineSearch], whites: lis
             for h in range(train.count):
                 turned *= wave
                 power[k, j, h] = abs(np.sum(turned)) ** 2 / x.size
+        power[k] /= searches[k].rest_at(domain, train.frequency * multiples, noises[k])[0]
         power[k][:, searches[k].own(train.frequency * multiples * per_mesh)] = 0.0
     best = int(np.argmax(np.sum(power, axis=(0, 2))))
     held = power[:, best]
+    if not np.any(held):
+        return [[] for _ in searches]
     std = 0.551 / longest / math.sqrt(2.0 * float(np.sum(held * multiples**2)))
     out: list[list[Peak]] = []
     for mine in held:

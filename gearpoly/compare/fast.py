@@ -12,16 +12,13 @@ import numpy as np
 
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.lines import TIE, LineSearch, Peak
+from gearpoly.compare.lines import REPEATS, TIE, LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.units import UM, FloatArray
 
 BELOW = 0.8
 """Part of the shortened record's highest frequency from which on waves are looked for here; the search proper sees what
 is slower as well."""
-
-REPEATS = 0.4
-"""Independent lines within which a wave may repeat with the pair: a fine shape of the teeth."""
 
 ROUNDS, TOGETHER = 8, 0.5
 """Most rounds, and the part of the strongest wave's gain from which others are taken in its round."""

@@ -47,8 +47,9 @@ line off turns by 0.0015 rad, whose third power is left out."""
 MAINS = (50.0, 60.0)
 """Hz at whose multiples a wave that may as well be fixed in time as in angle is hum; elsewhere something turns."""
 
-MAINS_STRAYS = 0.002
-"""Part by which a mains frequency strays."""
+MAINS_STRAYS, HIGHEST_HUM = 0.002, 20
+"""Part by which a mains frequency strays, and the highest multiple of it that is taken for hum: beyond, what strays so
+far is near some multiple anyway."""
 
 GAP = 1.5
 """Middle steps from which on a step in time is a gap."""
@@ -72,9 +73,9 @@ TIE = 6.0
 class Peak:
     """A wave found: ``frequency`` in cycles per mesh, or in Hz; ``gain`` twice the log likelihood that it brings;
     ``log_false`` log of the expected number of such finds in noise; ``known``: it is an integer order of a shaft.
-    ``std`` of the frequency; ``rival`` the gain of the best wave of the other kind at its place, ``image`` that of the
-    wave in time which the same samples show where the sampling is even. ``faint``: it was found together with others
-    only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them."""
+    ``std`` of the frequency, in its unit; ``rival`` the gain of the best wave of the other kind at its place, ``image``
+    that of the wave in time which the same samples show where the sampling is even. ``faint``: it was found together
+    with others only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them."""
 
     domain: Domain
     frequency: float
@@ -92,8 +93,11 @@ class Peak:
     def hum(self) -> bool:
         """Whether its frequency is a multiple of the mains'."""
         off = MAINS_STRAYS * self.frequency + 3.0 * self.std
-        near = [abs(math.remainder(self.frequency, mains)) < off and self.frequency > 0.5 * mains for mains in MAINS]
-        return self.domain == "time" and any(near)
+        return self.domain == "time" and any(
+            abs(self.frequency - mains * multiple) < off
+            for mains in MAINS
+            if 1 <= (multiple := round(self.frequency / mains)) <= HIGHEST_HUM
+        )
 
 
 class LineSearch:
@@ -136,13 +140,21 @@ class LineSearch:
     def lines_from(self, peak: Peak, frequency: float) -> float:
         """Independent lines between a wave, or its image below half the sampling rate, and a ``frequency`` in cycles
         per mesh."""
-        here = self.per_mesh(peak)
-        return self.span * min(abs(here - frequency), abs(self.image(here) - frequency))
+        own: FloatArray = np.array([peak.frequency])
+        both = np.append(own, self.image(peak.domain, own)) * self.over(peak.domain)[3]
+        return self.span * float(np.min(np.abs(both - frequency)))
 
-    def image(self, frequency: float) -> float:
-        """The frequency, both in cycles per mesh, below half the sampling rate that even samples show alike."""
-        rate = self.rate * self.pace
-        return rate - frequency if frequency > 0.5 * rate > 0.0 else frequency
+    def image(self, domain: Domain, frequency: FloatArray) -> FloatArray:
+        """The frequencies (k,) below half the sampling rate that even samples in time show alike, in the same unit."""
+        return np.minimum(frequency, self.rate - frequency) if domain == "time" else frequency
+
+    def rest_at(self, domain: Domain, frequency: FloatArray, noise: Noise) -> tuple[FloatArray, FloatArray]:
+        """Whitened spectrum at ``frequency`` (k,) over angle or time, and the number of lines it was estimated from."""
+        rest, count = noise.rest_at(self.image(domain, frequency) * self.over(domain)[3])
+        if domain == "time":
+            # Uneven times spread noise of all frequencies over those above half the rate.
+            rest = np.where(frequency > 0.5 * self.rate, np.maximum(rest, 1.0), rest)
+        return rest, count
 
     def per_mesh(self, peak: Peak) -> float:
         """Frequency of a wave in cycles per mesh, at the mean speed where it is fixed in time."""
@@ -169,17 +181,11 @@ class LineSearch:
         z = grid.power(white)
         held, false = [], []
         for here in pieces(z.size):
-            frequency = np.arange(here.start, here.stop) * grid.step
-            image = frequency
-            if domain == "time":
-                image = np.minimum(frequency, self.rate - frequency)
-            rest, count = noise.rest_at(image * per_mesh)
-            if domain == "time":
-                # Uneven times spread noise of all frequencies over those above half the rate.
-                rest[frequency > 0.5 * self.rate] = np.maximum(rest[frequency > 0.5 * self.rate], 1.0)
+            frequency: FloatArray = grid.step * np.arange(here.start, here.stop, dtype=np.float64)
+            rest, count = self.rest_at(domain, frequency, noise)
             z[here] /= white.size * rest
             log_false = log_false_any(z[here], count, lines=lines)
-            seen = image > SLOWEST_BLIND / span
+            seen = self.image(domain, frequency) > SLOWEST_BLIND / span
             if domain == "time":
                 # Half way a wave and its image are one, and even samples see one of its two phases only.
                 seen &= np.abs(frequency - 0.5 * self.rate) > HALF_WAY / span
@@ -233,7 +239,7 @@ class LineSearch:
         _, grid, span, per_mesh = self.over(domain)
         below = int(self.nyquist / per_mesh / grid.step)
         frequency: FloatArray = grid.step * np.arange(min(grid.count, below), dtype=np.float64)
-        rest, count = noise.rest_at(frequency * per_mesh)
+        rest, count = self.rest_at(domain, frequency, noise)
         chance = log_tail_line(grid.power(white)[: frequency.size] / (white.size * rest), count)
         chance[self.own(frequency * per_mesh) | (frequency * span < SLOWEST_BLIND)] = 0.0
         return chance

@@ -10,7 +10,7 @@ import numpy as np
 from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.jump_search import JumpSearch
-from gearpoly.compare.lines import APART, REPEATS, TIE, WHOLE_TURN, Peak
+from gearpoly.compare.lines import APART, TIE, Peak
 from gearpoly.compare.model import State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
@@ -94,9 +94,7 @@ class Search(JumpSearch):
         pair."""
         search = s.search
         frequency = search.per_mesh(peak)
-        cycles = search.span / search.period
-        places = frequency * search.period
-        repeats = cycles > WHOLE_TURN and abs(places - round(places)) * cycles < REPEATS
+        repeats = search.repeats(np.array([frequency]))[0]
         least = max(self.floor, FOLLOWED_WAVE * self.built_rms if repeats else 0.0)
         gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=search.spacing))[0])
         return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > least

@@ -92,7 +92,7 @@ def contradicted(search: Search) -> list[str]:
             if prior.graded:
                 continue
             for what, values, std in (
-                ("pitch", model.as_built.pitch(model.built, flank, gear), prior.pitch),
+                ("pitch", model.as_built.pitch(model.built, flank, gear), math.sqrt(prior.pitch[0, 0])),
                 ("slope", model.as_built.slope(model.built, flank, gear), prior.slope),
             ):
                 far = np.flatnonzero(np.abs(values) > FAR * std)

@@ -156,7 +156,7 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
             separation = would_separate(model, search.scenes, linear, k, [one.claim for one in rivals])
         except GearpolyError:
             separation = None  # the pair cannot run under any other condition
-    chance = math.log(search.looked.tests(claim.physics)) + _log_tail(judged.gain, len(claim.values))
+    chance = math.log(search.looked.tests(claim.physics, claim.place)) + _log_tail(judged.gain, len(claim.values))
     return Finding(
         claim=claim,
         parameters=parameters(model, claim, covariance),

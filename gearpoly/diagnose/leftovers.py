@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from gearpoly.compare.beside import Comparison
+from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.long_jumps import sample_of
@@ -51,48 +51,48 @@ def foreign_waves(comparison: Comparison) -> list[FloatArray]:
 
     They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
     """
-    blocks = _blocks(comparison)
     out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
-    for k, block in blocks:
+    for k, entry in _foreign_entries(comparison):
         for j, mine in enumerate(out):
-            mine.append(block if j == k else np.zeros((mine[0].shape[0], block.shape[1])))
+            size = mine[0].shape[0]
+            mine.append(_columns(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
     return [np.concatenate(mine, axis=1) for mine in out]
 
 
-def _blocks(comparison: Comparison) -> list[tuple[int, FloatArray]]:
-    """The recording and the columns (n, 1) of a jump or (n, 2) of a wave in it, for every jump and wave."""
-    blocks: list[tuple[int, FloatArray]] = []
-    seen: list[float] = []
-    for entry in comparison.located.entries:
-        if not _is_foreign(entry) or _seen_already(entry, seen, comparison):
-            continue
-        for k, one in enumerate(comparison.aligned):
-            if k not in entry.recordings and entry.kind == "time":
-                continue
-            if entry.moment is not None:
-                at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
-                blocks.append((k, (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]))
-                continue
-            if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
-                angle = 2.0 * math.pi * entry.hz * one.time_s
-            else:
-                angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
-            blocks.append((k, np.column_stack((np.cos(angle), np.sin(angle)))))
-    return blocks
-
-
-def _seen_already(entry: Entry, seen: list[float], comparison: Comparison) -> bool:
-    """Whether a wave of this order was found in another recording and is fitted in all; if not it is noted in
-    ``seen``."""
-    if entry.kind == "time" or entry.order is None:
-        return False
-    z = [gear.z for gear in comparison.gears]
-    driving = entry.order * (1.0 if entry.gear == "driving" else z[0] / z[1])
+def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
+    """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once."""
+    out: list[tuple[int, Entry]] = []
+    orders: list[float] = []
+    z_1, z_2 = (gear.z for gear in comparison.gears)
     turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
-    if any(abs(driving - other) * turns < ONE_WAVE for other in seen):
-        return True
-    seen.append(driving)
-    return False
+    for entry in comparison.located.entries:
+        if not _is_foreign(entry):
+            continue
+        if entry.kind == "time":
+            out += [(k, entry) for k in entry.recordings]
+            continue
+        driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
+        if all(abs(driving - other) * turns >= ONE_WAVE for other in orders):
+            orders.append(driving)
+            out += [(k, entry) for k in range(len(comparison.aligned))]
+    return out
+
+
+def _width(entry: Entry) -> int:
+    """Columns of a foreign entry: a step, or cosine and sine."""
+    return 1 if entry.moment is not None else 2
+
+
+def _columns(entry: Entry, one: Aligned) -> FloatArray:
+    """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording."""
+    if entry.moment is not None:
+        at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+        return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
+    if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
+        angle = 2.0 * math.pi * entry.hz * one.time_s
+    else:
+        angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
+    return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
 def jumps(comparison: Comparison) -> list[list[int]]:
@@ -126,7 +126,7 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     x = linear.system.solution.copy()
     covariance = linear.system.covariance
     at = layout.foreign.start
-    widths = [block.shape[1] for _, block in _blocks(comparison)]
+    widths = [_width(entry) for _, entry in _foreign_entries(comparison)]
     for width in [*widths, *[1] * (layout.foreign.stop - at - sum(widths))]:
         here = slice(at, at + width)
         if x[here] @ np.linalg.solve(covariance[here, here], x[here]) > STANDS**2:

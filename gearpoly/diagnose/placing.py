@@ -11,6 +11,8 @@ import numpy as np
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model, Observed
+from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.units import FloatArray
 
 PHASES = 8
@@ -34,6 +36,9 @@ BETTER = 10.0, 0.005
 """Misfit, and part of the misfit, by which another place must be better than the stated one: more than three standard
 deviations, and more than what a fit leaves undone."""
 
+MOVES = 4
+"""Times that a place told by eccentricities is mended: they bend the curve, so the first is not always the last."""
+
 
 def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
     """Move ``model`` to where teeth as they were built fit best: the tooth, where the curves leave several, and the
@@ -44,16 +49,60 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         # Every tooth hands over at the same place of its pitch, also beside a wrong one.
         ways = [k * pitch / PHASES for k in range(PHASES)]
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
-    if model.elsewhere and _differ(model):
-        step("telling the teeth apart")
+    if not model.elsewhere:
+        return
+    step("telling the teeth apart")
+    if any(model.scope.inspected):
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
         _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
+        return
+    for _ in range(MOVES):
+        by = _off_by(model, foreign, step)
+        if by == 0:
+            return
+        model.moved(by * pitch)
 
 
-def _differ(model: Model) -> bool:
-    """Whether anything is declared that makes one tooth another than the next."""
-    sections = model.scope.file.driving, model.scope.file.driven
-    return any(one.eccentricity is not None for one in sections) or any(model.scope.inspected)
+def _off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> int:
+    """Pitches by which the teeth stand elsewhere in the hunting cycle, told by the declared eccentricities of gears
+    that nobody inspected: at a wrong place each seems to lack what turning its eccentricity by so many teeth adds."""
+    declared = [model.scope.section(gear).eccentricity for gear in (0, 1)]
+    if not any(declared):
+        return 0
+    trial, columns = _shortened(model, foreign)
+    fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+    scenes, pair = fit.scenes, fit.scenes[0].pair
+    period = math.lcm(*(gear.z for gear in model.scope.gears))
+    places = np.arange(period)
+    lacking, units = [], []
+    for gear, mounted in enumerate((pair.driving, pair.driven)):
+        one = declared[gear]
+        if one is None:
+            continue
+        # The driving gear turns counter-clockwise, the driven one clockwise.
+        turn = (1j if gear == 0 else -1j) * model.scope.gears[gear].tau
+        centre = one.amplitude_um * np.exp(1j * mounted.sign * math.radians(one.angle_deg))
+        more = centre * (np.exp(turn * places) - 1.0)
+        lacking += [more.real, mounted.sign * more.imag]
+        units += [Claim(physics=ECCENTRICITY, place=Place(gear=gear), values=v) for v in ((1.0, 0.0), (0.0, 1.0))]
+    effects = [model.change(scenes, unit, unit.values) for unit in units]
+    white = [
+        noise.whitened(np.column_stack([effect[k] for effect in effects])) for k, noise in enumerate(fit.linear.noises)
+    ]
+    score, information = fit.linear.system.scores(white)
+    by = np.array(lacking)
+    gain = 2.0 * score @ by - np.einsum("ik,ij,jk->k", by, information, by)
+    best = int(np.argmax(gain))
+    if gain[best] < BETTER[0]:
+        return 0
+    return best if best <= period // 2 else best - period
+
+
+def _shortened(model: Model, foreign: list[FloatArray]) -> tuple[Model, list[FloatArray]]:
+    """The model with as much of its recordings as suffices to place the teeth, and so much of foreign columns."""
+    openings = [opening(one, model) for one in model.observed]
+    trial = replace(model, observed=[first(one, n, model) for one, n in zip(model.observed, openings, strict=True)])
+    return trial, [one[:n] for one, n in zip(foreign, openings, strict=True)]
 
 
 def _best_of(
@@ -61,9 +110,7 @@ def _best_of(
 ) -> None:
     """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well; only
     what is ``hopeful`` times the least or better after a first trial is looked at closely."""
-    openings = [opening(one, model) for one in model.observed]
-    trial = replace(model, observed=[first(one, n, model) for one, n in zip(model.observed, openings, strict=True)])
-    columns = [one[:n] for one, n in zip(foreign, openings, strict=True)]
+    trial, columns = _shortened(model, foreign)
     kept, noises = trial.kept(), None
     tried = dict.fromkeys(ways, 0.0)
     for rounds in TRIALS:

@@ -201,6 +201,7 @@ def _claims(scope: Scope, gears: tuple[Gear, Gear]) -> list[Claim]:
         for gear, places in seen.items():
             tooth = None if gear is None else gears[gear].z // 3
             fitting = [p for p in places if p.tooth in (None, tooth)]
+            fitting = [p for p in fitting if p.flank is None] or fitting
             place = fitting[len(fitting) // 2]
             out.append(Claim(physics=physics, place=place, values=(*size, *place.shape)))
     return out

@@ -12,7 +12,7 @@ from gearpoly.assemble import nominal_gear, stated_limits
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
-from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, make_as_built
+from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.gear import Gear
@@ -126,23 +126,34 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
     z = section.teeth
     if section.inspection is not None:
         each = max(section.inspection.uncertainty_um, IDEAL)
-        return GearPrior(z=z, pitch=each, slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False)
+        return GearPrior(
+            z=z, pitch=on_its_own(z, each), slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False
+        )
     if section.grade is None and section.limits is None:
-        return GearPrior(z=z, pitch=IDEAL, slope=IDEAL, mean_slope=0.0, crowning=IDEAL, thickness=IDEAL, graded=False)
+        return GearPrior(
+            z=z, pitch=on_its_own(z, IDEAL), slope=IDEAL, mean_slope=0.0, crowning=IDEAL, thickness=IDEAL, graded=False
+        )
     mine, mate = nominal_gear(section), gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
+    cosine = math.cos(mine.alpha)  # from the reference circle to the line of action
     return GearPrior(
         z=z,
-        # Index deviations range over F_p, half of it to either side.
-        pitch=max(0.5 * limits.F_pT / UM, IDEAL),
+        pitch=chain(z, single=cosine * limits.f_pT / UM, cumulative=cosine * limits.F_pT / UM),
         slope=max(slope, IDEAL),
         mean_slope=max(slope, IDEAL),
-        crowning=max(limits.f_falphaT / WITHIN / UM, IDEAL),
+        # Of what every tooth's form ranges over, half the variance is its own.
+        crowning=max(limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
         # A gear that passed lies within its limits, all of them.
         thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
         graded=True,
     )
+
+
+def _known(z: int, each: float) -> GearPrior:
+    """A gear whose teeth are known to ``each`` um."""
+    pitch = on_its_own(z, each)
+    return GearPrior(z=z, pitch=pitch, slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False)
 
 
 def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:

@@ -54,7 +54,9 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
         better = polished(others, scenes, plain, one)
         columns = columns_of(others, scenes, plain, better)
         reached = bare.misfit - bare.with_columns(columns).misfit
-        told = reached - 2.0 * better.freedoms <= gain - 2.0 * len(claim.values) - CLOSE
+        # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
+        simpler = max(0.0, 2.0 * (len(claim.values) - better.freedoms))
+        told = reached <= gain - CLOSE - simpler
         if not told or gain - reached < LIKE**2 * gain:
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))

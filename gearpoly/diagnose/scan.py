@@ -41,15 +41,16 @@ EVALUATIONS = 18
 
 @dataclass(frozen=True, kw_only=True)
 class Looked:
-    """How many places were looked at: ``waves`` of all orders, and ``others``."""
+    """How many places were looked at: ``waves`` of all orders, single ``teeth``, and ``whole`` gears or pairs."""
 
     waves: int = 0
-    others: int = 0
+    teeth: int = 0
+    whole: int = 0
 
-    def tests(self, physics: Physics) -> int:
-        """Places by which the chance of a claim of a physics counts: waves have one half of the family's, all else the
-        other, or thousands of orders would outvote a few teeth."""
-        return 2 * max(1, self.waves if physics.wavelike else self.others)
+    def tests(self, physics: Physics, place: Place) -> int:
+        """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
+        or thousands of orders would outvote the teeth, and these a few gears."""
+        return 3 * max(1, self.waves if physics.wavelike else self.teeth if place.tooth is not None else self.whole)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,10 +105,12 @@ def scan(
 ) -> tuple[list[Candidate], Looked]:
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
-    waves = others = 0
+    waves = teeth = whole = 0
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
-        waves, others = waves + physics.wavelike, others + (not physics.wavelike)
+        single = place.tooth is not None and not physics.wavelike
+        waves, teeth = waves + physics.wavelike, teeth + single
+        whole += not physics.wavelike and not single
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -122,7 +125,7 @@ def scan(
     held = [group for group in groups if group]
     weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
     found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
-    return found, Looked(waves=waves, others=others)
+    return found, Looked(waves=waves, teeth=teeth, whole=whole)
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:

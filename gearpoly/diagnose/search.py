@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.noise import Noise
-from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
-from gearpoly.diagnose.fit import BETTER, Fit, Kept
-from gearpoly.diagnose.heldout import unseen_misfit
-from gearpoly.diagnose.scan import Candidate, Looked, all_places, columns_of, polished, scan, together
+from gearpoly.diagnose.fit import BETTER, Kept
+from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
+from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.threads import each
-
-FAMILY = 0.025
-"""Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located."""
-
-ECHO = 0.004
-"""Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
 
 ALIKE = 0.1
 """Part of its mean by which a value of twins may differ for both to be alike."""
@@ -36,17 +28,11 @@ ROADS, LEFT = 2, 0.2
 """Other steps that are gone back to, where the search ended with more misfit beyond noise than this part of noise's
 own."""
 
-PARTLY, MOSTLY = 0.03, 0.1
-"""Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
-
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
-
-POLISH = 1.6
-"""Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
 
 SHORTLIST = 40
 """Candidates from which those are chosen."""
@@ -63,10 +49,8 @@ class Road:
 
 
 @dataclass(kw_only=True, eq=False)
-class Search(Fit):
-    """The search in progress; ``looked`` says at how many places."""
-
-    looked: Looked = field(default_factory=Looked)
+class Search(Weigh):
+    """The search in progress."""
 
     def run(self) -> list[Candidate]:
         """Make claims until none pays; return the candidates of the last look.
@@ -152,64 +136,6 @@ class Search(Fit):
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         return [one for one in done if self.significant(one)]
-
-    def hopeful(self, one: Candidate) -> bool:
-        """Whether a candidate may be significant once its shape is polished."""
-        return self.significant(replace(one, gain=POLISH * one.gain) if one.claim.physics.shaped else one)
-
-    def significant(self, one: Candidate) -> bool:
-        """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
-        physics, gear = one.claim.physics, one.claim.place.gear
-        if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
-            return False
-        honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
-        if honest.log_chance(tests=self.looked.tests(physics)) >= math.log(FAMILY):
-            return False
-        return self.size(one) > self.least(one)
-
-    def matters(self, one: Candidate) -> bool:
-        """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
-        the simulation is wrong in some way of its own (a law of compliance, corners), and small parts of that look like
-        anything; most of all like a further physics of the mean tooth. Makers relieve both gears, so a relief explains
-        what both do together."""
-        physics, gain = one.claim.physics, one.gain
-        further = physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
-        if further and physics.shaped:
-            gain = max(gain, together(self.model, self.scenes, self.linear, physics)[0])
-        return gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
-
-    def size(self, one: Candidate) -> float:
-        """Rms in mm of what a candidate adds and nothing else explains."""
-        level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
-        return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
-
-    def least(self, one: Candidate) -> float:
-        """Rms in mm below which an effect may be what the simulation leaves of others."""
-        physics, place = one.claim.physics, one.claim.place
-        law = physics.law_floor * self.deflection if physics.mean_tooth else 0.0
-        if physics.wavelike and place.order is not None:
-            z = self.model.scope.gears[place.gear or 0].z
-            if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
-                law = OTHERS_BY_LAWS * self.deflection
-        return max(FAINT, ECHO * self.largest, law)
-
-    def pays(self, one: Candidate) -> bool:
-        """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
-        columns = columns_of(self.model, self.scenes, self.linear, one)
-        masks = [observed.fit for observed in self.model.observed]
-        others = [~mask for mask in masks]
-        if not all(np.any(mask) for mask in others):
-            return True
-        plain, wider = self.linear.system, self.linear.system.with_columns(columns)
-        gained = 0.0
-        for seen, unseen in ((masks, others), (others, masks)):
-            gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)
-        return gained > 0.0
-
-    def gain_without(self, k: int) -> float:
-        """What claim ``k`` gains, all else fitted again without it."""
-        system = self.linear.system
-        return system.without(self.linear.layout.places(k)).misfit - system.misfit
 
     def swap(self) -> None:
         """Exchange claims for others that explain more, now that all the rest is known."""

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, on_gear, own_of, polar
+from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, own_of, polar
 from gearpoly.physics.scene import Scene
-from gearpoly.physics.sheet import added
+from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
 from gearpoly.units import UM, FloatArray
 
 HIGHEST = 8
@@ -20,7 +20,7 @@ HIGHEST = 8
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         for order in range(1, min(HIGHEST, (scope.gears[gear].z - 1) // 2) + 1):
-            for flank in sorted(set(scope.flanks), reverse=True):
+            for flank in pitched_flanks(scope):
                 yield Place(gear=gear, order=order, flank=flank)
 
 
@@ -30,17 +30,15 @@ def _wave(place: Place, values: Values, z: int) -> FloatArray:
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
-    if scene.samples.flank != place.flank:
-        return np.zeros(scene.samples.size)
     gear = place.gear or 0
     z = (scene.pair.driving if gear == 0 else scene.pair.driven).gear.z
-    return scene.deviated(gear, lambda tooth, l: (_wave(place, values, z) * UM)[tooth])
+    wave = pitched_sense(scene, place) * UM * _wave(place, values, z)
+    return scene.deviated(gear, lambda tooth, l: wave[tooth])
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     z = (file.driving if place.gear == 0 else file.driven).teeth
-    key = "pitch_um" if place.flank == "drive" else "pitch_coast_um"
-    return on_gear(file, place.gear, inspection=added(file, place.gear, key, _wave(place, values, z)))
+    return pitched(file, place, _wave(place, values, z))
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:

@@ -12,8 +12,7 @@ from gearpoly.units import UM, FloatArray
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    # Where only a grade is known, slopes are as-built, not missing.
-    return [Place(gear=gear) for gear in (0, 1) if scope.inspected[gear]]
+    return [Place(gear=gear) for gear in (0, 1)]
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from gearpoly.files.models import GearSection, Inspection, PairFile
-from gearpoly.physics.base import changed, gear_section
+from gearpoly.physics.base import Place, Scope, changed, gear_section, on_gear
+from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
 DIGITS = 6
@@ -49,6 +50,30 @@ def added(file: PairFile, gear: int | None, key: str, more: FloatArray | float) 
 def _listed(values: FloatArray) -> tuple[float, ...] | float:
     rounded = np.round(values, DIGITS) + 0.0
     return float(rounded[0]) if np.all(rounded == rounded[0]) else tuple(rounded.tolist())
+
+
+def pitched(file: PairFile, place: Place, more: FloatArray) -> PairFile:
+    """The pair with ``more`` (z,) um of index deviation on the flank of a place, or on both: a tooth that stands ahead
+    has more material on its drive flank and less on its coast flank."""
+    keys = {"drive": ("pitch_um",), "coast": ("pitch_coast_um",)}.get(place.flank or "", ("pitch_um", "pitch_coast_um"))
+    for key in keys:
+        ahead = -more if place.flank is None and key == "pitch_coast_um" else more
+        file = on_gear(file, place.gear, inspection=added(file, place.gear, key, ahead))
+    return file
+
+
+def pitched_sense(scene: Scene, place: Place) -> float:
+    """Sign with which an index deviation at a place adds material to the flank of a scene; 0 where it is another's."""
+    if place.flank is None:
+        return scene.samples.sense
+    return 1.0 if scene.samples.flank == place.flank else 0.0
+
+
+def pitched_flanks(scope: Scope) -> list[str | None]:
+    """Flanks on which an index deviation is looked for: the one that was recorded; of two both at once first, as a
+    tooth out of its place has it, then each."""
+    recorded = sorted(set(scope.flanks), reverse=True)
+    return [None, *recorded] if len(recorded) > 1 else [*recorded]
 
 
 def added_on_both(file: PairFile, gear: int | None, key: str, more: float) -> Inspection:

@@ -7,30 +7,27 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, plain, tooth_of
+from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, plain, tooth_of
 from gearpoly.physics.scene import Scene
-from gearpoly.physics.sheet import added
+from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
 from gearpoly.units import UM, FloatArray
 
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         for tooth in range(scope.gears[gear].z):
-            for flank in sorted(set(scope.flanks), reverse=True):
+            for flank in pitched_flanks(scope):
                 yield Place(gear=gear, tooth=tooth, flank=flank)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
-    if scene.samples.flank != place.flank:
-        return np.zeros(scene.samples.size)
-    return scene.deviated_tooth(place.gear or 0, place.tooth, lambda l: np.full(l.size, values[0] * UM))
+    by = pitched_sense(scene, place) * values[0] * UM
+    return scene.deviated_tooth(place.gear or 0, place.tooth, lambda l: np.full(l.size, by))
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     z = (file.driving if place.gear == 0 else file.driven).teeth
-    key = "pitch_um" if place.flank == "drive" else "pitch_coast_um"
-    more = values[0] * (np.arange(z) == place.tooth)
-    return on_gear(file, place.gear, inspection=added(file, place.gear, key, more))
+    return pitched(file, place, values[0] * (np.arange(z) == place.tooth))
 
 
 PHYSICS = Physics(

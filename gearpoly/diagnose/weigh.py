@@ -1,0 +1,150 @@
+"""Whether a candidate is more than chance, more than what the simulation leaves of others, and worth a claim."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.heldout import unseen_misfit
+from gearpoly.diagnose.scan import Candidate, Looked, columns_of, together
+from gearpoly.diagnose.system import System, gain_of
+from gearpoly.units import FloatArray
+
+FAMILY = 0.025
+"""Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located."""
+
+ECHO = 0.004
+"""Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
+
+PARTLY, MOSTLY = 0.03, 0.1
+"""Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
+
+OPEN = 1e-6
+"""Part of the precision of teeth as built that leaves them open."""
+
+LIGHT = 0.3
+"""Part of the highest torque below which a recording is a light one."""
+
+POLISH = 1.6
+"""Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
+
+
+@dataclass(kw_only=True, eq=False)
+class Weigh(Fit):
+    """The fit with the scales on which candidates are weighed; ``looked`` says at how many places."""
+
+    looked: Looked = field(default_factory=Looked)
+
+    def hopeful(self, one: Candidate) -> bool:
+        """Whether a candidate may be significant once its shape is polished."""
+        return self.significant(replace(one, gain=POLISH * one.gain) if one.claim.physics.shaped else one)
+
+    def significant(self, one: Candidate) -> bool:
+        """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
+        physics, gear = one.claim.physics, one.claim.place.gear
+        if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
+            return False
+        honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
+        if honest.log_chance(tests=self.looked.tests(physics, one.claim.place)) >= math.log(FAMILY):
+            return False
+        if self.size(one) > self.law(one):
+            return self.size(one) > self.least(one)
+        return self.stays_unbent(one)
+
+    def matters(self, one: Candidate) -> bool:
+        """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
+        the simulation is wrong in some way of its own (a law of compliance, corners), and small parts of that look like
+        anything; most of all like a further physics of the mean tooth. Makers relieve both gears, so a relief explains
+        what both do together."""
+        physics, gain = one.claim.physics, one.gain
+        further = physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
+        if further and physics.shaped:
+            gain = max(gain, together(self.model, self.scenes, self.linear, physics)[0])
+        return gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
+
+    def size(self, one: Candidate) -> float:
+        """Rms in mm of what a candidate adds and nothing else explains."""
+        level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
+        return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
+
+    def law(self, one: Candidate, *, torque: float | None = None) -> float:
+        """Rms in mm below which an effect may be what no compliance law gets right, at a torque in N.mm or the full
+        one."""
+        physics, place = one.claim.physics, one.claim.place
+        part = physics.law_floor if physics.mean_tooth else 0.0
+        if physics.wavelike and place.order is not None:
+            z = self.model.scope.gears[place.gear or 0].z
+            if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
+                part = OTHERS_BY_LAWS
+        full = max(self.model.scope.torques)
+        return part * self.deflection * (1.0 if torque is None or full == 0.0 else torque / full)
+
+    def stays_unbent(self, one: Candidate) -> bool:
+        """Whether a candidate is seen at light torques as well: what a law gets wrong grows with the torque, so it is
+        weighed beside a likeness of itself that does."""
+        torques = self.model.scope.torques
+        if not one.claim.physics.mean_tooth or min(torques) > LIGHT * max(torques):
+            return False
+        columns, system = self.beside(one)
+        bending = [white * torque / max(torques) for white, torque in zip(columns, torques, strict=True)]
+        score, information = system.with_columns(bending).scores(columns)
+        every = np.arange(score.size)[None, :]
+        left = replace(one, gain=float(gain_of(score, information, every)[0][0]) / max(1.0, system.whiteness))
+        if left.log_chance(tests=self.looked.tests(one.claim.physics, one.claim.place)) >= math.log(FAMILY):
+            return False
+        return self.size(left) > max(self.law(one, torque=min(torques)), self.least(one))
+
+    def beside(self, one: Candidate) -> tuple[list[FloatArray], System]:
+        """Whitened columns (n_k, a) per unit of each amplitude of a candidate or claim, and all that is believed
+        without it."""
+        linear = self.linear
+        mine = next((k for k, made in enumerate(self.model.claims) if made.key == one.claim.key), None)
+        if mine is None:
+            return columns_of(self.model, self.scenes, linear, one), linear.system
+        amplitudes = one.claim.physics.amplitudes
+        return [white[:, :amplitudes] for white in linear.white_of(mine)], linear.without(
+            linear.layout.places(mine)
+        ).system
+
+    def least(self, one: Candidate) -> float:
+        """Rms in mm below which an effect may be what the simulation leaves of others.
+
+        Part of what is known of an effect comes from what teeth as built cannot be, by their grade or inspection. That
+        is far more than the simulation leaves, which reaches the effect by the other part: what would be known of it
+        were the teeth quite open.
+        """
+        least = max(FAINT, ECHO * self.largest)
+        if self.size(one) > least or one.gain <= 0.0:
+            return least
+        columns, system = self.beside(one)
+        amplitudes = np.array(one.claim.values[: one.claim.physics.amplitudes])
+        built = self.linear.layout.built
+        precision = system.precision.copy()
+        precision[built, built] *= OPEN
+        known, left = (
+            float(amplitudes @ which.scores(columns)[1] @ amplitudes)
+            for which in (system, replace(system, precision=precision))
+        )
+        return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
+
+    def pays(self, one: Candidate) -> bool:
+        """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
+        columns = columns_of(self.model, self.scenes, self.linear, one)
+        masks = [observed.fit for observed in self.model.observed]
+        others = [~mask for mask in masks]
+        if not all(np.any(mask) for mask in others):
+            return True
+        plain, wider = self.linear.system, self.linear.system.with_columns(columns)
+        gained = 0.0
+        for seen, unseen in ((masks, others), (others, masks)):
+            gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)
+        return gained > 0.0
+
+    def gain_without(self, k: int) -> float:
+        """What claim ``k`` gains, all else fitted again without it."""
+        system = self.linear.system
+        return system.without(self.linear.layout.places(k)).misfit - system.misfit
