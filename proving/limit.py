@@ -23,8 +23,8 @@ POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
 RUN = 9
 """Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
-FORMS = 4
-"""Columns for the mean form of graded gears: a crowning of either gear on either flank."""
+FORMS = 2
+"""Columns for the mean form of graded gears: a crowning of either gear."""
 LAW = 5
 """Columns for what a compliance law leaves open: its scale, three shapes over the path of contact, a power of the
 load."""
@@ -82,10 +82,10 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
     both = 2 * (z_1 + z_2)
-    out = np.zeros((n, 2 * both + 3 + LAW + FORMS))
+    out = np.zeros((n, both + 3 + LAW + FORMS))
     side = 1.0 if drive else -1.0
-    first = 0 if drive else both
-    starts = tuple(first + start for start in (0, z_1, z_1 + z_2, 2 * z_1 + z_2))
+    # What is known of a tooth is known of both its flanks: one set of columns for both.
+    starts = (0, z_1, z_1 + z_2, 2 * z_1 + z_2)
     law = np.zeros((n, LAW))
     full = 1000 * full_torque / pair.driven.r_b
     for slot in range(SLOTS):
@@ -95,13 +95,13 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
             u = (roll[:, slot] - start) / (pair.gear(index).l_tip - start)
             out[rows, starts[index - 1] + tooth[:, slot]] += w
             out[rows, starts[index + 1] + tooth[:, slot]] += side * w * (u - 0.5)
-            out[:, (0 if drive else 2) - FORMS + index - 1] -= side * w * (2 * u - 1) ** 2
+            out[:, index - 1 - FORMS] -= side * w * (2 * u - 1) ** 2
             if index == 1:
                 sag = side * w * got.deflections[:, slot] / UM
                 for k in range(LAW - 1):
                     law[:, k] += sag * (2 * u - 1) ** k
                 law[:, -1] += sag * np.log(np.maximum(got.forces[:, slot], 1e-3 * full + 1e-9) / (full + 1e-9))
-    mean = 2 * both
+    mean = both
     out[:, mean] = 1.0
     if not drive:
         out[:, mean + 1 : mean + 3] = 1.0
@@ -124,14 +124,14 @@ class Limit:
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self.z_1 = rig.pair.driving.z
-        self.coast = 2 * (self.z_1 + rig.pair.driven.z)
+        self.slopes = self.z_1 + rig.pair.driven.z
         self.plain = self.seen(rig)
         top = max(one.condition.torque for one in look)
         self.N = np.concatenate([_whiten(one, chain, _columns(rig, one, top)) for one in look])
         k = self.N.shape[1]
         inverse = np.zeros((k, k))
         place = 0
-        for block in (*index, *slope, *index, *slope):
+        for block in (*index, *slope):
             size = block.shape[0]
             inverse[place : place + size, place : place + size] = np.linalg.inv(block + 1e-6 * np.eye(size))
             place += size
@@ -141,7 +141,7 @@ class Limit:
         for j in range(LAW):
             inverse[place + 3 + j, place + 3 + j] = 1 / max(compliance * (1.0 if j == 0 else 0.6), 1e-3) ** 2
         for j in range(FORMS):
-            inverse[place + 3 + LAW + j, place + 3 + LAW + j] = 1 / max(form[j % 2], 1e-3) ** 2
+            inverse[place + 3 + LAW + j, place + 3 + LAW + j] = 1 / max(form[j], 1e-3) ** 2
         self.factor = cho_factor(self.N.T @ self.N + inverse)
 
     def perp(self, s: FloatArray) -> FloatArray:
@@ -162,12 +162,11 @@ class Limit:
 
     def slope_signal(self, index: int, ds: FloatArray) -> FloatArray:
         """The same of a change ds (um) of the profile slopes of gear 1 or 2."""
-        return self._taken(self.coast // 2 + (0 if index == 1 else self.z_1), ds)
+        return self._taken(self.slopes + (0 if index == 1 else self.z_1), ds)
 
     def _taken(self, start: int, values: FloatArray) -> FloatArray:
-        """Whitened signal of nuisances from a place on, on both flanks alike."""
-        flanks = (start, start + self.coast)
-        return np.asarray(sum(self.N[:, one : one + values.size] @ values for one in flanks))
+        """Whitened signal of nuisances from a place on."""
+        return np.asarray(self.N[:, start : start + values.size] @ values)
 
     def size_of(self, s: FloatArray) -> float:
         """Size over limit of a whitened signal."""

@@ -155,12 +155,6 @@ def test_nothing_is_looked_for_where_it_cannot_show(what: str, absent: set[str])
         assert not list(catalogue()[name].places(scope_of(declared(name), conditions))), name
 
 
-def test_what_is_only_graded_is_not_called_missing() -> None:
-    scope = replace(scope_of(rough()), inspected=(False, True))
-    # A pitch wave may exceed its grade, and is weighed against it; a slope is estimated for every tooth.
-    assert {place.gear for place in catalogue()["profile_slope"].places(scope)} == {1}
-
-
 # (a) No amplitude changes nothing.
 
 

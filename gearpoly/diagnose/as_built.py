@@ -29,8 +29,9 @@ F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/tes
 @dataclass(frozen=True, kw_only=True)
 class GearPrior:
     """One gear beforehand: covariance (z, z) in um^2 of its ``pitch``es, standard deviations in um of every tooth's
-    ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``. ``graded``: nobody
-    inspected it."""
+    ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``. ``shared``: part of
+    the variance that drive and coast flank have in common, ``own``: what the coast flank has beyond the other's.
+    ``graded``: nobody inspected it."""
 
     z: int
     pitch: FloatArray
@@ -38,6 +39,8 @@ class GearPrior:
     mean_slope: float
     crowning: float
     thickness: float
+    shared: float
+    own: float
     graded: bool
 
 
@@ -128,20 +131,22 @@ def _listed(values: FloatArray) -> tuple[float, ...]:
 def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -> AsBuilt:
     """The layout for the flanks that were recorded, drive first."""
     order: tuple[Flank, ...] = tuple(sorted(set(flanks), reverse=True))
-    blocks = []
-    for flank in order:
-        for gear in gears:
-            thickness = gear.thickness if flank == "coast" else 0.0
-            blocks += [
-                np.linalg.inv(gear.pitch + thickness**2),
-                np.linalg.inv(on_its_own(gear.z, gear.slope) + gear.mean_slope**2),
-                np.array([[gear.crowning**-2.0]]),
-            ]
-    size = sum(len(block) for block in blocks)
+    size = len(order) * sum(2 * gear.z + 1 for gear in gears)
+    flank_size = size // len(order)
     precision, at = np.zeros((size, size)), 0
-    for block in blocks:
-        precision[at : at + len(block), at : at + len(block)] = block
-        at += len(block)
+    for gear in gears:
+        # A tooth that stands ahead has more material on its drive flank and less on its coast flank.
+        for covariance, sense, coast in (
+            (gear.pitch, -1.0, gear.thickness**2),
+            (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, 1.0, 0.0),
+            (np.array([[gear.crowning**2]]), 1.0, 0.0),
+        ):
+            n = len(covariance)
+            each = {"drive": covariance, "coast": (1.0 + gear.own) * covariance + coast}
+            joint = np.block([[each[a] if a == b else sense * gear.shared * covariance for b in order] for a in order])
+            index = np.concatenate([np.arange(at, at + n) + k * flank_size for k in range(len(order))])
+            precision[np.ix_(index, index)] = np.linalg.inv(joint)
+            at += n
     return AsBuilt(gears=gears, flanks=order, precision=read_only(precision))
 
 

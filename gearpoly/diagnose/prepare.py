@@ -126,13 +126,11 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
     z = section.teeth
     if section.inspection is not None:
         each = max(section.inspection.uncertainty_um, IDEAL)
-        return GearPrior(
-            z=z, pitch=on_its_own(z, each), slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False
-        )
+        # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
+        alone = section.inspection.pitch_coast_um is not None
+        return _known(z, each, shared=0.0 if alone else 1.0, own=0.0 if alone else 1.0)
     if section.grade is None and section.limits is None:
-        return GearPrior(
-            z=z, pitch=on_its_own(z, IDEAL), slope=IDEAL, mean_slope=0.0, crowning=IDEAL, thickness=IDEAL, graded=False
-        )
+        return _known(z, IDEAL, shared=0.0, own=0.0)
     mine, mate = nominal_gear(section), gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
@@ -146,14 +144,26 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         crowning=max(limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
         # A gear that passed lies within its limits, all of them.
         thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
+        # Some errors move whole teeth, others one flank: half and half is wrong by a third of the variance at most.
+        shared=0.5,
+        own=0.0,
         graded=True,
     )
 
 
-def _known(z: int, each: float) -> GearPrior:
+def _known(z: int, each: float, *, shared: float, own: float) -> GearPrior:
     """A gear whose teeth are known to ``each`` um."""
-    pitch = on_its_own(z, each)
-    return GearPrior(z=z, pitch=pitch, slope=each, mean_slope=0.0, crowning=IDEAL, thickness=each, graded=False)
+    return GearPrior(
+        z=z,
+        pitch=on_its_own(z, each),
+        slope=each,
+        mean_slope=0.0,
+        crowning=IDEAL,
+        thickness=each,
+        shared=shared,
+        own=own,
+        graded=False,
+    )
 
 
 def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:

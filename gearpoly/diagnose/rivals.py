@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
@@ -17,6 +19,10 @@ CLOSE = 9.0
 LIKE = 0.05
 """Sine of the angle below which two signals differ by what only a perfect simulation could tell: corners, second
 order, the fourth figure of a shape."""
+
+CORNERS = 0.01
+"""Part of a claim's whole effect below which two signals differ by what no two models of corner contact agree on. The
+effect counts with all that teeth as built might take of it."""
 
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
@@ -43,6 +49,7 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     plain = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
     bare = plain.system
     gain = bare.misfit - bare.with_columns(linear.white_of(k)).misfit
+    alone = sum(float(np.sum((white @ np.array(claim.values)) ** 2)) for white in linear.white_of(k))
     others = model.but(claim)
     found, _ = scan(others, scenes, plain, only=_possible(model, claim))
     rivals: list[Candidate] = []
@@ -57,7 +64,7 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
         # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
         simpler = max(0.0, 2.0 * (len(claim.values) - better.freedoms))
         told = reached <= gain - CLOSE - simpler
-        if not told or gain - reached < LIKE**2 * gain:
+        if not told or gain - reached < max(LIKE**2 * gain, CORNERS**2 * alone):
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
 

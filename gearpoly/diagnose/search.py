@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,8 +35,11 @@ MOST = 8
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
 
-SHORTLIST = 40
-"""Candidates from which those are chosen."""
+SHORTLIST = 160
+"""Candidates from which those are chosen, best first."""
+
+WEAK = 4
+"""Candidates of a kind that explain too little, best first, after which the kind is left."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,9 +91,10 @@ class Search(Weigh):
             best = next((one for one in ones if self.matters(one) and self.pays(one)), None)
             if best is None:
                 break
-            before = self.kept()
+            before, there = self.kept(), self.worth()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
-            if self.accept(best.claim):
+            # What was exchanged for it may have gone again, and left all worse than before.
+            if self.accept(best.claim) and self.worth(before[1]["noises"]) < there:
                 # What the next fit makes anew is large: a hundred columns at all samples.
                 fit = {name: value for name, value in before[1].items() if name not in ("scenes", "linear")}
                 roads += [
@@ -127,12 +132,19 @@ class Search(Weigh):
 
     def likely(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
         """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
-        likely = [one for one in found[: 4 * SHORTLIST] if self.hopeful(one) and one.claim.key not in refused]
         chosen: list[Candidate] = []
-        for one in likely[:SHORTLIST]:
-            alike = [other for other in chosen if other.claim.physics is one.claim.physics]
-            if len(alike) < 2 and one.claim.key not in {c.claim.key for c in alike} and len(chosen) < POLISHED:
-                chosen.append(one)
+        weak: Counter[str] = Counter()
+        for one in found[:SHORTLIST]:
+            kind = one.claim.physics.name
+            alike = [other.claim.key for other in chosen if other.claim.physics is one.claim.physics]
+            if len(alike) > 1 or one.claim.key in alike or one.claim.key in refused or weak[kind] == WEAK:
+                continue
+            if not self.hopeful(one):
+                weak[kind] += 1
+                continue
+            chosen.append(one)
+            if len(chosen) == POLISHED:
+                break
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         return [one for one in done if self.significant(one)]

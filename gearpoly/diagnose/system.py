@@ -3,7 +3,7 @@ beforehand."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -113,12 +113,25 @@ class System:
     def without(self, places: Sequence[int]) -> System:
         """The same without some parameters."""
         keep = np.setdiff1d(np.arange(self.size), np.asarray(places, dtype=np.int64))
-        return System(
+        out = System(
             white=[a[:, keep] for a in self.white],
             target=self.target,
             precision=self.precision[np.ix_(keep, keep)],
             prior=self.prior[keep],
         )
+        return out._knowing(self.normal[np.ix_(keep, keep)])
+
+    def loosened(self, places: slice, part: float) -> System:
+        """The same with only a ``part`` of what is known beforehand of some parameters."""
+        precision, normal = self.precision.copy(), self.normal.copy()
+        precision[places, places] *= part
+        normal[places, places] += precision[places, places] - self.precision[places, places]
+        return System(white=self.white, target=self.target, precision=precision, prior=self.prior)._knowing(normal)
+
+    def _knowing(self, normal: FloatArray) -> System:
+        """The same, its normal matrix given: to multiply columns of all samples again is most of the work."""
+        self.__dict__["normal"] = normal
+        return self
 
     def with_columns(self, columns: list[FloatArray]) -> System:
         """The same with further free whitened columns (n_k, q) at the end."""
@@ -145,6 +158,12 @@ class System:
         """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them."""
         parts = zip(columns, self.white, self.left, strict=True)
         return self.beside([Sums(score=c.T @ r, own=c.T @ c, cross=a.T @ c) for c, a, r in parts])
+
+    def information(self, columns: list[FloatArray]) -> Callable[[System], FloatArray]:
+        """Information (q, q) of further whitened columns (n_k, q) beside this system, or one with the same columns."""
+        own = sum((c.T @ c for c in columns), np.zeros(()))
+        cross = sum((a.T @ c for a, c in zip(self.white, columns, strict=True)), np.zeros(()))
+        return lambda system: own - cross.T @ system.solved(cross)
 
     def beside(self, sums: Sequence[Sums]) -> tuple[FloatArray, FloatArray]:
         """The same from what every recording adds to it."""

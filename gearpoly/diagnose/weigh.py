@@ -11,7 +11,7 @@ from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import unseen_misfit
 from gearpoly.diagnose.scan import Candidate, Looked, columns_of, together
-from gearpoly.diagnose.system import System, gain_of
+from gearpoly.diagnose.system import System
 from gearpoly.units import FloatArray
 
 FAMILY = 0.025
@@ -25,9 +25,6 @@ PARTLY, MOSTLY = 0.03, 0.1
 
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
-
-LIGHT = 0.3
-"""Part of the highest torque below which a recording is a light one."""
 
 POLISH = 1.6
 """Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
@@ -51,9 +48,7 @@ class Weigh(Fit):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(physics, one.claim.place)) >= math.log(FAMILY):
             return False
-        if self.size(one) > self.law(one):
-            return self.size(one) > self.least(one)
-        return self.stays_unbent(one)
+        return self.size(one) > self.law(one) and self.size(one) > self.least(one)
 
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
@@ -71,32 +66,15 @@ class Weigh(Fit):
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
         return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
 
-    def law(self, one: Candidate, *, torque: float | None = None) -> float:
-        """Rms in mm below which an effect may be what no compliance law gets right, at a torque in N.mm or the full
-        one."""
+    def law(self, one: Candidate) -> float:
+        """Rms in mm below which an effect may be what no compliance law gets right."""
         physics, place = one.claim.physics, one.claim.place
         part = physics.law_floor if physics.mean_tooth else 0.0
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
                 part = OTHERS_BY_LAWS
-        full = max(self.model.scope.torques)
-        return part * self.deflection * (1.0 if torque is None or full == 0.0 else torque / full)
-
-    def stays_unbent(self, one: Candidate) -> bool:
-        """Whether a candidate is seen at light torques as well: what a law gets wrong grows with the torque, so it is
-        weighed beside a likeness of itself that does."""
-        torques = self.model.scope.torques
-        if not one.claim.physics.mean_tooth or min(torques) > LIGHT * max(torques):
-            return False
-        columns, system = self.beside(one)
-        bending = [white * torque / max(torques) for white, torque in zip(columns, torques, strict=True)]
-        score, information = system.with_columns(bending).scores(columns)
-        every = np.arange(score.size)[None, :]
-        left = replace(one, gain=float(gain_of(score, information, every)[0][0]) / max(1.0, system.whiteness))
-        if left.log_chance(tests=self.looked.tests(one.claim.physics, one.claim.place)) >= math.log(FAMILY):
-            return False
-        return self.size(left) > max(self.law(one, torque=min(torques)), self.least(one))
+        return part * self.deflection
 
     def beside(self, one: Candidate) -> tuple[list[FloatArray], System]:
         """Whitened columns (n_k, a) per unit of each amplitude of a candidate or claim, and all that is believed
@@ -122,12 +100,10 @@ class Weigh(Fit):
             return least
         columns, system = self.beside(one)
         amplitudes = np.array(one.claim.values[: one.claim.physics.amplitudes])
-        built = self.linear.layout.built
-        precision = system.precision.copy()
-        precision[built, built] *= OPEN
+        information = system.information(columns)
         known, left = (
-            float(amplitudes @ which.scores(columns)[1] @ amplitudes)
-            for which in (system, replace(system, precision=precision))
+            float(amplitudes @ information(which) @ amplitudes)
+            for which in (system, system.loosened(self.linear.layout.built, OPEN))
         )
         return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
 
