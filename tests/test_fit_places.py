@@ -13,12 +13,12 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, first, opening
+from gearpoly.diagnose.placing import ENOUGH, _off_by, first, opening
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
-from gearpoly.units import UM
+from gearpoly.units import UM, FloatArray
 from tests.physics_cases import ZEROS, Condition, recorded
 
 Z = 12, 16
@@ -86,6 +86,27 @@ def test_teeth_are_told_apart_by_the_fit_where_the_curves_leave_several(tmp_path
     diagnosis = found(known, [one], tmp_path)
     assert diagnosis.status == "nothing_missing"
     assert abs(off_pitches(diagnosis)) < 0.1
+
+
+@pytest.mark.parametrize("pitches", [0, 1, 7, -20])
+def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitches: int, tmp_path: Path) -> None:
+    """25 um off their axes a tooth is 13 and 10 um of order 1, over three times what grade 6 leaves to pitch; the
+    hunting cycle of 12 and 16 teeth has 48 places."""
+    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
+    model.moved((pitches - aside) * TURN / Z[1])
+    foreign = [np.zeros((model.observed[0].samples.size, 0))]
+    assert _off_by(model, foreign, lambda _: None) == -pitches
+
+
+def off_pitches_of(theta_2: FloatArray, one: Recording) -> float:
+    """By how many pitches of the 48 of a hunting cycle angles are ahead of the true ones of a recording."""
+    assert one.driven_angle_rad is not None
+    ahead = float(theta_2[0] - (one.driven_angle_rad[0] - ZEROS[1])) / (TURN / Z[1])
+    return math.remainder(ahead, 48.0)
 
 
 def computed(te: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Recording:
