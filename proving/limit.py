@@ -164,6 +164,10 @@ class Limit:
         """The same of a change ds (um) of the profile slopes of gear 1 or 2."""
         return self._taken(self.slopes + (0 if index == 1 else self.z_1), ds)
 
+    def form_signal(self, index: int, crowning: float) -> FloatArray:
+        """The same of more crowning (um) of all teeth of gear 1 or 2."""
+        return self._taken(self.N.shape[1] - FORMS + index - 1, np.array([crowning]))
+
     def _taken(self, start: int, values: FloatArray) -> FloatArray:
         """Whitened signal of nuisances from a place on."""
         return np.asarray(self.N[:, start : start + values.size] @ values)

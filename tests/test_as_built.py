@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.as_built import IDEAL, chain
+from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.gear.chain import closed_chain
 
 
@@ -36,3 +36,36 @@ def test_teeth_as_one_are_left_to_the_mean() -> None:
 
 def test_gear_of_no_deviation_is_ideal() -> None:
     assert np.sqrt(np.diag(chain(18, single=0.0, cumulative=0.0))) == pytest.approx(IDEAL, rel=0.5)
+
+
+def prior(*, shared: float, own: float) -> GearPrior:
+    return GearPrior(
+        z=5, pitch=on_its_own(5, 0.5), slope=0.4, mean_slope=0.0, crowning=0.1, thickness=0.3,
+        shared=shared, own=own, graded=False,
+    )  # fmt: skip
+
+
+def test_a_reading_error_of_the_drive_flank_stands_on_the_coast_flank_too() -> None:
+    """A tooth read ahead has more material on its drive flank and less on its coast flank; a slope is the same on both.
+    What nobody measured may differ by as much again."""
+    made = make_as_built((prior(shared=1.0, own=1.0),) * 2, ["coast", "drive"])
+    covariance = np.linalg.inv(made.precision)
+    drive, coast = made.start("drive", 1), made.start("coast", 1)
+    assert covariance[drive, drive] == pytest.approx(0.25)
+    assert covariance[drive, coast] == pytest.approx(-0.25)
+    # All coast flanks stand off by what the thickness does.
+    assert covariance[coast, coast] == pytest.approx(2 * 0.25 + 0.09)
+    assert covariance[coast, coast + 1] == pytest.approx(0.09)
+    assert covariance[drive + 5, coast + 5] == pytest.approx(0.16)
+    assert covariance[drive + 10, coast + 10] == pytest.approx(0.01)
+    other = made.start("drive", 0)
+    assert covariance[drive, other] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_measured_flanks_err_each_by_itself() -> None:
+    made = make_as_built((prior(shared=0.0, own=0.0),) * 2, ["drive", "coast"])
+    covariance = np.linalg.inv(made.precision)
+    assert covariance[made.start("drive", 0), made.start("coast", 0)] == pytest.approx(0.0, abs=1e-12)
+    alone = make_as_built((prior(shared=0.0, own=0.0),) * 2, ["drive"])
+    assert alone.size == 2 * 11
+    assert np.linalg.inv(alone.precision)[0, 0] == pytest.approx(0.25)

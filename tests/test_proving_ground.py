@@ -155,6 +155,42 @@ def test_unknown_teeth_hide_a_pitch_error_and_gauges_bound_it() -> None:
     assert 3.0 < gauge.size_of(gauge.index_signal(1, moved)) <= 5.0  # 1 um against a gauge of 0.2 um
 
 
+def test_slopes_count_as_a_fit_of_the_teeth_takes_them() -> None:
+    """A small slope of all teeth is what its columns say; a large one bends the curve, which is no evidence."""
+    rng = np.random.default_rng(2)
+    base = replace(
+        ideal(PAIR), teeth_1=draw(PAIR.driving, 5, -60.0, rng), teeth_2=draw(PAIR.driven, 5, -60.0, rng)
+    )  # fmt: skip
+    limit, _ = limit_of(base, 0.3, prior=0.2)
+    teeth = base.teeth_1
+    small = limit.difference(replace(base, teeth_1=replace(teeth, slope=teeth.slope + 1e-3)))
+    taken = limit.slope_signal(1, np.full(18, 1e-3))
+    # Hand-overs move by a part of a sample's spacing: a few samples in a hundred see the step there.
+    assert np.linalg.norm(small - taken) < 0.2 * np.linalg.norm(taken)
+
+
+def test_form_that_a_grade_leaves_open_hides_a_crowning() -> None:
+    """With a prior as large as it no recording makes a crowning more than one standard deviation. Its column is that of
+    a small one to 2 %; a large one hands over elsewhere."""
+    rng = np.random.default_rng(2)
+    base = replace(
+        ideal(PAIR), teeth_1=draw(PAIR.driving, 5, -60.0, rng), teeth_2=draw(PAIR.driven, 5, -60.0, rng)
+    )  # fmt: skip
+    condition, chain = Condition(torque=0.0, turns=25.0), Chain(noise_um=0.003)
+    path = motion(base, condition, rng)
+    known = (1e-8 * np.eye(18), 1e-8 * np.eye(25))
+    look = sights((condition,), (path,), chain)
+    shut, left_open = (
+        Limit(base, look, chain, index=known, slope=known, thickness=0.1, compliance=0.0, form=form)
+        for form in ((0.0, 0.0), (1.0, 0.0))
+    )  # fmt: skip
+    small = shut.difference(replace(base, teeth_1=replace(base.teeth_1, crowning=np.full(18, 0.01))))
+    taken = shut.form_signal(1, 0.01)
+    assert np.linalg.norm(small - taken) < 0.02 * np.linalg.norm(taken)
+    assert shut.size_of(100.0 * taken) > 20.0
+    assert left_open.size_of(100.0 * taken) == pytest.approx(1.0, abs=0.01)
+
+
 def test_mean_offset_says_nothing() -> None:
     limit, _ = limit_of(ideal(PAIR), 0.3)
     assert limit.over(replace(ideal(PAIR), pair=replace(PAIR, offset=0.01))) < 0.05  # one recording, unknown zero
