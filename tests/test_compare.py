@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gearpoly.__main__ import main
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.units import DEG, UM
+from tests.made_command import Command
 from tests.made_recordings import Rig, inspected, record
 
 SHARED = Path(__file__).parents[2] / "shared" / "recordings"
@@ -27,35 +24,6 @@ needs_telescope = pytest.mark.skipif(not TELESCOPE.is_dir(), reason="the telesco
 
 NEEDED = 0.02
 """deg. What alignment has to reach."""
-
-
-@dataclass(frozen=True)
-class Ran:
-    code: int
-    out: str
-    err: str
-
-
-Command = Callable[..., Ran]
-
-
-@pytest.fixture
-def gearpoly_command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Command:
-    """Runs ``gearpoly ...`` in this process: exit code, standard output and standard error."""
-
-    def run(*arguments: str | Path) -> Ran:
-        monkeypatch.setattr(sys, "argv", ["gearpoly", *map(str, arguments)])
-        monkeypatch.setenv("COLUMNS", "200")
-        capfd.readouterr()
-        code = 0
-        try:
-            main()
-        except SystemExit as stop:
-            code = int(stop.code or 0)
-        captured = capfd.readouterr()
-        return Ran(code, captured.out, captured.err)
-
-    return run
 
 
 def truth(case: str) -> dict[str, Any]:
