@@ -1,13 +1,15 @@
-"""What the tests of every command share: the command run in this process, and a small pair to run it on."""
+"""What tests of several subjects share: a command run in this process, a small pair to run it on, and a browser."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from gearpoly.__main__ import main
+from tests.chromium import Chromium
 from tests.made_command import PAIR, Command, Ran
 
 
@@ -35,3 +37,21 @@ def pair_file(tmp_path: Path) -> Path:
     file = tmp_path / "pair.toml"
     file.write_text(PAIR, encoding="utf-8")
     return file
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Chromium]:
+    with Chromium() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def fresh(browser: Chromium) -> Iterator[Chromium]:
+    """The browser as a user finds it; whatever a page writes to the console is an error."""
+    browser.size(1440, 900)
+    browser.dark(False)
+    browser.console.clear()
+    browser.requests.clear()
+    yield browser
+    assert browser.console == []
+    assert all(url.startswith(("file:", "data:")) for url in browser.requests)

@@ -30,12 +30,6 @@ BEFORE, AFTER = (0x9A, 0x6A, 0x00), (0x3F, 0x33, 0xB5)
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Chromium]:
-    with Chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagnosis]:
     folder = tmp_path_factory.mktemp("diagnosis")
     file, comparison = made_comparison()
