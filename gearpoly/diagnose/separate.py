@@ -196,9 +196,16 @@ def _open_columns(
     out = whole[:, keep]
     if scene.samples.flank in model.as_built.flanks:
         return out / level, np.zeros((keep.size, keep.size))
-    more = make_as_built(model.as_built.gears, [scene.samples.flank])
+    old, flank = model.as_built, scene.samples.flank
+    more, both = make_as_built(old.gears, [flank]), make_as_built(old.gears, [*old.flanks, flank])
+    # What is known of the recorded flank beforehand is known of the other in part, and counted already.
+    per_flank = np.arange(more.size)
+    known = [both.start(one, 0) + per_flank for one in (*old.flanks, flank)]
+    joint = both.precision[np.ix_(np.concatenate(known), np.concatenate(known))].copy()
+    joint[: old.size, : old.size] -= old.precision
+    place = np.concatenate((np.arange(old.size) + layout.built.start, keep.size + per_flank))
     precision = np.zeros((keep.size + more.size, keep.size + more.size))
-    precision[keep.size :, keep.size :] = more.precision
+    precision[np.ix_(place, place)] = joint
     return np.concatenate((out, more.columns(scene)), axis=1) / level, precision
 
 
