@@ -32,6 +32,10 @@ tried, and any is as good."""
 ZEROED = 1e-3
 """Part of the scatter of a computed transmission error below which its mean was taken off by the rig."""
 
+COAST = 0.05
+"""Part of an inspection's variance by which a coast flank that nobody measured may differ from what follows of the
+drive flank: little, since the pair file says that it follows."""
+
 BLOCKS = 8
 """Contiguous blocks of a recording shorter than two hunting cycles; a cross-validated fit learns from every other
 one."""
@@ -128,7 +132,7 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         each = max(section.inspection.uncertainty_um, IDEAL)
         # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
         alone = section.inspection.pitch_coast_um is not None
-        return _known(z, each, shared=0.0 if alone else 1.0, own=0.0 if alone else 1.0)
+        return _known(z, each, shared=0.0 if alone else 1.0, own=0.0 if alone else COAST)
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=0.0)
     mine, mate = nominal_gear(section), gears[1 - which]

@@ -15,8 +15,9 @@ from gearpoly.units import UM, FloatArray
 PARTS = 8
 """Parts of the active flank on which a spall is first looked for."""
 
-WINDOWS = tuple((i, i + wide) for wide, by in ((1, 1), (2, 1), (4, 2)) for i in range(0, PARTS - wide + 1, by))
-"""Where it is looked for: single parts, two neighbours, halves; its edges are found later."""
+WINDOWS = tuple((i, i + wide) for wide, by in ((1, 1), (2, 1), (4, 2), (8, 8)) for i in range(0, PARTS - wide + 1, by))
+"""Where it is looked for: single parts, two neighbours, halves, all of it (a tooth worn down, which is all but a pitch
+error); its edges are found later."""
 
 WALL = 0.05
 """Modules over which the walls of a spall rise at first."""
