@@ -10,7 +10,7 @@ import numpy as np
 from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import unseen_misfit
-from gearpoly.diagnose.scan import Candidate, Looked, columns_of, together
+from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.system import System
 from gearpoly.units import FloatArray
 
@@ -25,6 +25,9 @@ PARTLY, MOSTLY = 0.03, 0.1
 
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
+
+STEPS = 48
+"""Moments of a recording at which a step is tried."""
 
 POLISH = 1.6
 """Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
@@ -48,6 +51,8 @@ class Weigh(Fit):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(physics, one.claim.place)) >= math.log(FAMILY):
             return False
+        if physics.slow and one.gain < self.stepped():
+            return False
         return self.size(one) > self.law(one) and self.size(one) > self.least(one)
 
     def matters(self, one: Candidate) -> bool:
@@ -65,6 +70,19 @@ class Weigh(Fit):
         """Rms in mm of what a candidate adds and nothing else explains."""
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
         return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
+
+    def stepped(self) -> float:
+        """Gain of the best step in any recording. What happens at once looks like something slow, and is not."""
+        best = 0.0
+        for k, observed in enumerate(self.model.observed):
+            n = observed.samples.size
+            moments = np.linspace(0, n, STEPS + 2)[1:-1]
+            steps = (np.arange(n)[:, None] >= moments).astype(np.float64)
+            score, information = self.linear.system.beside([self.linear.sums(k, steps)])
+            known = np.diag(information)
+            told = known > KNOWN * np.max(known, initial=0.0)
+            best = max(best, float(np.max(score[told] ** 2 / known[told], initial=0.0)))
+        return best
 
     def law(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right."""
