@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,8 @@ def begun(bench: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         [*command, "--workers", "2"], cwd=root, env={**os.environ, "PYTHONPATH": str(root)}, text=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+        # What runs in the background of a shell is deaf to interrupts, and passes that on.
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     marks = [tmp_path / "beta.begun", tmp_path / "gamma.begun", place / "alpha.json", place / "delta.json"]
     deadline = time.monotonic() + 120.0  # two starts of Python on a busy machine
