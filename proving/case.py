@@ -121,7 +121,7 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
     )  # fmt: skip
 
 
-def _signal(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
+def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
     """Whitened signal of one effect put into a rig."""
     if effect.physics in ("tooth_pitch", "cumulative_pitch"):
         p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
@@ -130,6 +130,8 @@ def _signal(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
         return limit.slope_signal(
             effect.gear, apply(rig, effect).teeth(effect.gear).slope - rig.teeth(effect.gear).slope
         )
+    if effect.physics == "profile_crowning":
+        return limit.form_signal(effect.gear, effect.size)
     return limit.difference(apply(rig, effect))
 
 
@@ -139,7 +141,7 @@ def _sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
     least = STIFFEST if effect.physics == "mesh_resonance" else 0.0
     last: tuple[float, float] | None = None
     for _ in range(6):
-        n = limit.size_of(_signal(rig, limit, effect))
+        n = limit.size_of(whitened(rig, limit, effect))
         if n <= 0.0:
             return effect.scaled(cap)
         size = abs(effect.size)
@@ -205,12 +207,12 @@ def _items(
     bent = apply(base, bends[0]) if bends else base
     within = _limit(bent, made, paths) if bends and len(effects) > 1 else limit
     rest = [effect for effect in effects if effect not in bends]
-    signals = [_signal(bent, within, effect) for effect in rest]
+    signals = [whitened(bent, within, effect) for effect in rest]
     items: list[dict[str, Any]] = []
     for effect in effects:
         item = truth(rig, effect, made.chain, made.conditions)
         before, about = (base, limit) if effect in bends else (bent, within)
-        s = _signal(before, about, effect)
+        s = whitened(before, about, effect)
         others = [signal for one, signal in zip(rest, signals, strict=True) if one is not effect]
         if others and effect not in bends:
             columns, free = np.stack(others, axis=1), np.full(len(others), np.inf)

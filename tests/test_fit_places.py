@@ -13,7 +13,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, _off_by, first, opening
+from gearpoly.diagnose.placing import ENOUGH, first, off_by, opening
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
@@ -99,7 +99,7 @@ def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitch
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved((pitches - aside) * TURN / Z[1])
     foreign = [np.zeros((model.observed[0].samples.size, 0))]
-    assert _off_by(model, foreign, lambda _: None) == -pitches
+    assert off_by(model, foreign, lambda _: None) == -pitches
 
 
 def off_pitches_of(theta_2: FloatArray, one: Recording) -> float:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from proving.case import _limit, make
+from proving.case import _limit, make, whitened
 from proving.chain import Chain, Condition, motion
 from proving.drawn import PAIRS, draw, make_pair
 from proving.effects import CATALOGUE, Effect, apply, truth
@@ -189,6 +189,20 @@ def test_form_that_a_grade_leaves_open_hides_a_crowning() -> None:
     assert np.linalg.norm(small - taken) < 0.02 * np.linalg.norm(taken)
     assert shut.size_of(100.0 * taken) > 20.0
     assert left_open.size_of(100.0 * taken) == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("physics", ["tooth_pitch", "cumulative_pitch", "profile_slope", "profile_crowning"])
+def test_what_teeth_as_built_may_be_counts_to_first_order(physics: str) -> None:
+    """Twice the size is twice the signal, whatever else hands over elsewhere."""
+    rng = np.random.default_rng(2)
+    base = replace(
+        ideal(PAIR), teeth_1=draw(PAIR.driving, 5, -60.0, rng), teeth_2=draw(PAIR.driven, 5, -60.0, rng)
+    )  # fmt: skip
+    limit, _ = limit_of(base, 0.3, prior=0.2)
+    effect = instance(physics, PAIR, (Condition(torque=0.0, turns=25.0),), rng).scaled(2.0)
+    one, two = (whitened(base, limit, effect.scaled(size)) for size in (2.0, 4.0))
+    assert np.linalg.norm(one) > 0.0
+    assert two == pytest.approx(2.0 * one, rel=1e-9, abs=1e-9)
 
 
 def test_mean_offset_says_nothing() -> None:

@@ -28,9 +28,10 @@ F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/tes
 
 @dataclass(frozen=True, kw_only=True)
 class GearPrior:
-    """One gear beforehand: covariance (z, z) in um^2 of its ``pitch``es, standard deviations in um of every tooth's
-    ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``. ``shared``: part of
-    the variance that drive and coast flank have in common, ``own``: what the coast flank has beyond the other's.
+    """One gear beforehand: covariance (z, z) in um^2 of its index deviations ``pitch``, standard deviations in um of
+    every tooth's ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``.
+    ``shared``: part of the drive flank's variance that the coast flank has as well; ``own``: variance of the coast
+    flank beyond that of the drive flank, over it.
     ``graded``: nobody inspected it."""
 
     z: int
@@ -151,13 +152,14 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
 
 
 def on_its_own(z: int, each: float) -> FloatArray:
-    """Covariance (z, z) of teeth that deviate by ``each``, every one on its own."""
+    """Covariance (z, z) in um^2 of teeth that deviate by ``each`` um, every one on its own."""
     return each**2 * np.eye(z)
 
 
 def chain(z: int, *, single: float, cumulative: float) -> FloatArray:
     """Covariance (z, z) in um^2 of the pitches of a gear within its grade: a closed chain of single pitches, uniform
-    within +-``single`` um (f_p) and independent, that ranges over at most ``cumulative`` um (F_p)."""
+    within +-``single`` um (f_p) and independent, that ranges over at most ``cumulative`` um (F_p), both along the line
+    of action. Derived here; measured on the chains of ``gearpoly.gear.chain``."""
     order = np.arange(1, z // 2 + 1)
     single, cumulative = max(min(single, cumulative), IDEAL), max(cumulative, IDEAL)
     free = single / math.sqrt(3.0) * math.sqrt(2.0 / z) / (2.0 * np.sin(np.pi * order / z))

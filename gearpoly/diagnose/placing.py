@@ -57,13 +57,13 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
         return
     for _ in range(MOVES):
-        by = _off_by(model, foreign, step)
+        by = off_by(model, foreign, step)
         if by == 0:
             return
         model.moved(by * pitch)
 
 
-def _off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> int:
+def off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> int:
     """Pitches by which the teeth stand elsewhere in the hunting cycle, told by the declared eccentricities of gears
     that nobody inspected: at a wrong place each seems to lack what turning its eccentricity by so many teeth adds."""
     declared = [model.scope.section(gear).eccentricity for gear in (0, 1)]

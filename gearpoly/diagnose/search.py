@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,9 +36,6 @@ POLISHED = 4
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
-
-WEAK = 4
-"""Candidates of a kind that explain too little, best first, after which the kind is left."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,14 +129,9 @@ class Search(Weigh):
     def likely(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
         """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
         chosen: list[Candidate] = []
-        weak: Counter[str] = Counter()
         for one in found[:SHORTLIST]:
-            kind = one.claim.physics.name
             alike = [other.claim.key for other in chosen if other.claim.physics is one.claim.physics]
-            if len(alike) > 1 or one.claim.key in alike or one.claim.key in refused or weak[kind] == WEAK:
-                continue
-            if not self.hopeful(one):
-                weak[kind] += 1
+            if len(alike) > 1 or one.claim.key in alike or one.claim.key in refused or not self.hopeful(one):
                 continue
             chosen.append(one)
             if len(chosen) == POLISHED:

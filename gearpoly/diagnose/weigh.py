@@ -53,7 +53,7 @@ class Weigh(Fit):
             return False
         if physics.slow and one.gain < self.stepped():
             return False
-        return self.size(one) > self.law(one) and self.size(one) > self.least(one)
+        return self.size(one) > self.law_floor(one) and self.size(one) > self.least(one)
 
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
@@ -84,7 +84,7 @@ class Weigh(Fit):
             best = max(best, float(np.max(score[told] ** 2 / known[told], initial=0.0)))
         return best
 
-    def law(self, one: Candidate) -> float:
+    def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right."""
         physics, place = one.claim.physics, one.claim.place
         part = physics.law_floor if physics.mean_tooth else 0.0
@@ -101,10 +101,8 @@ class Weigh(Fit):
         mine = next((k for k, made in enumerate(self.model.claims) if made.key == one.claim.key), None)
         if mine is None:
             return columns_of(self.model, self.scenes, linear, one), linear.system
-        amplitudes = one.claim.physics.amplitudes
-        return [white[:, :amplitudes] for white in linear.white_of(mine)], linear.without(
-            linear.layout.places(mine)
-        ).system
+        columns = [white[:, : one.claim.physics.amplitudes] for white in linear.white_of(mine)]
+        return columns, linear.system.without(linear.layout.places(mine))
 
     def least(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what the simulation leaves of others.
