@@ -122,10 +122,10 @@ class Steps:
         score, information = float(self.score[j - self.first]), float(self.information[j - self.first])
         return score**2 / information, score / information, 1.0 / math.sqrt(information)
 
-    def moment(self, x: FloatArray) -> tuple[float, float]:
-        """Mean and standard error of ``x`` (n,) at the jump, each place as likely as it fits; what happens between two
-        samples happens anywhere between them."""
-        likely = np.exp(0.5 * (self.gain - np.max(self.gain)))
+    def moment(self, x: FloatArray, *, level: float) -> tuple[float, float]:
+        """Mean and standard error of ``x`` (n,) at the jump, each place as likely as it fits in noise of ``level``
+        times the model's power; what happens between two samples happens anywhere between them."""
+        likely = np.exp(0.5 * (self.gain - np.max(self.gain)) / level)
         likely /= np.sum(likely)
         at = np.arange(self.first, self.first + self.score.size)
         middle, width = 0.5 * (x[at] + x[at - 1]), x[at] - x[at - 1]

@@ -21,6 +21,9 @@ IDEAL = 0.01
 WITHIN = 2.0
 """Standard deviations at which a gear that passed its grade reaches a limit."""
 
+STRAINED = 3.0
+"""Standard deviations from which teeth have in common what a gear of their grade hardly has."""
+
 KEPT_IN, CROWDED = 0.435, 0.8
 """Waves of drawn gears that keep to F_p: each as if its standard deviation were at most ``KEPT_IN`` (z f_p^2 /
 F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/test_as_built.py)."""
@@ -79,13 +82,26 @@ class AsBuilt:
         return float(values[self.start(flank, gear) + 2 * self.gears[gear].z])
 
     def alike(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
-        """The parameters (m,) with all teeth of a flank leaning as its median tooth does, on these ``gears``."""
+        """The parameters (m,) with the teeth of these ``gears`` uncrowned and all of a flank leaning as its median
+        tooth does; of two gears, each half as much as both lean apart, which is all that shows to first order."""
         out = values.copy()
         for flank in self.flanks:
+            lean = {gear: float(np.median(self.slope(out, flank, gear))) for gear in gears}
+            both = float(np.mean(list(lean.values()))) if len(gears) == 2 else 0.0
             for gear in gears:
-                slopes = self.slope(out, flank, gear)
-                slopes[:] = np.median(slopes)
+                self.slope(out, flank, gear)[:] = lean[gear] - both
+                out[self.start(flank, gear) + 2 * self.gears[gear].z] = 0.0
         return out
+
+    def strained(self, values: FloatArray) -> bool:
+        """Whether the teeth of a gear lean or bulge together as hardly any gear of its grade does."""
+        return any(
+            abs(self.crowning(values, flank, gear)) > STRAINED * one.crowning
+            or abs(float(np.median(self.slope(values, flank, gear)))) > STRAINED * math.hypot(one.mean_slope, IDEAL)
+            for flank in self.flanks
+            for gear, one in enumerate(self.gears)
+            if one.graded
+        )
 
     def columns(self, scene: Scene) -> FloatArray:
         """Effects (n, m) in mm of one um of each parameter."""

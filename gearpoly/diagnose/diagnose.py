@@ -16,6 +16,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
+from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, unexplained
@@ -67,9 +68,14 @@ def diagnose(
     search.step = watch.stage("search")
     start_linear = search.linear
     search.run()
+    search.step = watch.stage("rivals")
+    refitted = contest(search)
     comparison = comparison.refined(model.shift, search.shift_std)
-    watch.stage("rivals")("weighing rivals")
-    judged = [judge(model, search.scenes, search.linear, k) for k in range(len(model.claims))]
+    search.step("weighing rivals")
+    judged = [
+        judge(model, search.scenes, search.linear, k, refitted=refitted.get(claim.key, ()))
+        for k, claim in enumerate(model.claims)
+    ]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     findings = tuple(_finding(search, comparison, k, judged[k], watch) for k in order)
     watch.stage("leftovers")("looking for what is left")

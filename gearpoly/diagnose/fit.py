@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -14,6 +14,7 @@ from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
+from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -33,8 +34,8 @@ MOST_SHIFT = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
 
 HAND_OVER = 0.1
-"""Pitches, one sigma, by which a zero may be wrong where a relief was left out: curves are placed by where pairs hand
-over, and a relief moves that from the end of double contact to its middle."""
+"""Pitches, one sigma, by which a zero may be wrong where a form of all teeth was left out: curves are placed by where
+pairs hand over, and a relief moves that from the end of double contact to its middle."""
 
 PASSES = 16
 """Most rounds of simulating and fitting again after a change."""
@@ -42,8 +43,8 @@ PASSES = 16
 BETTER = 10.0
 """Fall in misfit by which another state must be better: more than three standard deviations."""
 
-RELAXED = 3
-"""Times that a fit begins once more with slopes alike."""
+RELAXED = 8
+"""Times that a fit begins once more with teeth alike."""
 
 Kept = tuple[dict[str, Any], dict[str, Any]]
 """A state to come back to: of the model, and of the fit."""
@@ -126,14 +127,41 @@ class Fit:
                 break
         self.measure()
 
+    def join(self, claims: Sequence[Claim], *, instead: int | None = None) -> None:
+        """Make ``claims``, in the place of claim ``instead`` if asked, and let everything that was fitted without them
+        give way to them, to first order.
+
+        Teeth as built take of an unknown physics what they can. Claimed on top of that it would count twice, so far
+        from rest that unloaded teeth may touch elsewhere, and the fit end in another valley.
+        """
+        model, present = self.model, self.present()
+        at = len(model.claims) if instead is None else instead
+        others, leave = model, []
+        if instead is not None:
+            others, leave = model.but(model.claims[at]), self.linear.layout.places(at)
+        keep = np.setdiff1d(np.arange(present.size), np.asarray(leave, dtype=np.int64))
+        system = self.linear.system.without(leave)
+        taken = np.zeros(keep.size)
+        for claim in claims:
+            effect = others.change(self.scenes, claim, claim.values)
+            for a, noise, one in zip(system.white, self.noises, effect, strict=True):
+                taken += a.T @ noise.whitened(one[:, None])[:, 0]
+        step = np.zeros(present.size)
+        step[keep] = system.solution - system.solved(taken) - present[keep]
+        self.take(self.linear, np.where(np.isnan(present), 0.0, step))
+        model.claims[at : len(model.claims) if instead is None else at + 1] = claims
+
     def relax(self) -> None:
-        """Begin once more with all slopes of a graded gear alike, as long as that ends better.
+        """Begin once more with all slopes of a graded gear alike and no crowning, as long as that ends better.
 
         Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
-        step was wrong: the fit rests with teeth that lean as none does.
+        step was wrong: the fit rests with teeth that lean as none does. And what two crownings differ by is a slope and
+        a late hand-over, so that fits creep along a bent valley in which both gears bulge as none of their grade does.
         """
         graded = [gear for gear in (0, 1) if self.model.as_built.gears[gear].graded]
-        if not graded or all(scene.bends for scene in self.scenes):
+        if not graded:
+            return
+        if all(scene.bends for scene in self.scenes) and not self.model.as_built.strained(self.model.built):
             return
         for _ in range(RELAXED):
             before, there = self.kept(), self.linear.system.misfit
@@ -149,10 +177,13 @@ class Fit:
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
     def restore(self, kept: Kept) -> None:
-        """Come back to a state."""
+        """Come back to a state; what it was kept without is made anew."""
         self.model.restore(kept[0])
         for name, value in kept[1].items():
             setattr(self, name, value)
+        if "linear" not in kept[1]:
+            self.scenes = self.model.scenes()
+            self.linear = self.linearised()
 
     def linearised(self) -> Linear:
         """The linear system of the present state and noise."""
@@ -281,6 +312,6 @@ class Fit:
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
     """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
     scaled = model.declared.model.tooth_deflection
-    relieved = any(one.physics.mean_tooth and one.physics.shaped for one in model.claims)
+    relieved = any(one.physics.mean_tooth for one in model.claims)
     shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if relieved else 0.0)
     return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.diagnose.contest import Refitted
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
@@ -39,11 +40,11 @@ class Judged:
     rivals: tuple[Candidate, ...]
 
 
-def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
+def judge(model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted: Sequence[Refitted] = ()) -> Judged:
     """Weigh claim ``k`` against everything that could stand in its place, all else fitted again.
 
-    Rivals are drawn to first order about the set-up with the claim in it; the freedom of form that a claimed tooth has
-    is left out on both sides.
+    Rivals are drawn to first order about the set-up with the claim in it, but for those that were ``refitted`` in its
+    stead; the freedom of form that a claimed tooth has is left out on both sides.
     """
     claim = model.claims[k]
     plain = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
@@ -54,6 +55,19 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
     found, _ = scan(others, scenes, plain, only=_possible(model, claim))
     rivals: list[Candidate] = []
     seen = {claim.key}
+
+    def like(reached: float, freedoms: int) -> bool:
+        # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
+        simpler = max(0.0, 2.0 * (len(claim.values) - freedoms))
+        told = reached <= gain - CLOSE - simpler
+        return not told or gain - reached < max(LIKE**2 * gain, CORNERS**2 * alone)
+
+    for refit in refitted:
+        seen.add(refit.claim.key)
+        freedoms = len(refit.claim.values)
+        reached = gain - refit.behind + 2.0 * (freedoms - len(claim.values))
+        if like(reached, freedoms):
+            rivals.append(Candidate(claim=refit.claim, gain=reached, freedoms=freedoms))
     for one in [c for c in found if c.gain > POSSIBLE * gain][: 4 * LOOKED_AT]:
         if one.claim.key in seen or len(seen) > LOOKED_AT:
             continue
@@ -61,10 +75,7 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int) -> Judged:
         better = polished(others, scenes, plain, one)
         columns = columns_of(others, scenes, plain, better)
         reached = bare.misfit - bare.with_columns(columns).misfit
-        # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
-        simpler = max(0.0, 2.0 * (len(claim.values) - better.freedoms))
-        told = reached <= gain - CLOSE - simpler
-        if not told or gain - reached < max(LIKE**2 * gain, CORNERS**2 * alone):
+        if like(reached, better.freedoms):
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
 

@@ -219,15 +219,18 @@ def together(model: Model, scenes: list[Scene], linear: Linear, physics: Physics
     ]
 
 
-def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate) -> Candidate:
-    """The candidate at the shape that gains most."""
+def polished(
+    model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate, *, roughly: bool = False
+) -> Candidate:
+    """The candidate at the shape that gains most; ``roughly``: as long as much else may be wrong, such as how far teeth
+    bend, what is there or is not may be there in part."""
     physics, claim = candidate.claim.physics, candidate.claim
     q = physics.amplitudes
     start = np.array(claim.values[q:])
     if not start.size:
         return candidate
     # What was weighed roughly has to prove itself.
-    best = replace(candidate, gain=0.0) if physics.fixed_amplitudes else candidate
+    best = replace(candidate, gain=0.0) if physics.fixed_amplitudes and not roughly else candidate
     spread = np.array([8.0 * c.step for c in physics.coordinates[q:]])
 
     def lost(shape: FloatArray) -> float:
@@ -236,7 +239,7 @@ def polished(model: Model, scenes: list[Scene], linear: Linear, candidate: Candi
         if any(not c.low <= s <= c.high for c, s in zip(bounds, shape.tolist(), strict=True)):
             return 0.0
         trial = replace(claim, values=(*(0.0,) * q, *shape.tolist()))
-        found = _weigh(model, scenes, linear, [trial])
+        found = _weigh(model, scenes, linear, [trial], roughly=roughly)
         if not found:
             return 0.0
         if found[0].gain > best.gain:

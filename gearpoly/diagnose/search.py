@@ -112,8 +112,8 @@ class Search(Weigh):
 
     def accept(self, claim: Claim) -> bool:
         """Make a claim and fit everything again; whether it stands, and leaves gears that can still run."""
-        self.model.claims.append(claim)
         try:
+            self.join([claim])
             self.settle()
             self.relax()
             self.declared_law()
@@ -136,7 +136,7 @@ class Search(Weigh):
             chosen.append(one)
             if len(chosen) == POLISHED:
                 break
-        done = each(lambda one: polished(self.model, self.scenes, self.linear, one), chosen)
+        done = each(lambda one: polished(self.model, self.scenes, self.linear, one, roughly=True), chosen)
         done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
         return [one for one in done if self.significant(one)]
 
@@ -151,7 +151,7 @@ class Search(Weigh):
             if better is None:
                 return
             k, _, claims = better
-            self.model.claims[k : k + 1] = claims
+            self.join(claims, instead=k)
             self.settle()
             self.drop_idle()
 

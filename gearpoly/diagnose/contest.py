@@ -1,0 +1,79 @@
+"""Likenesses of what all teeth do, fitted in a claim's stead: to first order the claim always has an advantage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
+from gearpoly.diagnose.search import Search
+from gearpoly.errors import GearpolyError
+from gearpoly.physics.base import Claim
+
+Key = tuple[object, ...]
+
+TWIN, OTHER = 0.3, 0.8
+"""Parts of a claim's gain that another physics must reach to first order to be fitted in its stead: the same of the
+other gear, whose teeth as built have leant the claim's way so far, and any other."""
+
+MOST = 3
+"""Likenesses of one claim that are fitted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refitted:
+    """A ``claim`` as it came out in another's stead, and by how much it fits worse, in misfit and freedoms' cost."""
+
+    claim: Claim
+    behind: float
+
+
+def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
+    """Fit the likenesses of every claim about all teeth of a gear in its stead, keep the best there, and return what
+    became of the others, by the key of the claim that stands.
+
+    Teeth as built have settled beside a claim, and where pairs hand over has moved with it, so columns drawn about it
+    say too little of what is like it.
+    """
+    out: dict[Key, tuple[Refitted, ...]] = {}
+    for k in range(len(search.model.claims)):
+        if not search.model.claims[k].physics.mean_tooth:
+            continue
+        begun, noises = search.kept(), search.noises
+        ends = [(search.worth(noises), search.model.claims[k], begun)]
+        for one in _likenesses(search, k):
+            search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead")
+            try:
+                search.join([one.claim], instead=k)
+                search.settle()
+                search.relax()
+            except GearpolyError:
+                pass
+            else:
+                ends.append((search.worth(noises), search.model.claims[k], search.kept()))
+            search.restore(begun)
+        ends.sort(key=lambda end: end[0])
+        best, winner, state = ends[0]
+        search.restore(state)
+        out[winner.key] = tuple(Refitted(claim=claim, behind=worth - best) for worth, claim, _ in ends[1:])
+    return out
+
+
+def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
+    """What may stand in the place of claim ``k``, as far as first order tells."""
+    claim = search.model.claims[k]
+    bare = search.linear.without(search.linear.layout.places(k))
+    gain = bare.system.misfit - bare.system.with_columns(search.linear.white_of(k)).misfit
+    others = search.model.but(claim)
+    taken = {one.key for one in search.model.claims}
+    places = [(physics, place) for physics, place in all_places(others) if physics.mean_tooth]
+    found, _ = scan(others, search.scenes, bare, only=places)
+    seen: set[Key] = set()
+    for one in found:
+        twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
+        if one.claim.key in taken or one.claim.key in seen or one.gain < (TWIN if twin else OTHER) * gain:
+            continue
+        seen.add(one.claim.key)
+        if len(seen) > MOST:
+            return
+        yield polished(others, search.scenes, bare, one)

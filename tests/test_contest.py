@@ -1,0 +1,86 @@
+"""Slopes beyond the grade of gears that run without load: the fit is not caught where both gears bulge, and teeth as
+built give way to a claim."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.scan import scan
+from gearpoly.diagnose.way import misfit_at
+from gearpoly.files.models import PairFile
+from gearpoly.recording.recording import Recording
+from tests.physics_cases import recorded
+from tests.test_fit_places import UNLOADED, made_gears
+
+SLOPE = -30.0
+"""um. Grade 6 leaves 7.5 um to every tooth of these gears."""
+
+
+def leaning() -> tuple[PairFile, list[Recording]]:
+    """What is declared of a pair of grade 6, and its recording without load while all driven teeth lean by 30 um."""
+    true, known = made_gears(np.random.default_rng(7), off_um=30.0)
+    sheet = true.driven.inspection
+    assert sheet is not None and isinstance(sheet.profile_slope_um, tuple)
+    leant = sheet.model_copy(update={"profile_slope_um": tuple(SLOPE + one for one in sheet.profile_slope_um)})
+    true = true.model_copy(update={"driven": true.driven.model_copy(update={"inspection": leant})})
+    return known, recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=4.0)
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """The fit of the declared pair before anything is claimed."""
+    known, recordings = leaning()
+    path = tmp_path_factory.mktemp("leaning") / "pair.toml"
+    model = prepare(known, compare(known, recordings, path=path), path=path)
+    return Fit.begun(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+
+
+def test_gears_do_not_bulge_where_they_lean(begun: Fit) -> None:
+    """True gears of this pair have no crowning; three standard deviations of it hardly any gear of the grade has."""
+    built, values = begun.model.as_built, begun.model.built
+    for gear in (0, 1):
+        assert abs(built.crowning(values, "drive", gear)) < 3.0 * built.gears[gear].crowning
+
+
+def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
+    """Teeth as built lean already as far as they may: with a slope claimed on top of that the pair would run otherwise
+    than it was recorded, while a claim that they give way to changes little."""
+    found, _ = scan(begun.model, begun.scenes, begun.linear)
+    slope = next(c for c in found if c.claim.physics.name == "profile_slope" and c.claim.place.gear == 1)
+    assert slope.claim.values[0] == pytest.approx(SLOPE, rel=0.5)
+    before, misfits = begun.kept(), {}
+    for way in ("joined", "on top"):
+        if way == "joined":
+            begun.join([slope.claim])
+        else:
+            begun.model.claims.append(slope.claim)
+        begun.scenes = begun.model.scenes()
+        linear = begun.linearised()
+        begun.linear = linear
+        misfits[way] = misfit_at(linear.system, begun.present())
+        begun.restore(before)
+    assert misfits["joined"] < before[1]["linear"].system.misfit + 100.0
+    assert misfits["on top"] > misfits["joined"] + 1000.0
+
+
+def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
+    """What shows to first order is how much both gears lean apart; a shorter centre distance explains less of it."""
+    known, recordings = leaning()
+    (finding,) = diagnose(known, recordings, path=tmp_path / "pair.toml").findings
+    ones = {finding.claim.place.gear: finding} if finding.claim.physics.name == "profile_slope" else {}
+    found = {gear: one.parameters["slope_um"] for gear, one in ones.items()}
+    for rival in finding.rivals:
+        assert rival.claim.physics.name != "centre_distance"
+        if rival.claim.physics.name == "profile_slope":
+            found[rival.claim.place.gear] = rival.parameters["slope_um"]
+    # Three standard errors, which hold how much the teeth of both gears may lean by their grade.
+    std = next(iter(found.values()))[1]
+    assert found[1][0] == pytest.approx(SLOPE, abs=3.0 * std)
+    assert 2.0 < std < 7.0
