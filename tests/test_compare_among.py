@@ -24,7 +24,17 @@ def seen(turns: int, *, turn: int, deflection: float, rng: np.random.Generator, 
     mesh = np.floor(theta_2 / CYCLE.pitch).astype(int) - turns * turn
     te = pitch[0][mesh % Z[0]] + pitch[1][mesh % Z[1]] - deflection + 0.2 * deflection * np.sin(Z[1] * theta_2)
     te = 1e-3 * (te + rng.normal(0.0, 1.0, te.size))
-    return cast(Curve, SimpleNamespace(theta_2=theta_2, te=te, weight=np.ones(te.size), turn=turn))
+    template = SimpleNamespace(flank="drive")
+    return cast(Curve, SimpleNamespace(theta_2=theta_2, te=te, weight=np.ones(te.size), turn=turn, template=template))
+
+
+def test_flanks_are_not_laid_on_one_another() -> None:
+    """A tooth that stands ahead on one flank stands back on the other, and an eccentricity comes at another angle."""
+    rng = np.random.default_rng(2)
+    one = seen(0, turn=25, deflection=0.0, rng=rng)
+    other = SimpleNamespace(**{**vars(seen(3, turn=25, deflection=0.0, rng=rng)), "template": None})
+    other.template = SimpleNamespace(flank="coast")
+    assert turns_between(one, cast(Curve, other), CYCLE) is None
 
 
 @pytest.mark.parametrize("turns", [0, 1, 7, 17])

@@ -290,8 +290,9 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
-            known = turns_between(fits[0].curve, fit.curve, cycle)
-            turns[k] = (np.argmin(ways, axis=0) if known is None else known) * turn
+            apart_by = ((j, turns_between(fits[j].curve, fit.curve, cycle)) for j in range(k))
+            known = next((turns[j] + n * turn for j, n in apart_by if n is not None), None)
+            turns[k] = np.argmin(ways, axis=0) * turn if known is None else known
         total += misfit[(index + turns[k]) % cycle.size]
     return total, turns
 

@@ -30,8 +30,11 @@ def turns_between(first: Curve, other: Curve, cycle: Cycle) -> int | None:
     where the recordings do not tell. Both count from the same zero.
 
     After whole turns of one shaft its teeth are the same and the mate's are not. Means over each mesh know all teeth,
-    also those that nobody inspected, and little of load, which changes all meshes alike.
+    also those that nobody inspected, and little of load, which changes all meshes alike. They know nothing of the other
+    flank, on which an eccentricity comes at another angle and teeth have other errors.
     """
+    if first.template.flank != other.template.flank:
+        return None
     one, two = _by_mesh(first, cycle), _by_mesh(other, cycle)
     ways = cycle.meshes // math.gcd(other.turn, cycle.meshes)
     alike, count = np.full(ways, -1.0), np.zeros(ways)
