@@ -4,16 +4,20 @@ built give way to a claim."""
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.scan import scan
 from gearpoly.diagnose.way import misfit_at
+from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
 from tests.physics_cases import recorded
@@ -84,3 +88,53 @@ def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
     std = next(iter(found.values()))[1]
     assert found[1][0] == pytest.approx(SLOPE, abs=3.0 * std)
     assert 2.0 < std < 7.0
+
+
+class Ends:
+    """A search whose claim fits with the misfit ``ends`` says, fitted again or not; ``broken`` pairs cannot turn."""
+
+    def __init__(self, ends: dict[str, float], *, broken: str = "") -> None:
+        self.ends, self.broken, self.noises = ends, broken, None
+        self.model = SimpleNamespace(claims=[named("first")])
+
+    def kept(self) -> list[Any]:
+        return list(self.model.claims)
+
+    def restore(self, kept: list[Any]) -> None:
+        self.model.claims = list(kept)
+
+    def worth(self, noises: object) -> float:
+        return self.ends[self.model.claims[0].key]
+
+    def join(self, claims: list[Any], *, instead: int) -> None:
+        self.model.claims[instead] = claims[0]
+
+    def settle(self) -> None:
+        if self.model.claims[0].key == self.broken:
+            raise GeometryError("tip below base")
+
+    def relax(self) -> None: ...
+
+    def step(self, text: str) -> None: ...
+
+
+def named(key: str) -> Any:
+    return SimpleNamespace(key=key, physics=SimpleNamespace(name=key, mean_tooth=True))
+
+
+@pytest.mark.parametrize(
+    ("ends", "stands", "behind"),
+    [
+        ({"first": 100.0, "other": 90.0, "third": 95.0}, "other", {"first": 10.0, "third": 5.0}),
+        ({"first": 100.0, "other": 104.0, "third": 130.0}, "first", {"other": 4.0, "third": 30.0}),
+    ],
+)
+def test_what_fits_best_stands(
+    ends: dict[str, float], stands: str, behind: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    likenesses = [SimpleNamespace(claim=named(key)) for key in ("other", "broken", "third")]
+    monkeypatch.setattr("gearpoly.diagnose.contest._likenesses", lambda search, k: iter(likenesses))
+    search: Any = Ends(ends, broken="broken")
+    found = contest(search)
+    assert [one.key for one in search.model.claims] == [stands]
+    assert {one.claim.key: one.behind for one in found[stands]} == behind  # type: ignore[index]

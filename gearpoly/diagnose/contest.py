@@ -40,7 +40,8 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
         if not search.model.claims[k].physics.mean_tooth:
             continue
         begun, noises = search.kept(), search.noises
-        ends = [(search.worth(noises), search.model.claims[k], begun)]
+        best, least, stands = begun, search.worth(noises), search.model.claims[k]
+        others: list[tuple[Claim, float]] = []
         for one in _likenesses(search, k):
             search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead")
             try:
@@ -50,12 +51,13 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
             except GearpolyError:
                 pass
             else:
-                ends.append((search.worth(noises), search.model.claims[k], search.kept()))
+                made, worth = search.model.claims[k], search.worth(noises)
+                if worth < least:
+                    made, stands, worth, least, best = stands, made, least, worth, search.kept()
+                others.append((made, worth))
             search.restore(begun)
-        ends.sort(key=lambda end: end[0])
-        best, winner, state = ends[0]
-        search.restore(state)
-        out[winner.key] = tuple(Refitted(claim=claim, behind=worth - best) for worth, claim, _ in ends[1:])
+        search.restore(best)
+        out[stands.key] = tuple(Refitted(claim=claim, behind=worth - least) for claim, worth in others)
     return out
 
 
