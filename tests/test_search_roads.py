@@ -50,9 +50,9 @@ class Walk(Search):
         found: list[Any] = [self.here]
         return found, []
 
-    def accept(self, claim: Any) -> bool:
-        self.here = claim
-        if claim in self.broken:
+    def accept(self, claims: Any) -> bool:
+        self.here = "+".join(claims)
+        if self.here in self.broken:
             # As far as a fit comes that ends on gears that cannot turn.
             try:
                 raise GeometryError("tip below base")
@@ -74,6 +74,28 @@ class Walk(Search):
 
     def declared_ratio(self) -> float:
         return 1.0
+
+
+@pytest.fixture(autouse=True)
+def no_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair that nobody relieves."""
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: [])
+
+
+@pytest.mark.parametrize(
+    ("worths", "end"),
+    [
+        ({"first": 100.0, "bending+reliefs": 20.0, "other": 50.0, "third": 70.0}, "bending+reliefs"),
+        ({"first": 100.0, "bending+reliefs": 80.0, "other": 50.0, "third": 70.0}, "other"),
+    ],
+)
+def test_what_makers_choose_is_tried_as_a_whole(
+    worths: dict[str, float], end: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
+    walk = Walk(worths)
+    walk.run()
+    assert walk.here == end
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import chi2
 
-from gearpoly.assemble import assemble
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.slow import SLOW
@@ -24,16 +23,16 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
-from gearpoly.mesh.deflection import pair_compliance
-from gearpoly.physics.base import Claim, Reported, changed
+from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
-from gearpoly.units import UM, FloatArray
+from gearpoly.units import FloatArray
 
 SHAPE_DOUBT = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
@@ -196,18 +195,6 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
         unit = pitch_point_compliance(model)
         found = {"compliance_um_per_n": (scale[0] * unit, scale[1] * unit), "compliance_scale": scale, **found}
     return found
-
-
-def pitch_point_compliance(model: Model) -> float:
-    """Compliance in um/N of one pair at the pitch point by the declared law, contact included."""
-    file = changed(model.declared, model=changed(model.declared.model, tooth_deflection=True, compliance_scale=1.0))
-    assembled = assemble(file, path=model.path, seed=0)
-    assert assembled.elasticity is not None
-    by = pair_compliance(assembled.pair, assembled.elasticity)
-    point = np.array([[assembled.pair.r_b1 / math.cos(assembled.pair.alpha_w), 0.0]])
-    zero = np.zeros(1, dtype=np.int64)
-    force = np.array([max(max(model.scope.torques), 1.0) / assembled.pair.r_b2])
-    return float(by.secant(force, by.teeth(zero, zero, point), point)[0]) / UM
 
 
 def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:

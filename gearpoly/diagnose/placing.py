@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model, Observed
+from gearpoly.diagnose.relieved import relieved
 from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.units import FloatArray
@@ -48,7 +50,8 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch, also beside a wrong one.
         ways = [k * pitch / PHASES for k in range(PHASES)]
-        _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE)
+        # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
+        _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
     if not model.elsewhere:
         return
     step("telling the teeth apart")
@@ -106,26 +109,31 @@ def _shortened(model: Model, foreign: list[FloatArray]) -> tuple[Model, list[Flo
 
 
 def _best_of(
-    model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float
-) -> None:
-    """Move all by the one of ``ways`` in rad of driven rotation that fits best, unless the first does as well; only
-    what is ``hopeful`` times the least or better after a first trial is looked at closely."""
+    model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float,
+    besides: Sequence[Claim] = (),
+) -> None:  # fmt: skip
+    """Move all by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
+    ``besides``, unless the first does as well; only what is ``hopeful`` times the least or better after a first trial
+    is looked at closely."""
     trial, columns = _shortened(model, foreign)
     kept, noises = trial.kept(), None
-    tried = dict.fromkeys(ways, 0.0)
+    starts: list[list[Claim]] = [[], list(besides)] if besides else [[]]
+    tried = dict.fromkeys(product(ways, range(len(starts))), 0.0)
     for rounds in TRIALS:
         least = min(tried.values())
-        tried = {way: 0.0 for way, misfit in tried.items() if way == ways[0] or misfit <= hopeful * least}
-        for way in tried if len(tried) > 1 else ():
+        tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= hopeful * least}
+        for way, k in tried if len(tried) > len(starts) else ():
             trial.moved(way)
+            trial.claims = list(starts[k])
             fit = Fit.begun(trial, columns, step, trial=rounds)
             # By the same noise, so that the misfits compare.
             noises = noises or fit.noises
-            tried[way] = fit.linear.under(noises).system.misfit
+            tried[way, k] = fit.linear.under(noises).system.misfit
             trial.restore(kept)
             trial.moved(-way)
-    best, stated = min(tried, key=lambda way: tried[way]), tried[ways[0]]
-    if tried[best] < stated - BETTER[0] - BETTER[1] * stated:
+    best, _ = min(tried, key=lambda one: tried[one])
+    least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
+    if least < stated - BETTER[0] - BETTER[1] * stated:
         model.moved(best)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fit import BETTER, Kept
+from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
@@ -56,16 +58,20 @@ class Search(Weigh):
         """Make claims until none pays; return the candidates of the last look.
 
         Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
-        show of bending at first, and the reliefs that would tell them apart come later. So the other steps are gone
-        too, and the end that fits best is kept.
+        show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
+        tried together, and the other steps are gone too, and the end that fits best is kept.
         """
+        start = without_columns(self.kept())
         found, roads = self.forward()
-        for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
+        ways = [(road.state, [road.claim]) for road in sorted(roads, key=lambda one: -one.part)[:ROADS]]
+        for state, claims in [(start, relieved(self.model)), *ways]:
             if self.linear.system.beyond < LEFT * self.linear.system.samples:
                 break
+            if not claims:
+                continue
             end, looked, there = self.kept(), self.looked, self.worth()
-            self.restore(road.state)
-            other = self.forward()[0] if self.accept(road.claim) else None
+            self.restore(state)
+            other = self.forward()[0] if self.accept(claims) else None
             if other is not None and self.worth(end[1]["noises"]) < there - BETTER:
                 found = other
             else:
@@ -90,11 +96,9 @@ class Search(Weigh):
             before, there = self.kept(), self.worth()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             # What was exchanged for it may have gone again, and left all worse than before.
-            if self.accept(best.claim) and self.worth(before[1]["noises"]) < there:
-                # What the next fit makes anew is large: a hundred columns at all samples.
-                fit = {name: value for name, value in before[1].items() if name not in ("scenes", "linear")}
+            if self.accept([best.claim]) and self.worth(before[1]["noises"]) < there:
                 roads += [
-                    Road(state=(before[0], fit), claim=one.claim, part=one.gain / best.gain)
+                    Road(state=without_columns(before), claim=one.claim, part=one.gain / best.gain)
                     for one in ones
                     if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
                 ]
@@ -110,16 +114,16 @@ class Search(Weigh):
         linear = self.linear if noises is None else self.linear.under(noises)
         return linear.system.misfit + 2.0 * sum(len(claim.values) for claim in self.model.claims)
 
-    def accept(self, claim: Claim) -> bool:
-        """Make a claim and fit everything again; whether it stands, and leaves gears that can still run."""
+    def accept(self, claims: Sequence[Claim]) -> bool:
+        """Make claims and fit everything again; whether they stand, and leave gears that can still run."""
         try:
-            self.join([claim])
+            self.join(claims)
             self.settle()
             self.relax()
             self.declared_law()
             self.choose_law()
             self.drop_idle()
-            kept = claim.key in {one.key for one in self.model.claims}
+            kept = {one.key for one in claims} <= {one.key for one in self.model.claims}
             self.swap()
             self.even()
         except GearpolyError:
@@ -221,6 +225,11 @@ class Search(Weigh):
                 return
             del self.model.claims[min(weak, key=lambda k: gains[k])]
             self.settle()
+
+
+def without_columns(kept: Kept) -> Kept:
+    """A state without what the next fit makes anew, which is large: a hundred columns at all samples."""
+    return kept[0], {name: value for name, value in kept[1].items() if name not in ("scenes", "linear")}
 
 
 def _are_twins(one: Claim, other: Claim) -> bool:

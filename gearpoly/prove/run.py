@@ -118,8 +118,8 @@ def _prove(
     left = [job for job in every if not job.done()]
     if len(left) < len(every):
         say(f"{len(every) - len(left)} of {len(every)} diagnoses are there from a run before")
-    # The longest first, so that no worker is left alone with them at the end.
-    left.sort(key=lambda job: -sum(path.stat().st_size for path in job.case.recordings))
+    # The whole method first, and the longest first, so that no worker is left alone with them at the end.
+    left.sort(key=lambda job: (job.how != How(), -sum(path.stat().st_size for path in job.case.recordings)))
     each(diagnose, left, workers=workers, what="diagnoses", name=lambda job: job.case.name)
     # From here on truths are read. What they were sealed as is what they still have to be.
     if truth_hashes(cases.values()) != hashes:
