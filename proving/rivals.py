@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, hypot, sqrt
+from math import atan2, hypot, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from proving.effects import Effect, apply
 from proving.gears import DEG, FloatArray
 from proving.limit import Limit
-from proving.rig import Rig
+from proving.rig import BenchError, Rig
 from proving.scenes import CAPS
 
 RIVALS: dict[str, tuple[str, ...]] = {
@@ -144,6 +144,13 @@ def _nearest(rig: Rig, limit: Limit, s: FloatArray, kind: Kind) -> tuple[FloatAr
     def size(rest: FloatArray) -> float:
         return limit.size_of(rest)
 
+    def left_by(v: FloatArray) -> tuple[FloatArray, float]:
+        try:
+            left = s - signal(v)
+        except BenchError:  # gears that cannot run like this are no likeness
+            return s, inf
+        return left, size(left)
+
     n = kind.amplitudes
     at, rest = np.array([0.0] * n + list(kind.starts[0])), s
     for shape in kind.starts:
@@ -154,8 +161,8 @@ def _nearest(rig: Rig, limit: Limit, s: FloatArray, kind: Kind) -> tuple[FloatAr
             loud = size(s) / max(size(columns[:, 0]), 1e-9)
             trials += [np.clip([side * loud], kind.low[:1], kind.high[:1]) for side in (1.0, -1.0)]
         for v[:n] in trials:
-            left = s - signal(v)
-            if size(left) < size(rest):
+            left, much = left_by(v)
+            if much < size(rest):
                 at, rest = v.copy(), left
     if size(rest) > FAR and size(rest) > UNLIKE * size(s):
         return at, rest
@@ -164,8 +171,8 @@ def _nearest(rig: Rig, limit: Limit, s: FloatArray, kind: Kind) -> tuple[FloatAr
         step = limit.fit(rest, J, low=kind.low - at, high=kind.high - at)
         before = size(rest)
         for part in (1.0, 0.5, 0.2):  # signals bend: a whole step may go too far
-            left = s - signal(at + part * step)
-            if size(left) < before:
+            left, much = left_by(at + part * step)
+            if much < before:
                 at, rest = at + part * step, left
                 break
         if size(rest) > ENOUGH * before:

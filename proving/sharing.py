@@ -27,13 +27,14 @@ def share(
                 turn, first = gaps[i] / lever1[i], i
         weight[first] = 1.0
         return turn
-    turn = 1e9
+    turn, first = 1e9, 0
     for i in range(n):
         f = moment / lever2[i]
         alone = f * c[i]
         if lead > 0.0:
             alone = sqrt(2 * f * lead * c[i]) if alone < lead / 2 else alone + lead / 2
-        turn = min(turn, (gaps[i] + alone) / lever1[i])
+        if (gaps[i] + alone) / lever1[i] < turn:
+            turn, first = (gaps[i] + alone) / lever1[i], i
     for _ in range(60):
         total, slope = -moment, 0.0
         for i in range(n):
@@ -56,6 +57,9 @@ def share(
     whole = 0.0
     for i in range(n):
         whole += weight[i]
+    if whole <= 0.0:  # so far apart on the way to the position that what bends is lost in the gap
+        force[first], weight[first] = moment / lever2[first], 1.0
+        return turn
     for i in range(n):
         weight[i] /= whole
     return turn
