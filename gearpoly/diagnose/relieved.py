@@ -8,8 +8,9 @@ import numpy as np
 
 from gearpoly.assemble import assemble
 from gearpoly.diagnose.model import Model
+from gearpoly.errors import GearpolyError
 from gearpoly.mesh.deflection import pair_compliance
-from gearpoly.physics.base import Claim, Physics, changed
+from gearpoly.physics.base import Claim, changed
 from gearpoly.units import UM
 
 
@@ -29,19 +30,21 @@ def relieved(model: Model) -> list[Claim]:
     if not scope.file.model.tooth_deflection:
         if "tooth_deflection" not in catalogue:
             return []
-        out = [
-            Claim(physics=catalogue["tooth_deflection"], place=place, values=(1.0,))
-            for place in catalogue["tooth_deflection"].places(scope)
-        ]
-    force = max(scope.torques) / scope.gears[1].r_b
-    depth = pitch_point_compliance(model) * force
-    return out + [longest(catalogue["tip_relief"], model, gear, depth) for gear in (0, 1)]
-
-
-def longest(physics: Physics, model: Model, gear: int, depth: float) -> Claim:
-    """The longest relief of a gear, ``depth`` in um at the tip."""
-    place = max((one for one in physics.places(model.scope) if one.gear == gear), key=lambda one: one.shape)
-    return Claim(physics=physics, place=place, values=(depth, *place.shape))
+        bending = catalogue["tooth_deflection"]
+        out = [Claim(physics=bending, place=place, values=(1.0,)) for place in bending.places(scope)]
+    try:
+        depth = pitch_point_compliance(model) * max(scope.torques) / scope.gears[1].r_b
+    except GearpolyError:  # teeth that the declared law does not know to bend
+        return []
+    relief = catalogue["tip_relief"]
+    for gear in (0, 1):
+        longest = max(
+            (one for one in relief.places(scope) if one.gear == gear), key=lambda one: one.shape, default=None
+        )
+        if longest is None:
+            return []
+        out.append(Claim(physics=relief, place=longest, values=(depth, *longest.shape)))
+    return out
 
 
 def pitch_point_compliance(model: Model) -> float:
