@@ -74,3 +74,19 @@ def test_waves_teeth_and_whole_gears_share_the_family() -> None:
         (60, known["eccentricity"], Place(gear=1)),
     ))  # fmt: skip
     assert shares == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("size", "pays"), [(0.3, True), (0.0, False)])
+def test_a_slow_change_pays_between_the_blocks_that_were_seen(
+    size: float, pays: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bow of eight standard errors whose first half says nothing of the second: from it a line and a bow would be
+    drawn on to anywhere. Without any the columns fit noise, and the unseen blocks show it."""
+    along = np.linspace(-1.0, 1.0, N)
+    columns = np.stack([along, 1.5 * along**2 - 0.5, 2.5 * along**3 - 1.5 * along], axis=1)
+    weigh = scales(size * columns[:, 1] + np.random.default_rng(4).normal(0.0, 1.0, N))
+    monkeypatch.setattr("gearpoly.diagnose.weigh.columns_of", lambda *given: [columns])
+    weigh.scenes = []
+    weigh.model.observed[0].fit = np.arange(N) < N // 2
+    candidate = SimpleNamespace(claim=SimpleNamespace(physics=catalogue()["thermal_drift"]))
+    assert weigh.pays(candidate) is pays

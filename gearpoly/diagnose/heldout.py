@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,11 +55,12 @@ def cross_validated(
 
 def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Observed]:
     """The recordings with their parts chosen such that both hold samples before and after every one of ``jumps``."""
-    return [replace(one, fit=_blocks(one.fit.size, at)) if at else one for one, at in zip(observed, jumps, strict=True)]
+    return [replace(one, fit=blocks(one.fit.size, at)) if at else one for one, at in zip(observed, jumps, strict=True)]
 
 
-def _blocks(size: int, jumps: list[int]) -> Mask:
-    """Every other block (size,) of each stretch between jumps."""
+def blocks(size: int, jumps: Sequence[int] = ()) -> Mask:
+    """Every other block (size,) of each stretch between jumps: of what goes on slowly, one half of a recording says
+    nothing about the other, but its blocks say what lies between them."""
     lengths = np.diff([0, *sorted(jumps), size])
     return np.concatenate([(np.arange(n) * PARTS // max(n, 1)) % 2 == 0 for n in lengths.tolist()])
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.heldout import unseen_misfit
+from gearpoly.diagnose.heldout import blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.system import System
 from gearpoly.units import FloatArray
@@ -126,7 +126,8 @@ class Weigh(Fit):
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
         columns = columns_of(self.model, self.scenes, self.linear, one)
-        masks = [observed.fit for observed in self.model.observed]
+        slow = one.claim.physics.slow
+        masks = [blocks(observed.fit.size) if slow else observed.fit for observed in self.model.observed]
         others = [~mask for mask in masks]
         if not all(np.any(mask) for mask in others):
             return True
