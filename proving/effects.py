@@ -141,7 +141,9 @@ def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[Condition, .
     for key in ("order", "angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio"):
         if key in more and not (name.startswith("encoder") and key == "angle_deg"):
             out[key] = more[key]
-    if name == "tooth_crack":
+    if name == "thermal_drift":
+        out["amplitude_um"] = abs(effect.size)  # how far it goes, whichever way
+    elif name == "tooth_crack":
         out["compliance_factor"] = 1 + effect.size
     elif name == "encoder_scale":
         out["ratio"] = 1 + effect.size

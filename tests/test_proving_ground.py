@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 from proving.case import _limit, make, whitened
-from proving.chain import Chain, Condition, motion
+from proving.chain import Chain, Condition, motion, te
 from proving.drawn import PAIRS, draw, make_pair
 from proving.effects import CATALOGUE, Effect, apply, truth
+from proving.gears import UM
 from proving.ground import (
     CONCEALED,
     COUNTS,
@@ -242,6 +243,18 @@ def test_encoder_deg_is_the_reading_at_the_pitch_point() -> None:
     assert told["encoder_deg"] == pytest.approx(350.0 - 5 * 360 / 25)
 
 
+@pytest.mark.parametrize("size", [-0.8, 0.8])
+def test_a_drift_is_as_large_as_it_goes_far(size: float) -> None:
+    """The contract's amplitude has no direction."""
+    still, rng = ideal(PAIR), np.random.default_rng(1)
+    drifting = apply(still, Effect(physics="thermal_drift", size=size))
+    condition = Condition(torque=0.0, turns=5.0)
+    path = motion(still, condition, rng)
+    gone = te(drifting, condition, path, at=path.time) - te(still, condition, path, at=path.time)
+    told = truth(drifting, Effect(physics="thermal_drift", size=size), Chain(), (condition,))
+    assert told["amplitude_um"] == pytest.approx(np.ptp(gone) / UM, rel=1e-3)
+
+
 def entry_of(klass: str, physics: tuple[str, ...], over: float = 8.0, variant: int = 1) -> Entry:
     return Entry(index=5, klass=klass, physics=physics, over=over, variant=variant, quick=True)
 
@@ -322,8 +335,6 @@ def test_files_follow_the_contract(tmp_path: Path) -> None:
 def test_composite_noise_is_what_the_truth_says() -> None:
     """Readings less the noiseless composite error have the stated rms, whatever encoder the noise fell on."""
     case = make(4, entry_of("single", ("encoder_interpolation",), 5.0))
-    from proving.chain import te
-
     text = dict(case.files())["rec_0.csv"].splitlines()
     head = [line for line in text if line.startswith("#")]
     data = np.loadtxt(text[len(head) + 1 :], delimiter=",")
