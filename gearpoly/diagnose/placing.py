@@ -13,6 +13,7 @@ from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.diagnose.relieved import relieved
+from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.units import FloatArray
@@ -125,10 +126,17 @@ def _best_of(
         for way, k in tried if len(tried) > len(starts) else ():
             trial.moved(way)
             trial.claims = list(starts[k])
-            fit = Fit.begun(trial, columns, step, trial=rounds)
-            # By the same noise, so that the misfits compare.
-            noises = noises or fit.noises
-            tried[way, k] = fit.linear.under(noises).system.misfit
+            try:
+                fit = Fit.begun(trial, columns, step, trial=rounds)
+            except GearpolyError:
+                # What is supposed beside the declared pair may take more off its teeth than there is.
+                if not trial.claims:
+                    raise
+                tried[way, k] = math.inf
+            else:
+                # By the same noise, so that the misfits compare.
+                noises = noises or fit.noises
+                tried[way, k] = fit.linear.under(noises).system.misfit
             trial.restore(kept)
             trial.moved(-way)
     best, _ = min(tried, key=lambda one: tried[one])
