@@ -1,0 +1,55 @@
+"""What is open of a loaded pair without being physics: how laws differ where eccentric gears turn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.nuisance import TURNED, make_nuisance
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.files.models import Eccentricity
+from gearpoly.physics.scene import Scene
+from gearpoly.units import UM
+from tests.physics_cases import Condition, recorded, rough
+
+OFF = 60.0
+
+
+def scenes_of(folder: Path, *, off_um: float, torque_nm: float) -> list[Scene]:
+    """A drive and a coast recording of a pair whose driving gear is off its axis."""
+    file = rough()
+    driving = file.driving.model_copy(update={"eccentricity": Eccentricity(amplitude_um=off_um, angle_deg=30.0)})
+    file = file.model_copy(update={"driving": driving})
+    conditions = (Condition(torque_nm=torque_nm), Condition(torque_nm=torque_nm, flank="coast"))
+    recordings = recorded(file, conditions, np.random.default_rng(1), per_mesh=8)
+    path = folder / "pair.toml"
+    return prepare(file, compare(file, recordings, path=path), path=path).scenes()
+
+
+def columns_beside(scenes: list[Scene]) -> int:
+    """Columns beyond those of the same pair without any eccentricity: a mean, a late zero, a scale, two offsets."""
+    bends = any(scene.bends for scene in scenes)
+    return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).std.size - (5 if bends else 2)
+
+
+def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> None:
+    """Cosine and sine of the eccentric shaft on either flank, as large as the eccentricity is in base pitches."""
+    scenes = scenes_of(tmp_path, off_um=OFF, torque_nm=20.0)
+    made = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
+    assert columns_beside(scenes) == 4
+    for k, scene in enumerate(scenes):
+        bent = float(np.mean(scene.under(None) - scene.te))
+        size = TURNED * OFF * UM / scene.pair.driving.gear.p_b * bent
+        mine, other = made.columns[k][:, -4 + 2 * k :][:, :2], made.columns[k][:, -2 - 2 * k :][:, :2]
+        waves = size * np.column_stack((np.cos(scene.samples.theta_1), np.sin(scene.samples.theta_1)))
+        np.testing.assert_allclose(mine, waves, atol=1e-12)
+        np.testing.assert_array_equal(other, 0.0)
+    np.testing.assert_array_equal(made.std[-4:], 1.0)
+
+
+@pytest.mark.parametrize(("off_um", "torque_nm"), [(0.0, 20.0), (OFF, 0.0)])
+def test_nothing_varies_without_load_or_eccentricity(off_um: float, torque_nm: float, tmp_path: Path) -> None:
+    assert columns_beside(scenes_of(tmp_path, off_um=off_um, torque_nm=torque_nm)) == 0
