@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, first, off_by, opening
+from gearpoly.diagnose.placing import ENOUGH, first, off_by, opening, placed
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
@@ -168,3 +169,29 @@ def test_the_opening_of_a_long_recording_is_whole_cycles(tmp_path: Path) -> None
     level = first(observed, n, model).estimator.estimate(left[:n]).level
     assert level == pytest.approx(observed.estimator.estimate(left).level, rel=0.03)  # 1 / sqrt(2 n) is 0.6 %
     assert opening(first(observed, 2000, model), model) == 2000
+
+
+@pytest.mark.parametrize(
+    ("inspected", "torque", "beyond", "doubted"),
+    [
+        ((False, False), 5.0, 9000.0, True),
+        ((False, True), 5.0, 9000.0, True),
+        ((False, False), 5.0, 900.0, False),  # what laws leave
+        ((True, True), 5.0, 9000.0, False),  # something is missing, not the place
+        ((False, False), 0.0, 9000.0, False),
+    ],
+)
+def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
+    inspected: tuple[bool, bool], torque: float, beyond: float, doubted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Eight phases are tried then, although the mean tooth has told one."""
+    scope = SimpleNamespace(inspected=inspected, torques=(torque,), gears=(None, SimpleNamespace(tau=0.4)))
+    model: Any = SimpleNamespace(scope=scope, phased=True, elsewhere=())
+    fit = SimpleNamespace(linear=SimpleNamespace(system=SimpleNamespace(beyond=beyond, samples=1000)))
+    tried: list[float] = []
+    monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))
+    monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", lambda *given, **how: fit)
+    monkeypatch.setattr("gearpoly.diagnose.placing.relieved", lambda model: [])
+    monkeypatch.setattr("gearpoly.diagnose.placing._best_of", lambda m, f, s, ways, **how: tried.extend(ways))
+    placed(model, [], lambda text: None)
+    assert len(tried) == (8 if doubted else 0)

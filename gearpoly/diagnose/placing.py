@@ -32,6 +32,9 @@ HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
 of 24 and 36 teeth the right tooth then had 1.28 times the least, of an unloaded one of 17 and 22 the wrong phases had
 1.2 times or more."""
 
+LOST = 2.0
+"""Misfit beyond noise over that of noise alone from which a place is doubted: laws and what is missing leave less."""
+
 CYCLES, ENOUGH = 3, 12_000
 """Whole hunting cycles and samples of a recording that suffice for that; a wrong place misfits by a tenth and more."""
 
@@ -47,7 +50,7 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     """Move ``model`` to where teeth as they were built fit best: the tooth, where the curves leave several, and the
     place within a pitch, where they are flat. Raises what ``Fit.begun`` does."""
     pitch = model.scope.gears[1].tau
-    if not model.phased:
+    if not model.phased or _lost(model, foreign, step):
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch, also beside a wrong one.
         ways = [k * pitch / PHASES for k in range(PHASES)]
@@ -100,6 +103,16 @@ def off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     if gain[best] < BETTER[0]:
         return 0
     return best if best <= period // 2 else best - period
+
+
+def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> bool:
+    """Whether teeth that nobody inspected fit nowhere near the recordings where the mean tooth has placed them: under
+    load those that lean together look like others that hand over elsewhere."""
+    if all(model.scope.inspected) or max(model.scope.torques) <= 0.0:
+        return False
+    trial, columns = _shortened(model, foreign)
+    system = Fit.begun(trial, columns, step, trial=TRIALS[-1]).linear.system
+    return system.beyond > LOST * system.samples
 
 
 def _shortened(model: Model, foreign: list[FloatArray]) -> tuple[Model, list[FloatArray]]:
