@@ -137,4 +137,4 @@ def test_what_fits_best_stands(
     search: Any = Ends(ends, broken="broken")
     found = contest(search)
     assert [one.key for one in search.model.claims] == [stands]
-    assert {one.claim.key: one.behind for one in found[stands]} == behind  # type: ignore[index]
+    assert {one.claim.key: one.behind for one in found[stands]} == behind

@@ -186,7 +186,7 @@ def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
 ) -> None:
     """Eight phases are tried then, although the mean tooth has told one."""
     scope = SimpleNamespace(inspected=inspected, torques=(torque,), gears=(None, SimpleNamespace(tau=0.4)))
-    model: Any = SimpleNamespace(scope=scope, phased=True, elsewhere=())
+    model: Any = SimpleNamespace(scope=scope, phased=True, elsewhere=(), turns_of=None)
     fit = SimpleNamespace(linear=SimpleNamespace(system=SimpleNamespace(beyond=beyond, samples=1000)))
     tried: list[float] = []
     monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))

@@ -33,8 +33,8 @@ F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/tes
 class GearPrior:
     """One gear beforehand: covariance (z, z) in um^2 of its index deviations ``pitch``, standard deviations in um of
     every tooth's ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``.
-    ``shared``: part of the drive flank's variance that the coast flank has as well; ``own``: variance of the coast
-    flank beyond that of the drive flank, over it.
+    ``shared``: part of the drive flank's variance that the coast flank has as well, of pitch and of form (slope and
+    crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it.
     ``graded``: nobody inspected it."""
 
     z: int
@@ -43,7 +43,7 @@ class GearPrior:
     mean_slope: float
     crowning: float
     thickness: float
-    shared: float
+    shared: tuple[float, float]
     own: float
     graded: bool
 
@@ -153,14 +153,15 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
     precision, at = np.zeros((size, size)), 0
     for gear in gears:
         # A tooth that stands ahead has more material on its drive flank and less on its coast flank.
-        for covariance, sense, coast in (
-            (gear.pitch, -1.0, gear.thickness**2),
-            (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, 1.0, 0.0),
-            (np.array([[gear.crowning**2]]), 1.0, 0.0),
+        place, form = gear.shared
+        for covariance, alike, coast in (
+            (gear.pitch, -place, gear.thickness**2),
+            (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, 0.0),
+            (np.array([[gear.crowning**2]]), form, 0.0),
         ):
             n = len(covariance)
             each = {"drive": covariance, "coast": (1.0 + gear.own) * covariance + coast}
-            joint = np.block([[each[a] if a == b else sense * gear.shared * covariance for b in order] for a in order])
+            joint = np.block([[each[a] if a == b else alike * covariance for b in order] for a in order])
             index = np.concatenate([np.arange(at, at + n) + k * flank_size for k in range(len(order))])
             precision[np.ix_(index, index)] = np.linalg.inv(joint)
             at += n

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
@@ -95,6 +96,7 @@ class Fit:
         if trial is None:
             fit.relax()
             fit.choose_law()
+            fit.share()
         return fit
 
     def settle(self, passes: int = PASSES) -> None:
@@ -170,6 +172,13 @@ class Fit:
             if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
                 self.restore(before)
                 return
+
+    def share(self) -> None:
+        """Let both flanks of graded gears share what the recordings say they do."""
+        made = told(self.model, self.scenes, self.linear)
+        if made is not self.model.as_built:
+            self.model.as_built = made
+            self.settle()
 
     def kept(self) -> Kept:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""

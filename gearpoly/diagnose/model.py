@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -56,6 +58,7 @@ class Model:
     ratio: float = 1.0
     phased: bool = True
     elsewhere: tuple[float, ...] = ()
+    turns_of: Literal["driving", "driven"] | None = None
     offset: float = 0.0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
@@ -75,6 +78,7 @@ class Model:
     def kept(self) -> dict[str, object]:
         """What ``restore`` needs to come back to this state."""
         return {
+            "as_built": self.as_built,
             "built": self.built.copy(),
             "scale": self.scale,
             "shift": self.shift,
@@ -113,6 +117,21 @@ class Model:
             )
             for one in self.observed
         ]
+
+    def turned(self, turns: int) -> None:
+        """Move the recordings of the coast flank on by so many ``turns`` of the only shaft that was read."""
+        ratio = self.scope.gears[0].z / self.scope.gears[1].z
+        by = 2.0 * math.pi * turns * (1.0 if self.turns_of == "driven" else ratio)
+        self.observed = [
+            replace(one, samples=replace(
+                one.samples,
+                theta_1=one.samples.theta_1 + by / ratio,
+                theta_2=one.samples.theta_2 + by,
+                reading_1=one.samples.reading_1 + one.samples.direction_1 * by / ratio,
+                reading_2=one.samples.reading_2 + one.samples.direction_2 * by,
+            )) if one.samples.flank == "coast" else one
+            for one in self.observed
+        ]  # fmt: skip
 
     def but(self, claim: Claim) -> Model:
         """The same state without a claim."""

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
+from gearpoly.diagnose.both_flanks import turns_told
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.diagnose.relieved import relieved
@@ -56,9 +57,18 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         ways = [k * pitch / PHASES for k in range(PHASES)]
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
-    if not model.elsewhere:
-        return
-    step("telling the teeth apart")
+    if model.elsewhere:
+        step("telling the teeth apart")
+        _told_apart(model, foreign, step, pitch)
+    if model.turns_of is not None and len(model.as_built.flanks) > 1:
+        step("counting turns between the flanks")
+        trial, columns = _shortened(model, foreign)
+        fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+        model.turned(turns_told(fit.model, fit.scenes, fit.linear))
+
+
+def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], None], pitch: float) -> None:
+    """Move ``model`` by whole ``pitch``es in rad of driven rotation to the teeth that fit best."""
     if any(model.scope.inspected):
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
         _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -80,7 +81,15 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
         elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
+        turns_of=_turns_of(recordings),
     )
+
+
+def _turns_of(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:
+    """The shaft that alone was read in every recording; None where both were in any."""
+    if all(r.driven_angle_rad is not None and r.driving_angle_rad is None for r in recordings):
+        return "driven"
+    return "driving" if all(r.driven_angle_rad is None for r in recordings) else None
 
 
 def means_compare(recordings: Sequence[Recording]) -> tuple[bool, ...]:
@@ -148,8 +157,8 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         crowning=max(limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
         # A gear that passed lies within its limits, all of them.
         thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
-        # Some errors move whole teeth, others one flank: half and half is wrong by a third of the variance at most.
-        shared=0.5,
+        # Some errors move whole teeth, others one flank: half and half until the recordings have told.
+        shared=(0.5, 0.5),
         own=0.0,
         graded=True,
     )
@@ -164,7 +173,7 @@ def _known(z: int, each: float, *, shared: float, own: float) -> GearPrior:
         mean_slope=0.0,
         crowning=IDEAL,
         thickness=each,
-        shared=shared,
+        shared=(shared, shared),
         own=own,
         graded=False,
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -41,16 +42,23 @@ EVALUATIONS = 18
 
 @dataclass(frozen=True, kw_only=True)
 class Looked:
-    """How many places were looked at: ``waves`` of all orders, single ``teeth``, and ``whole`` gears or pairs."""
+    """How many places were looked at: ``waves`` of all orders, single ``teeth``, and ``whole`` gears or pairs; ``own``
+    of every physics by its name."""
 
     waves: int = 0
     teeth: int = 0
     whole: int = 0
+    own: Mapping[str, int] = field(default_factory=dict)
 
     def tests(self, physics: Physics, place: Place) -> int:
         """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
         or thousands of orders would outvote the teeth, and these a few gears."""
         return 3 * max(1, self.waves if physics.wavelike else self.teeth if place.tooth is not None else self.whole)
+
+    def worth(self, one: Candidate) -> float:
+        """Gain in misfit less what a candidate's freedoms and choice of a place are worth: what may be at fifty places
+        fits noise at one of them better than what has two."""
+        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,11 +114,13 @@ def scan(
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
     waves = teeth = whole = 0
+    own: Counter[str] = Counter()
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
         single = place.tooth is not None and not physics.wavelike
         waves, teeth = waves + physics.wavelike, teeth + single
         whole += not physics.wavelike and not single
+        own[physics.name] += 1
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -125,7 +135,7 @@ def scan(
     held = [group for group in groups if group]
     weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
     found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
-    return found, Looked(waves=waves, teeth=teeth, whole=whole)
+    return found, Looked(waves=waves, teeth=teeth, whole=whole, own=own)
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:

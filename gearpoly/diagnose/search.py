@@ -122,6 +122,7 @@ class Search(Weigh):
             self.relax()
             self.declared_law()
             self.choose_law()
+            self.share()
             self.drop_idle()
             kept = {one.key for one in claims} <= {one.key for one in self.model.claims}
             self.swap()
@@ -141,7 +142,7 @@ class Search(Weigh):
             if len(chosen) == POLISHED:
                 break
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one, roughly=True), chosen)
-        done.sort(key=lambda one: -(one.gain - 2.0 * one.freedoms))
+        done.sort(key=lambda one: -self.looked.worth(one))
         return [one for one in done if self.significant(one)]
 
     def swap(self) -> None:

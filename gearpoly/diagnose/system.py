@@ -72,12 +72,17 @@ class System:
         return out
 
     @cached_property
+    def right(self) -> FloatArray:
+        """Right-hand side (m,) of the normal equations."""
+        out = self.precision @ self.prior
+        for a, y in zip(self.white, self.target, strict=True):
+            out = out + a.T @ y
+        return np.asarray(out)
+
+    @cached_property
     def solution(self) -> FloatArray:
         """The most likely parameters (m,)."""
-        right = self.precision @ self.prior
-        for a, y in zip(self.white, self.target, strict=True):
-            right = right + a.T @ y
-        return self.solved(right)
+        return self.solved(self.right)
 
     @cached_property
     def covariance(self) -> FloatArray:

@@ -130,10 +130,6 @@ class Physics:
     mean_tooth: bool = False
     """It is the same at every mesh, where a wrong compliance law shows too."""
 
-    law_floor: float = 0.004
-    """Part of the mean deflection below which its effect, the same at every mesh, may be what compliance laws and
-    corner contact differ by beyond the modes that are fitted."""
-
     law_doubt: float = 0.0
     """Relative standard error of its size, one sigma, for what compliance laws differ by."""
 

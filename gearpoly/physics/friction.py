@@ -27,8 +27,6 @@ PHYSICS = Physics(
     places=_places,
     mean_tooth=True,
     law_doubt=LAW_DOUBT,
-    # No compliance law jumps at the pitch point.
-    law_floor=0.0012,
     write=_write,
     report=plain("coefficient"),
     reloads=True,

@@ -1,0 +1,135 @@
+"""How much the two flanks of teeth that nobody inspected err together, as the recordings of both flanks tell it.
+
+A cutter that divides wrongly moves whole teeth, a grinder that dresses one side of its wheel only one flank. Which it
+was decides whether a gear's eccentricity can be told from its pitch: on teeth that move as a whole the one shows on
+both flanks out of phase by twice the pressure angle, the other in step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from gearpoly.diagnose.as_built import AsBuilt, make_as_built
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.system import System
+from gearpoly.physics.base import Claim
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+SHARED = (0.5, 0.8, 0.95, 0.99, 0.999, 0.9999)
+"""Parts of its variance that a flank may share with the other: from half, which is what nothing is known of, to nearly
+all, where its own errors are 1.4 % of the other's."""
+
+ALLOWED = 1.0
+"""Rise of the same that is allowed for sharing less, one standard deviation: too little costs sight of small effects,
+too much makes them out of nothing."""
+
+TOLD_BY = 0.95
+"""The part by which turns that no encoder counted are told: less than what ground teeth share, more than chance."""
+
+FLOOR = 1e-12
+"""Added to a diagonal of ones: parameters that nothing fixes leave no evidence, and no singular matrix."""
+
+CLEARLY = 10.0
+"""Fall of twice the negative log of the evidence for a part to be believed: likelier by a factor of 150."""
+
+
+def told(model: Model, scenes: Sequence[Scene], linear: Linear) -> AsBuilt:
+    """The as-built teeth with both flanks of graded gears sharing as little as the recordings allow, one part after the
+    other; as they were where nothing is told, or one flank only was recorded."""
+    best = model.as_built
+    graded = [gear for gear, one in enumerate(best.gears) if one.graded]
+    if len(best.flanks) < 2 or not graded:
+        return best
+    system = _beside_eccentricities(model, scenes, linear, graded)
+    for gear in graded:
+        for part in (0, 1):
+            ways = [_sharing(best, gear, part, value) for value in SHARED]
+            found = [surprise(one, system) for one in ways]
+            if min(found) < surprise(best, system) - CLEARLY:
+                best = next(way for way, one in zip(ways, found, strict=True) if one < min(found) + ALLOWED)
+    return best
+
+
+def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
+    """Whole turns of the shaft that was read by which the recordings of the coast flank lie further on than they are
+    taken to, so that the same teeth err on both flanks; 0 where that is not clear.
+
+    After whole turns of one shaft its own teeth are the same, and the mate's are not.
+    """
+    as_built = model.as_built
+    read = 1 if model.turns_of == "driven" else 0
+    mate, z, turn = 1 - read, as_built.gears[1 - read].z, as_built.gears[read].z
+    if len(as_built.flanks) < 2 or model.turns_of is None or not as_built.gears[mate].graded:
+        return 0
+    system = _beside_eccentricities(model, scenes, linear, (0, 1), apart=True)
+    alike = _sharing(as_built, mate, 0, TOLD_BY)
+    start = as_built.start("coast", mate)
+    found = []
+    for n in range(z // math.gcd(turn, z)):
+        index = np.arange(as_built.size)
+        for first in (start, start + z):
+            # Parameters stand by the tooth that they were taken to be of.
+            index[first : first + z] = first + (np.arange(z) + n * turn) % z
+        precision = alike.precision[np.ix_(index, index)]
+        found.append(surprise(replace(alike, precision=precision), system))
+    best, *others = np.argsort(found, kind="stable").tolist()
+    # Flanks that have nothing in common look alike somewhere by chance.
+    least = min(surprise(as_built, system), *(found[one] for one in others))
+    return int(best) if others and found[best] < least - CLEARLY else 0
+
+
+def _beside_eccentricities(
+    model: Model, scenes: Sequence[Scene], linear: Linear, gears: Sequence[int], *, apart: bool = False
+) -> System:
+    """The system with the eccentricities of these ``gears`` open that nobody claims: they are what whole teeth on both
+    flanks would contradict, and not what is asked here; ``apart``: those of one flank without those of the other."""
+    claimed = {one.key for one in model.claims}
+    columns = []
+    for physics in model.method.physics:
+        for place in physics.places(model.scope) if physics.name == "eccentricity" else ():
+            for unit in ((1.0, 0.0), (0.0, 1.0)):
+                claim = Claim(physics=physics, place=place, values=unit)
+                if place.gear not in gears or claim.key in claimed:
+                    continue
+                change = model.change(list(scenes), claim, claim.values)
+                for flanks in (("drive",), ("coast",)) if apart else (("drive", "coast"),):
+                    columns.append([(s.samples.flank in flanks) * c for s, c in zip(scenes, change, strict=True)])
+    if not columns:
+        return linear.system
+    each = [noise.whitened(np.column_stack(parts)) for noise, *parts in zip(linear.noises, *columns, strict=True)]
+    return linear.system.with_columns(each)
+
+
+def surprise(as_built: AsBuilt, system: System) -> float:
+    """Twice the negative log of the evidence of a linear system, its as-built parameters first, under the prior of
+    ``as_built`` instead of its own, but for a constant: what parameters could have been is averaged over, so that a
+    prior which leaves more open has to earn it."""
+    at = slice(0, as_built.size)
+    normal = system.normal.copy()
+    # Teeth count from what was declared, so the prior's own part of the right-hand side is nothing.
+    normal[at, at] += as_built.precision - system.precision[at, at]
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    factor = cho_factor(normal / np.outer(scale, scale) + FLOOR * np.eye(scale.size), lower=True)
+    right = system.right / scale
+    logs = 2.0 * float(np.sum(np.log(np.diag(factor[0]))) + np.sum(np.log(scale)))
+    return logs - _log_determinant(as_built.precision) - float(right @ cho_solve(factor, right))
+
+
+def _log_determinant(matrix: FloatArray) -> float:
+    return float(np.linalg.slogdet(matrix)[1])
+
+
+def _sharing(as_built: AsBuilt, gear: int, part: int, value: float) -> AsBuilt:
+    """The same with another part shared by the flanks of one gear."""
+    gears = list(as_built.gears)
+    shared = list(gears[gear].shared)
+    shared[part] = value
+    gears[gear] = replace(gears[gear], shared=(shared[0], shared[1]))
+    return make_as_built((gears[0], gears[1]), as_built.flanks)
