@@ -103,6 +103,19 @@ def test_even_sampling_names_the_image() -> None:
     assert any(f"{image:.4g} Hz" in rival for rival in found[0].rivals)
 
 
+@pytest.mark.parametrize(("frequency", "named"), [(50.0, 50.0), (53.0, None)])
+def test_of_a_wave_and_its_image_hum_is_named(frequency: float, named: float | None) -> None:
+    """Even samples show both alike: a multiple of the mains' frequency is likelier than what only mirrors it; where
+    neither is one, the slower is named."""
+    data = made(9)
+    even = np.linspace(0.0, 1.0, data.theta_2.size) * (data.theta_2.size - 1) / 93.6
+    values = data.residual + 0.9 * UM * np.cos(2.0 * np.pi * frequency * even)
+    found = entries(replace(data, residual=values, time_s=even))
+    assert len(found) == 1
+    assert found[0].hz == pytest.approx(named or 93.6 - frequency, abs=0.01)
+    assert any(f"{93.6 - (found[0].hz or 0.0):.4g} Hz" in rival for rival in found[0].rivals)
+
+
 def test_trains_in_noise_are_as_rare_as_stated() -> None:
     """In exponential noise a train comes with its share of chance; the union bound makes it rarer, not more often."""
     rng = np.random.default_rng(7)

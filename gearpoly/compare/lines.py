@@ -209,21 +209,25 @@ class LineSearch:
             # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
             std = 0.551 / span / math.sqrt(2.0 * here_z)
             peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
-            peak = replace(peak, image=self._image_gain(peak, white))
-            # A wave above half the sampling rate has to explain more than its image below, which few recordings show.
-            if not self._fast(peak) or peak.gain > peak.image + TIE:
-                out.append(peak)
+            told = self._told_from_image(peak, white)
+            if told is not None:
+                out.append(told)
         return out
 
-    def _image_gain(self, peak: Peak, white: FloatArray) -> float:
-        """Gain of the image that even samples would show alike of a wave in time in the whitened residual (n,); 0 where
-        no image is looked for."""
+    def _told_from_image(self, peak: Peak, white: FloatArray) -> Peak | None:
+        """A peak of the whitened residual (n,), or the image that even samples would show alike of a wave in time: that
+        of both which is hum, if only one is, and no less likely. None for what is not to be reported."""
         image = self.rate - peak.frequency
         if peak.domain == "order" or self.t is None or not 0.0 < image < self.top:
-            return 0.0
+            return peak
         image, _ = _refined(self.t, white, image, self.duration)
         there, here = (abs(np.sum(white * np.exp(-2j * np.pi * f * self.t))) ** 2 for f in (image, peak.frequency))
-        return peak.gain * float(there / here)
+        gain = peak.gain * float(there / here)
+        peak, other = replace(peak, image=gain), replace(peak, frequency=image, gain=gain, image=peak.gain)
+        if peak.hum != other.hum and abs(gain - peak.gain) <= TIE:
+            return peak if peak.hum else other
+        # A wave above half the sampling rate has to explain more than its image below, which few recordings show.
+        return peak if not self._fast(peak) or peak.gain > gain + TIE else None
 
     def over(self, domain: Domain) -> tuple[FloatArray, Grid, float, float]:
         """Samples (n,) in angle or time, their grid, their span, and cycles per mesh in one of the grid's unit."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from gearpoly.diagnose.fidelity import BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
+from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
@@ -87,7 +87,10 @@ class Weigh(Fit):
     def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right."""
         physics, place = one.claim.physics, one.claim.place
-        part = MEAN_TOOTH_BY_LAWS if physics.mean_tooth else 0.0
+        part = 0.0
+        if physics.mean_tooth:
+            others = (made for made in self.model.claims if made.key != one.claim.key)
+            part = BESIDE_ANOTHER if any(made.physics.mean_tooth for made in others) else MEAN_TOOTH_BY_LAWS
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
