@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import AsBuilt, GearPrior, chain, make_as_built
 from gearpoly.diagnose.both_flanks import SHARED, surprise, told, turns_told
+from gearpoly.diagnose.prepare import only_shaft_read, prepare
 from gearpoly.diagnose.system import System
+from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
+from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
+from tests.physics_cases import Condition, recorded, rough
 
 Z = 18, 24
+ALPHA = np.radians(20.0)
 NOISE = 0.1
 """um to which every parameter is read."""
 
@@ -48,9 +57,44 @@ def drawn(as_built: AsBuilt, seed: int) -> FloatArray:
 
 
 def asked(as_built: AsBuilt, system: System, **more: object) -> tuple[Any, Any, Any]:
-    """Model, scenes and linear state, as far as the question needs them."""
-    model = SimpleNamespace(as_built=as_built, claims=[], method=SimpleNamespace(physics=()), **more)
-    return model, [], SimpleNamespace(system=system, noises=[])
+    """Model, scenes and linear state, as far as the question needs them: recordings of either flank that read every
+    parameter once, where an eccentricity leads by 20 deg on one flank and is as late on the other."""
+    of_drive = np.arange(as_built.size) < as_built.size / len(as_built.flanks)
+
+    def change(scenes: object, claim: Claim, values: tuple[float, ...]) -> list[FloatArray]:
+        out = []
+        for flank, mine, lead in (("drive", of_drive, -ALPHA), ("coast", ~of_drive, ALPHA)):
+            one = np.zeros(as_built.size)
+            if flank in as_built.flanks:
+                one[as_built.start(flank, claim.place.gear or 0) :][: Z[claim.place.gear or 0]] = wave(claim, lead)
+            out.append(one[mine])
+        return out
+
+    model = SimpleNamespace(as_built=as_built, claims=[], change=change, **more)
+    parts = [of_drive, ~of_drive]
+    split = replace(
+        system, white=[system.white[0][part] for part in parts], target=[system.target[0][part] for part in parts]
+    )
+    scenes = [SimpleNamespace(samples=SimpleNamespace(flank=flank)) for flank in ("drive", "coast")]
+    noise = SimpleNamespace(whitened=lambda values: values / NOISE)
+    return model, scenes, SimpleNamespace(system=split, noises=[noise, noise])
+
+
+def wave(claim: Claim, lead: float) -> FloatArray:
+    """What an eccentricity adds (z,) in um to the teeth of its gear on a flank that stands ``lead`` rad ahead."""
+    z = Z[claim.place.gear or 0]
+    turn = 2.0 * np.pi / z * np.arange(z) + lead
+    return np.asarray(np.sign(lead) * (claim.values[0] * np.cos(turn) + claim.values[1] * np.sin(turn)))
+
+
+def test_an_eccentricity_does_not_part_the_flanks() -> None:
+    """Six um of it contradict whole teeth by four um; it is open, so that teeth are found to err as a whole."""
+    start, whole = teeth(), drawn(teeth(shared=(0.999, 0.999)), 2)
+    claim = Claim(physics=ECCENTRICITY, place=Place(gear=0), values=(6.0, 0.0))
+    for flank, lead in (("drive", -ALPHA), ("coast", ALPHA)):
+        whole[start.start(flank, 0) :][: Z[0]] += wave(claim, lead)
+    gears = told(*asked(start, read(whole, start))).gears
+    assert min(gear.shared[0] for gear in gears) >= 0.99
 
 
 def test_surprise_is_the_evidence_of_the_recordings() -> None:
@@ -110,8 +154,49 @@ def test_turns_between_flanks_are_counted_by_the_teeth_of_the_mate(read_shaft: s
 
 def test_turns_are_left_where_flanks_have_nothing_in_common() -> None:
     start = teeth()
-    apart = teeth(shared=(0.0, 0.0))
-    assert turns_told(*asked(start, read(drawn(apart, 4), start), turns_of="driven")) == 0
-    known = teeth(known=True)
-    assert turns_told(*asked(known, read(drawn(known, 4), known), turns_of="driven")) == 0
-    assert turns_told(*asked(start, read(drawn(start, 4), start), turns_of=None)) == 0
+    for seed in range(6):
+        apart = drawn(teeth(shared=(0.0, 0.0)), seed)
+        assert turns_told(*asked(start, read(apart, start), turns_of="driven")) == 0
+
+
+@pytest.mark.parametrize(("read_shaft", "stays", "goes"), [("driven", 1, 0), ("driving", 0, 1)])
+def test_counted_turns_leave_what_was_read(
+    read_shaft: Literal["driving", "driven"], stays: int, goes: int, tmp_path: Path
+) -> None:
+    """After whole turns the shaft that was read shows the same angle, the mate another tooth; the drive flank stays,
+    and the comparison follows."""
+    file, path = rough(), tmp_path / "pair.toml"
+    conditions = (Condition(torque_nm=0.0), Condition(torque_nm=0.0, flank="coast"))
+    comparison = compare(file, recorded(file, conditions, np.random.default_rng(1), per_mesh=8), path=path)
+    model = replace(prepare(file, comparison, path=path), turns_of=read_shaft)
+    drive, coast = (one.samples for one in model.observed)
+    model.turned(1)
+    still, moved = (one.samples for one in model.observed)
+    np.testing.assert_array_equal(still.theta_2, drive.theta_2)
+    turn, z = 2.0 * np.pi, (12, 16)
+    for gear, before, after in ((0, coast.reading_1, moved.reading_1), (1, coast.reading_2, moved.reading_2)):
+        by = after - before
+        # To the rounding of some hundred rad.
+        np.testing.assert_allclose(np.abs(by), turn * (1.0 if gear == stays else z[stays] / z[goes]), atol=1e-9)
+    there = comparison.turned(model.turned_by)
+    np.testing.assert_array_equal(there.aligned[0].theta_2, comparison.aligned[0].theta_2)
+    np.testing.assert_allclose(there.aligned[1].theta_1 - comparison.aligned[1].theta_1, moved.theta_1 - coast.theta_1)
+    np.testing.assert_allclose(comparison.alignment.shift - there.alignment.shift, [0.0, model.turned_by])
+
+
+@pytest.mark.parametrize(
+    ("read", "turns_of"),
+    [
+        ([{"driven"}, {"driven"}], "driven"),
+        ([{"driving"}, {"driving"}], "driving"),
+        ([{"driven"}, {"driving"}], None),
+        ([{"driven"}, {"driving", "driven"}], None),
+    ],
+)
+def test_turns_are_open_where_one_shaft_alone_was_read(read: list[set[str]], turns_of: str | None) -> None:
+    angle, te = np.linspace(0.0, 9.0, 20), np.zeros(20)
+    recordings = [
+        Recording(source=Path("rig"), te_rad=te, **{f"{shaft}_angle_rad": angle for shaft in sorted(shafts)})
+        for shafts in read
+    ]
+    assert only_shaft_read(recordings) == turns_of

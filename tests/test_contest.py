@@ -100,11 +100,11 @@ class Ends:
     def kept(self) -> list[Any]:
         return list(self.model.claims)
 
+    def gained(self, kept: list[Any]) -> float:
+        return self.ends[kept[0].key] - self.ends[self.model.claims[0].key]
+
     def restore(self, kept: list[Any]) -> None:
         self.model.claims = list(kept)
-
-    def worth(self, noises: object) -> float:
-        return self.ends[self.model.claims[0].key]
 
     def join(self, claims: list[Any], *, instead: int) -> None:
         self.model.claims[instead] = claims[0]

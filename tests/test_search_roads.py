@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import pytest
 
 from gearpoly.diagnose.scan import Candidate
@@ -66,8 +65,8 @@ class Walk(Search):
     def restore(self, state: Any) -> None:
         self.here = state[0]["here"]
 
-    def worth(self, noises: Any = None) -> float:
-        return self.worths[self.here]
+    def gained(self, kept: Any) -> float:
+        return self.worths[kept[0]["here"]] - self.worths[self.here]
 
     def widen(self) -> None:
         pass
@@ -119,4 +118,4 @@ def test_nothing_is_gone_back_to_where_little_is_left() -> None:
     walk.linear.system.beyond = 0.1 * walk.linear.system.samples
     walk.run()
     assert walk.here == "first"
-    assert np.isfinite(walk.worth())
+    assert walk.gained(walk.kept()) == 0.0

@@ -87,6 +87,6 @@ def test_a_slow_change_pays_between_the_blocks_that_were_seen(
     weigh = scales(size * columns[:, 1] + np.random.default_rng(4).normal(0.0, 1.0, N))
     monkeypatch.setattr("gearpoly.diagnose.weigh.columns_of", lambda *given: [columns])
     weigh.scenes = []
-    weigh.model.observed[0].fit = np.arange(N) < N // 2
+    weigh.model.observed[0].fit, weigh.model.observed[0].jumps = np.arange(N) < N // 2, ()
     candidate = SimpleNamespace(claim=SimpleNamespace(physics=catalogue()["thermal_drift"]))
     assert weigh.pays(candidate) is pays

@@ -117,3 +117,10 @@ class Comparison(Beside):
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
         there = self._with(self.alignment.moved(offset, ratio=self._ratio, directions=self._directions))
         return replace(there, aligned=tuple(one.moved(offset) for one in self.aligned))
+
+    def turned(self, by: float) -> Comparison:
+        """The same where the recordings of the coast flank are ``by`` rad of driven rotation further on."""
+        coast = np.array([one.flank == "coast" for one in self.aligned])
+        aligned = tuple(one.moved(by) if moves else one for one, moves in zip(self.aligned, coast, strict=True))
+        alignment = replace(self.alignment, shift=self.alignment.shift - by * coast)
+        return replace(self, aligned=aligned, alignment=alignment)

@@ -210,13 +210,13 @@ class LineSearch:
             std = 0.551 / span / math.sqrt(2.0 * here_z)
             peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
             told = self._told_from_image(peak, white)
-            if told is not None:
+            if told is not None and all(abs(told.frequency - p.frequency) * span >= APART for p in out):
                 out.append(told)
         return out
 
     def _told_from_image(self, peak: Peak, white: FloatArray) -> Peak | None:
         """A peak of the whitened residual (n,), or the image that even samples would show alike of a wave in time: that
-        of both which is hum, if only one is, and no less likely. None for what is not to be reported."""
+        of both which is hum, if only one is, and hardly less likely. None for what is not to be reported."""
         image = self.rate - peak.frequency
         if peak.domain == "order" or self.t is None or not 0.0 < image < self.top:
             return peak

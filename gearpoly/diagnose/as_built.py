@@ -97,7 +97,7 @@ class AsBuilt:
         """Whether the teeth of a gear lean or bulge together as hardly any gear of its grade does."""
         return any(
             abs(self.crowning(values, flank, gear)) > STRAINED * one.crowning
-            or abs(float(np.median(self.slope(values, flank, gear)))) > STRAINED * math.hypot(one.mean_slope, IDEAL)
+            or abs(float(np.median(self.slope(values, flank, gear)))) > STRAINED * one.mean_slope
             for flank in self.flanks
             for gear, one in enumerate(self.gears)
             if one.graded

@@ -2,7 +2,7 @@
 
 A cutter that divides wrongly moves whole teeth, a grinder that dresses one side of its wheel only one flank. Which it
 was decides whether a gear's eccentricity can be told from its pitch: on teeth that move as a whole the one shows on
-both flanks out of phase by twice the pressure angle, the other in step.
+both flanks out of phase by twice the pressure angle, the other in step (derived here).
 """
 
 from __future__ import annotations
@@ -12,15 +12,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.diagnose.as_built import AsBuilt, make_as_built
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
-from gearpoly.physics.base import Claim
+from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
 
 SHARED = (0.5, 0.8, 0.95, 0.99, 0.999, 0.9999)
 """Parts of its variance that a flank may share with the other: from half, which is what nothing is known of, to nearly
@@ -32,9 +31,6 @@ too much makes them out of nothing."""
 
 TOLD_BY = 0.95
 """The part by which turns that no encoder counted are told: less than what ground teeth share, more than chance."""
-
-FLOOR = 1e-12
-"""Added to a diagonal of ones: parameters that nothing fixes leave no evidence, and no singular matrix."""
 
 CLEARLY = 10.0
 """Fall of twice the negative log of the evidence for a part to be believed: likelier by a factor of 150."""
@@ -64,10 +60,8 @@ def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
     After whole turns of one shaft its own teeth are the same, and the mate's are not.
     """
     as_built = model.as_built
-    read = 1 if model.turns_of == "driven" else 0
-    mate, z, turn = 1 - read, as_built.gears[1 - read].z, as_built.gears[read].z
-    if len(as_built.flanks) < 2 or model.turns_of is None or not as_built.gears[mate].graded:
-        return 0
+    mate = 0 if model.turns_of == "driven" else 1
+    z, turn = as_built.gears[mate].z, as_built.gears[1 - mate].z
     system = _beside_eccentricities(model, scenes, linear, (0, 1), apart=True)
     alike = _sharing(as_built, mate, 0, TOLD_BY)
     start = as_built.start("coast", mate)
@@ -88,19 +82,19 @@ def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
 def _beside_eccentricities(
     model: Model, scenes: Sequence[Scene], linear: Linear, gears: Sequence[int], *, apart: bool = False
 ) -> System:
-    """The system with the eccentricities of these ``gears`` open that nobody claims: they are what whole teeth on both
-    flanks would contradict, and not what is asked here; ``apart``: those of one flank without those of the other."""
+    """The system with the eccentricities of these ``gears`` open that nobody claims, on top of declared ones: they are
+    what whole teeth on both flanks would contradict, and not what is asked here; ``apart``: on each flank by itself, as
+    a declared one looks at a wrong turn."""
     claimed = {one.key for one in model.claims}
     columns = []
-    for physics in model.method.physics:
-        for place in physics.places(model.scope) if physics.name == "eccentricity" else ():
-            for unit in ((1.0, 0.0), (0.0, 1.0)):
-                claim = Claim(physics=physics, place=place, values=unit)
-                if place.gear not in gears or claim.key in claimed:
-                    continue
-                change = model.change(list(scenes), claim, claim.values)
-                for flanks in (("drive",), ("coast",)) if apart else (("drive", "coast"),):
-                    columns.append([(s.samples.flank in flanks) * c for s, c in zip(scenes, change, strict=True)])
+    for gear in gears:
+        for unit in ((1.0, 0.0), (0.0, 1.0)):
+            claim = Claim(physics=ECCENTRICITY, place=Place(gear=gear), values=unit)
+            if claim.key in claimed:
+                continue
+            change = model.change(list(scenes), claim, unit)
+            for flanks in (("drive",), ("coast",)) if apart else (("drive", "coast"),):
+                columns.append([(s.samples.flank in flanks) * c for s, c in zip(scenes, change, strict=True)])
     if not columns:
         return linear.system
     each = [noise.whitened(np.column_stack(parts)) for noise, *parts in zip(linear.noises, *columns, strict=True)]
@@ -108,22 +102,13 @@ def _beside_eccentricities(
 
 
 def surprise(as_built: AsBuilt, system: System) -> float:
-    """Twice the negative log of the evidence of a linear system, its as-built parameters first, under the prior of
-    ``as_built`` instead of its own, but for a constant: what parameters could have been is averaged over, so that a
-    prior which leaves more open has to earn it."""
-    at = slice(0, as_built.size)
-    normal = system.normal.copy()
-    # Teeth count from what was declared, so the prior's own part of the right-hand side is nothing.
-    normal[at, at] += as_built.precision - system.precision[at, at]
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    factor = cho_factor(normal / np.outer(scale, scale) + FLOOR * np.eye(scale.size), lower=True)
-    right = system.right / scale
-    logs = 2.0 * float(np.sum(np.log(np.diag(factor[0]))) + np.sum(np.log(scale)))
-    return logs - _log_determinant(as_built.precision) - float(right @ cho_solve(factor, right))
-
-
-def _log_determinant(matrix: FloatArray) -> float:
-    return float(np.linalg.slogdet(matrix)[1])
+    """Twice the negative log of the evidence (no dimension) of a linear system, its as-built parameters first, under
+    the prior of ``as_built`` instead of its own, but for a constant: what parameters could have been is averaged over,
+    so that a prior which leaves more open has to earn it (MacKay 1992, Neural Computation 4, 415)."""
+    under = system.believing(slice(0, as_built.size), as_built.precision)
+    # Teeth count from what was declared, so what is known beforehand is no part of the right-hand side.
+    explained = float(system.right @ under.solved(system.right))
+    return under.log_determinant - float(np.linalg.slogdet(as_built.precision)[1]) - explained
 
 
 def _sharing(as_built: AsBuilt, gear: int, part: int, value: float) -> AsBuilt:

@@ -17,7 +17,7 @@ TWIN, OTHER = 0.3, 0.8
 other gear, whose teeth as built have leant the claim's way so far, and any other."""
 
 MOST = 3
-"""Likenesses of one claim that are fitted."""
+"""Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,8 +39,8 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     for k in range(len(search.model.claims)):
         if not search.model.claims[k].physics.mean_tooth:
             continue
-        begun, noises = search.kept(), search.noises
-        best, least, stands = begun, search.worth(noises), search.model.claims[k]
+        begun = search.kept()
+        best, most, stands = begun, 0.0, search.model.claims[k]
         others: list[tuple[Claim, float]] = []
         for one in _likenesses(search, k):
             search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead")
@@ -51,13 +51,14 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
             except GearpolyError:
                 pass
             else:
-                made, worth = search.model.claims[k], search.worth(noises)
-                if worth < least:
-                    made, stands, worth, least, best = stands, made, least, worth, search.kept()
-                others.append((made, worth))
+                made, gained = search.model.claims[k], search.gained(begun)
+                # Neither had to come first, so the better stands, however little it is ahead.
+                if gained > most:
+                    made, stands, gained, most, best = stands, made, most, gained, search.kept()
+                others.append((made, gained))
             search.restore(begun)
         search.restore(best)
-        out[stands.key] = tuple(Refitted(claim=claim, behind=worth - least) for claim, worth in others)
+        out[stands.key] = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
     return out
 
 

@@ -64,11 +64,14 @@ def diagnose(
     search = Search.begun(model, waves, preparing)
     if model.offset:
         comparison = comparison.moved(model.offset)
+    if model.turned_by:
+        comparison = comparison.turned(model.turned_by)
     search.step = watch.stage("search")
     start_linear = search.linear
     search.run()
     search.step = watch.stage("rivals")
     refitted = contest(search)
+    model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
     search.step("weighing rivals")
     judged = [

@@ -13,11 +13,13 @@ waves and means, and short stretches about the corners. Eccentric gears spread i
 
 MEAN_TOOTH_BY_LAWS, BESIDE_ANOTHER = 0.001, 0.004
 """The same for a physics of the mean tooth, beyond the modes in which laws differ, which are fitted beside it: in 83
-healthy loaded pairs of a bench with three other laws it was 0.0007 at most. Beside another physics of the mean tooth,
-which acts through a law as well, friction left 0.0011 in recordings of another simulator."""
+healthy loaded pairs of a bench with three other laws it was 0.0007 at most. The second is for one beside another of the
+kind, which acts through a law as well: friction left 0.0011 in the one pair of another simulator, so a margin of more
+than three is kept."""
 
 OTHERS_BY_LAWS = 0.006
-"""The same for single teeth and other waves, whose sharing follows the law."""
+"""Part of the mean deflection below which what is left of single teeth and other waves is no news: how they share
+follows the law."""
 
 CORNER = 0.2
 """Pitches below which a stretch of a single tooth may be about its corners, where it takes over or lets go."""

@@ -35,8 +35,8 @@ MOST_SHIFT = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
 
 HAND_OVER = 0.1
-"""Pitches, one sigma, by which a zero may be wrong where a form of all teeth was left out: curves are placed by where
-pairs hand over, and a relief moves that from the end of double contact to its middle."""
+"""Pitches, one sigma, by which a zero may be wrong where a physics of all teeth was left out: curves are placed by
+where pairs hand over, and a relief moves that from the end of double contact to its middle."""
 
 PASSES = 16
 """Most rounds of simulating and fitting again after a change."""
@@ -140,7 +140,8 @@ class Fit:
         at = len(model.claims) if instead is None else instead
         others, leave = model, []
         if instead is not None:
-            others, leave = model.but(model.claims[at]), self.linear.layout.places(at)
+            layout = self.linear.layout
+            others, leave = model.but(model.claims[at]), layout.places(at) + layout.form_places(model, at)
         keep = np.setdiff1d(np.arange(present.size), np.asarray(leave, dtype=np.int64))
         system = self.linear.system.without(leave)
         taken = np.zeros(keep.size)
@@ -321,6 +322,6 @@ class Fit:
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
     """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
     scaled = model.declared.model.tooth_deflection
-    relieved = any(one.physics.mean_tooth for one in model.claims)
-    shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if relieved else 0.0)
+    meshes_otherwise = any(one.physics.mean_tooth for one in model.claims)
+    shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if meshes_otherwise else 0.0)
     return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled)

@@ -14,8 +14,8 @@ from gearpoly.diagnose.system import Mask, System
 from gearpoly.units import FloatArray
 
 PARTS = 4
-"""Blocks into which every stretch between jumps is cut where a recording jumps: its level after a jump is not to be
-foretold from what was before, so both parts have samples of every stretch."""
+"""Blocks into which every stretch between jumps is cut, where a recording jumps or something slow is asked for: neither
+a level after a jump nor what goes on slowly is to be foretold from what was before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,10 @@ def cross_validated(
 
 def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Observed]:
     """The recordings with their parts chosen such that both hold samples before and after every one of ``jumps``."""
-    return [replace(one, fit=blocks(one.fit.size, at)) if at else one for one, at in zip(observed, jumps, strict=True)]
+    return [
+        replace(one, fit=blocks(one.fit.size, at), jumps=tuple(at)) if at else one
+        for one, at in zip(observed, jumps, strict=True)
+    ]
 
 
 def blocks(size: int, jumps: Sequence[int] = ()) -> Mask:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
@@ -71,12 +72,16 @@ class Linear:
             noises=self.noises,
         )
 
-    def under(self, noises: list[Noise]) -> Linear:
-        """The same whitened by other noise."""
+    def under(self, noises: list[Noise], as_built: AsBuilt | None = None) -> Linear:
+        """The same whitened by other noise, and with another prior of the teeth as built if one is given."""
+        precision = self.system.precision
+        if as_built is not None:
+            precision = precision.copy()
+            precision[self.layout.built, self.layout.built] = as_built.precision
         system = System(
             white=each(lambda pair: pair[0].whitened(pair[1]), zip(noises, self.columns, strict=True)),
             target=[noise.whitened(y) for noise, y in zip(noises, self.target, strict=True)],
-            precision=self.system.precision,
+            precision=precision,
             prior=self.system.prior,
         )
         return Linear(system=system, layout=self.layout, columns=self.columns, target=self.target, noises=noises)

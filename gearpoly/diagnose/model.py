@@ -23,13 +23,15 @@ from gearpoly.units import FloatArray
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observed:
     """A recording: its ``samples``, the ``recorded`` transmission error (n,) in mm; ``fit`` (n,) marks the samples that
-    a cross-validated fit sees (``whole``: whole hunting cycles); ``estimator`` of its noise."""
+    a cross-validated fit sees (``whole``: whole hunting cycles); ``estimator`` of its noise; ``jumps``: samples at
+    which it jumps."""
 
     samples: Samples
     recorded: FloatArray
     fit: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     whole: bool
     estimator: NoiseEstimator
+    jumps: tuple[int, ...] = ()
 
 
 @dataclass(kw_only=True, eq=False)
@@ -59,6 +61,7 @@ class Model:
     phased: bool = True
     elsewhere: tuple[float, ...] = ()
     turns_of: Literal["driving", "driven"] | None = None
+    turned_by: float = 0.0
     offset: float = 0.0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
@@ -103,35 +106,24 @@ class Model:
         ]
 
     def moved(self, offset: float) -> None:
-        """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together."""
-        ratio = self.scope.gears[0].z / self.scope.gears[1].z
+        """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together; the encoders' zeros
+        move with them."""
         self.offset += offset
-        self.observed = [
-            replace(
-                one,
-                samples=replace(
-                    one.samples,
-                    theta_1=one.samples.theta_1 + offset / ratio,
-                    theta_2=one.samples.theta_2 + offset,
-                ),
-            )
-            for one in self.observed
-        ]
+        self.observed = [_on(one, offset, self._ratio, read=False) for one in self.observed]
 
     def turned(self, turns: int) -> None:
-        """Move the recordings of the coast flank on by so many ``turns`` of the only shaft that was read."""
-        ratio = self.scope.gears[0].z / self.scope.gears[1].z
-        by = 2.0 * math.pi * turns * (1.0 if self.turns_of == "driven" else ratio)
+        """Move the recordings of the coast flank on by so many ``turns`` of the only shaft that was read, whose reading
+        stays; the mate's goes on as its teeth do."""
+        by = 2.0 * math.pi * turns * (self._ratio if self.turns_of == "driving" else 1.0)
+        self.turned_by += by
         self.observed = [
-            replace(one, samples=replace(
-                one.samples,
-                theta_1=one.samples.theta_1 + by / ratio,
-                theta_2=one.samples.theta_2 + by,
-                reading_1=one.samples.reading_1 + one.samples.direction_1 * by / ratio,
-                reading_2=one.samples.reading_2 + one.samples.direction_2 * by,
-            )) if one.samples.flank == "coast" else one
-            for one in self.observed
-        ]  # fmt: skip
+            _on(one, by, self._ratio, read=True) if one.samples.flank == "coast" else one for one in self.observed
+        ]
+
+    @property
+    def _ratio(self) -> float:
+        """Driven over driving rotation."""
+        return self.scope.gears[0].z / self.scope.gears[1].z
 
     def but(self, claim: Claim) -> Model:
         """The same state without a claim."""
@@ -175,6 +167,18 @@ class Model:
         others = self.file(but=but)
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
         return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
+
+
+def _on(one: Observed, by: float, ratio: float, *, read: bool) -> Observed:
+    """A recording ``by`` rad of driven rotation further on, and by as much in what was ``read`` if the zeros stay."""
+    there = replace(one.samples, theta_1=one.samples.theta_1 + by / ratio, theta_2=one.samples.theta_2 + by)
+    if read:
+        there = replace(
+            there,
+            reading_1=there.reading_1 + there.direction_1 * by / ratio,
+            reading_2=there.reading_2 + there.direction_2 * by,
+        )
+    return replace(one, samples=there)
 
 
 def _again(scene: Scene, assembled: Assembled) -> FloatArray:

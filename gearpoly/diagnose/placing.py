@@ -57,14 +57,21 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         ways = [k * pitch / PHASES for k in range(PHASES)]
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
+    _turned(model, foreign, step)
     if model.elsewhere:
         step("telling the teeth apart")
         _told_apart(model, foreign, step, pitch)
-    if model.turns_of is not None and len(model.as_built.flanks) > 1:
-        step("counting turns between the flanks")
-        trial, columns = _shortened(model, foreign)
-        fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
-        model.turned(turns_told(fit.model, fit.scenes, fit.linear))
+
+
+def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
+    """Count the whole turns between recordings of either flank that no encoder has, where uninspected teeth tell."""
+    mate = 0 if model.turns_of == "driven" else 1
+    if model.turns_of is None or len(model.as_built.flanks) < 2 or not model.as_built.gears[mate].graded:
+        return
+    step("counting turns between the flanks")
+    trial, columns = _shortened(model, foreign)
+    fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+    model.turned(turns_told(fit.model, fit.scenes, fit.linear))
 
 
 def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], None], pitch: float) -> None:

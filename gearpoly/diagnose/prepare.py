@@ -81,12 +81,12 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
         elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
-        turns_of=_turns_of(recordings),
+        turns_of=only_shaft_read(recordings),
     )
 
 
-def _turns_of(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:
-    """The shaft that alone was read in every recording; None where both were in any."""
+def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:
+    """The shaft that alone was read, the same in all ``recordings``; None where any counts the turns of both."""
     if all(r.driven_angle_rad is not None and r.driving_angle_rad is None for r in recordings):
         return "driven"
     return "driving" if all(r.driven_angle_rad is None for r in recordings) else None

@@ -16,7 +16,8 @@ from gearpoly.units import UM
 
 def relieved(model: Model) -> list[Claim]:
     """Bending by the declared law and reliefs of both gears, as deep as one pair of teeth then bends under the highest
-    torque and as long as reliefs are; nothing where no recording is loaded, or a relief is declared.
+    torque and as long as reliefs are; nothing where no recording is loaded, a relief is declared or a face width is
+    not, the declared law does not know such teeth, or either physics was struck from the catalogue.
 
     At the torque of such a design neither shows, and each alone makes the other torques worse: a search that claims one
     after the other takes wind-up and crowning instead.

@@ -43,12 +43,12 @@ EVALUATIONS = 18
 @dataclass(frozen=True, kw_only=True)
 class Looked:
     """How many places were looked at: ``waves`` of all orders, single ``teeth``, and ``whole`` gears or pairs; ``own``
-    of every physics by its name."""
+    of every physics by its name, whatever shapes were tried there."""
 
     waves: int = 0
     teeth: int = 0
     whole: int = 0
-    own: Mapping[str, int] = field(default_factory=dict)
+    own: Mapping[object, int] = field(default_factory=dict)
 
     def tests(self, physics: Physics, place: Place) -> int:
         """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
@@ -114,13 +114,13 @@ def scan(
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
     waves = teeth = whole = 0
-    own: Counter[str] = Counter()
+    keys: set[tuple[object, ...]] = set()
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
         single = place.tooth is not None and not physics.wavelike
         waves, teeth = waves + physics.wavelike, teeth + single
         whole += not physics.wavelike and not single
-        own[physics.name] += 1
+        keys.add(Claim(physics=physics, place=place, values=()).key)
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -135,7 +135,7 @@ def scan(
     held = [group for group in groups if group]
     weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
     found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
-    return found, Looked(waves=waves, teeth=teeth, whole=whole, own=own)
+    return found, Looked(waves=waves, teeth=teeth, whole=whole, own=Counter(key[0] for key in keys))
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:

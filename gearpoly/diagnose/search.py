@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fit import BETTER, Kept
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
 from gearpoly.diagnose.weigh import Weigh
@@ -43,7 +43,7 @@ SHORTLIST = 160
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Road:
     """A step that might have been taken: the ``claim`` instead of the one that was, from the ``state`` before; it
-    explained this ``part`` of what that one did."""
+    gained this ``part`` of what that one did, more than all of it where its place was chosen among more."""
 
     state: Kept
     claim: Claim
@@ -64,21 +64,21 @@ class Search(Weigh):
         start = without_columns(self.kept())
         found, roads = self.forward()
         ways = [(road.state, [road.claim]) for road in sorted(roads, key=lambda one: -one.part)[:ROADS]]
-        for state, claims in [(start, relieved(self.model)), *ways]:
+        for state, road in [(start, None), *ways]:
             if self.linear.system.beyond < LEFT * self.linear.system.samples:
                 break
+            claims = relieved(self.model) if road is None else road
             if not claims:
                 continue
-            end, looked, there = self.kept(), self.looked, self.worth()
+            end, looked = self.kept(), self.looked
             self.restore(state)
             other = self.forward()[0] if self.accept(claims) else None
-            if other is not None and self.worth(end[1]["noises"]) < there - BETTER:
+            if other is not None and self.gained(end) > BETTER:
                 found = other
             else:
                 self.restore(end)
                 self.looked = looked
         self.widen()
-        self.model.ratio = self.declared_ratio()
         return found
 
     def forward(self) -> tuple[list[Candidate], list[Road]]:
@@ -93,10 +93,10 @@ class Search(Weigh):
             best = next((one for one in ones if self.matters(one) and self.pays(one)), None)
             if best is None:
                 break
-            before, there = self.kept(), self.worth()
+            before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             # What was exchanged for it may have gone again, and left all worse than before.
-            if self.accept([best.claim]) and self.worth(before[1]["noises"]) < there:
+            if self.accept([best.claim]) and self.gained(before) > 0.0:
                 roads += [
                     Road(state=without_columns(before), claim=one.claim, part=one.gain / best.gain)
                     for one in ones
@@ -109,10 +109,15 @@ class Search(Weigh):
                 break
         return found, roads
 
-    def worth(self, noises: list[Noise] | None = None) -> float:
-        """Misfit by these or the present ``noises``, and what freedoms cost."""
-        linear = self.linear if noises is None else self.linear.under(noises)
-        return linear.system.misfit + 2.0 * sum(len(claim.values) for claim in self.model.claims)
+    def gained(self, kept: Kept) -> float:
+        """By how much less the present state costs than a ``kept`` one, in misfit and in freedoms, both by the noise of
+        that and by what is known of teeth now: misfits under different priors do not compare."""
+        noises, teeth = kept[1]["noises"], self.model.as_built
+        before: Linear = kept[1]["linear"]
+        if kept[0]["as_built"] is not teeth:
+            before = before.under(noises, teeth)
+        saved = before.system.misfit - self.linear.under(noises).system.misfit
+        return saved + 2.0 * (freedoms(kept[0]["claims"]) - freedoms(self.model.claims))
 
     def accept(self, claims: Sequence[Claim]) -> bool:
         """Make claims and fit everything again; whether they stand, and leave gears that can still run."""
@@ -182,8 +187,7 @@ class Search(Weigh):
         shaped = [one for one in self.model.method.physics if one.mean_tooth and one.shaped and one is not known]
         for physics in shaped if known.mean_tooth else ():
             both, claims = together(others, self.scenes, bare, physics)
-            freedoms = sum(len(one.values) for one in claims)
-            if claims and both - 2.0 * freedoms > gain - 2.0 * len(claim.values) + BETTER:
+            if claims and both - 2.0 * freedoms(claims) > gain - 2.0 * len(claim.values) + BETTER:
                 out.append((k, both - gain, claims))
         for one in [c for c in found if c.claim.key != claim.key and c.gain > LIKELY * gain][:2]:
             done = polished(others, self.scenes, bare, one)
@@ -226,6 +230,11 @@ class Search(Weigh):
                 return
             del self.model.claims[min(weak, key=lambda k: gains[k])]
             self.settle()
+
+
+def freedoms(claims: Sequence[Claim]) -> int:
+    """Coordinates of all ``claims``."""
+    return sum(len(claim.values) for claim in claims)
 
 
 def without_columns(kept: Kept) -> Kept:

@@ -63,6 +63,11 @@ class System:
         out: FloatArray = cho_solve(self._factor, right / wide) / wide
         return out
 
+    @property
+    def log_determinant(self) -> float:
+        """Natural logarithm of the normal matrix's determinant, of parameters in their units."""
+        return 2.0 * float(np.sum(np.log(np.diag(self._factor[0]))) + np.sum(np.log(self._scaled[0])))
+
     def damped(self, right: FloatArray, more: FloatArray) -> FloatArray:
         """Inverse of the normal matrix times ``right`` (m,), its diagonal enlarged by these parts ``more`` (m,)."""
         scale, scaled = self._scaled
@@ -128,9 +133,13 @@ class System:
 
     def loosened(self, places: slice, part: float) -> System:
         """The same with only a ``part`` of what is known beforehand of some parameters."""
+        return self.believing(places, part * self.precision[places, places])
+
+    def believing(self, places: slice, known: FloatArray) -> System:
+        """The same with the precision ``known`` (k, k) beforehand of some parameters, which nothing ties to others."""
         precision, normal = self.precision.copy(), self.normal.copy()
-        precision[places, places] *= part
-        normal[places, places] += precision[places, places] - self.precision[places, places]
+        precision[places, places] = known
+        normal[places, places] += known - self.precision[places, places]
         return System(white=self.white, target=self.target, precision=precision, prior=self.prior)._knowing(normal)
 
     def _knowing(self, normal: FloatArray) -> System:

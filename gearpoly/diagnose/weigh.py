@@ -130,7 +130,7 @@ class Weigh(Fit):
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
         columns = columns_of(self.model, self.scenes, self.linear, one)
         slow = one.claim.physics.slow
-        masks = [blocks(observed.fit.size) if slow else observed.fit for observed in self.model.observed]
+        masks = [blocks(one.fit.size, one.jumps) if slow else one.fit for one in self.model.observed]
         others = [~mask for mask in masks]
         if not all(np.any(mask) for mask in others):
             return True
