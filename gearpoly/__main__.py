@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import sys
 
+INTERRUPTED = 130
+
 
 def main() -> None:
     """Run the command line; turn a user's errors into one message and exit code 2."""
-    from gearpoly.cli import app
-    from gearpoly.errors import GearpolyError
-
     try:
-        app()
-    except GearpolyError as error:
-        print(f"gearpoly: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except KeyboardInterrupt:
-        print("gearpoly: interrupted; nothing half-written was left behind", file=sys.stderr)
-        raise SystemExit(130) from None
+        from gearpoly.cli import app
+        from gearpoly.errors import GearpolyError
+
+        try:
+            app()
+        except GearpolyError as error:
+            print(f"gearpoly: {error}", file=sys.stderr)
+            raise SystemExit(2) from None
+    except (KeyboardInterrupt, SystemExit) as end:
+        # What runs commands turns an interrupt into an exit, silently.
+        cause: BaseException | None = end
+        while cause is not None and not isinstance(cause, KeyboardInterrupt):
+            cause = cause.__cause__ or cause.__context__
+        if cause is None:
+            raise
+        print(f"gearpoly: interrupted; {str(cause) or 'nothing half-written was left behind'}", file=sys.stderr)
+        raise SystemExit(INTERRUPTED) from None
 
 
 if __name__ == "__main__":

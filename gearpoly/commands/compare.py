@@ -26,15 +26,13 @@ def compare(
     from rich.console import Console
 
     from gearpoly.compare.compare import compare as run
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.compare_report import json_text, print_comparison
     from gearpoly.report.progress import steps
 
-    for target in (json, plot):
-        if target is not None:
-            check_target(target)
+    check_targets([json, plot], inputs=[pair, *recordings])
     if plot is not None:
         from gearpoly.report.compare_plots import plot_comparison
         from gearpoly.report.plots import check_format

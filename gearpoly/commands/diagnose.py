@@ -25,16 +25,14 @@ def diagnose(
     from rich.console import Console
 
     from gearpoly.diagnose.diagnose import diagnose as run
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import dump_pair, moved, read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.diagnosis_page import page
     from gearpoly.report.diagnosis_report import json_text, print_diagnosis
     from gearpoly.report.progress import steps
 
-    for target in (json, html, fitted):
-        if target is not None:
-            check_target(target)
+    check_targets([json, html, fitted], inputs=[pair, *recordings])
     file = read_pair(pair)
     with steps() as step:
         step("reading")

@@ -18,15 +18,15 @@ def plan(
     from rich.console import Console
 
     from gearpoly.diagnose.plan import plan as run
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.errors import blamed
+    from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.plan_report import json_text, print_plan
     from gearpoly.report.progress import steps
 
-    if json is not None:
-        check_target(json)
+    check_targets([json], inputs=[pair])
     file = read_pair(pair)
-    with steps() as step:
+    with steps() as step, blamed(pair, "driving, driven, pair"):
         made = run(file, path=pair, step=step)
     if json is not None:
         write_text(json, json_text(made))

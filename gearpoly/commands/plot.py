@@ -41,14 +41,14 @@ def plot(
 
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_target
+    from gearpoly.files.output import check_targets
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report import gear_plots
     from gearpoly.report.plots import check_format, save
     from gearpoly.units import DEG
 
     check_format(to)
-    check_target(to)
+    check_targets([to], inputs=[pair])
     if not math.isfinite(at):
         raise OutOfRangeError(f"--at {at:g}: want an angle in deg")
     file = read_pair(pair)

@@ -51,7 +51,7 @@ def simulate(
     from gearpoly import positions
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
@@ -62,8 +62,7 @@ def simulate(
     outputs = [target for target in (csv, json, plot) if target is not None]
     if sum(str(target) == "-" for target in outputs) > 1:
         raise OutOfRangeError("only one of --csv and --json can go to standard output")
-    for target in outputs:
-        check_target(target)
+    check_targets(outputs, inputs=[pair] if at is None else [pair, at])
     if plot is not None:
         from gearpoly.report.plots import check_format, plot_run
 

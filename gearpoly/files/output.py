@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,6 +25,27 @@ def check_target(target: Path) -> None:
         )
     if target.is_dir():
         raise InputFileError(target, found="this is a folder", wish="want the name of a file")
+    if target.exists() and not target.is_file():
+        raise InputFileError(target, found="this is no file but a device or pipe", wish="want the name of a file, or -")
+    if not os.access(target.parent, os.W_OK):
+        raise InputFileError(target, found="the folder is read-only", wish="want a folder that can be written to")
+
+
+def check_targets(targets: Iterable[Path | None], *, inputs: Iterable[Path]) -> None:
+    """``check_target`` for all ``targets`` of a command that are asked for (not None); raise ``InputFileError`` too
+    where one is a file that the command reads, or two are the same file or both standard output."""
+    read = {one.resolve() for one in inputs}
+    taken: set[Path] = set()
+    for target in targets:
+        if target is None:
+            continue
+        check_target(target)
+        place = target if str(target) == "-" else target.resolve()
+        if place in read:
+            raise InputFileError(target, found="this is what is read", wish="write to another file")
+        if place in taken:
+            raise InputFileError(target, found="two results are to go there", wish="give each a place of its own")
+        taken.add(place)
 
 
 @contextmanager
@@ -35,6 +56,8 @@ def written_aside(target: Path) -> Iterator[Path]:
     where the folder is missing or cannot be written to.
     """
     check_target(target)
+    # A link stays, and what it leads to is replaced.
+    target = target.resolve()
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=".gearpoly-", suffix=target.suffix)
     except OSError as error:
@@ -63,7 +86,15 @@ def written_aside(target: Path) -> Iterator[Path]:
 def write_text(target: Path | str, text: str) -> None:
     """Write ``text`` to ``target``, or to standard output where that is ``-``."""
     if str(target) == "-":
-        sys.stdout.write(text if text.endswith("\n") else text + "\n")
+        try:
+            sys.stdout.write(text if text.endswith("\n") else text + "\n")
+            sys.stdout.flush()
+        except OSError as error:
+            # What is left in the buffer must not fail once more at the end.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise InputFileError(
+                Path("standard output"), found=error.strerror or str(error), wish="write to a file, or read to the end"
+            ) from None
         return
     with written_aside(Path(target)) as aside:
         aside.write_text(text, encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -43,8 +42,7 @@ def each(
             else:
                 _in_processes(work, jobs, workers=workers, name=name, progress=progress)
     except KeyboardInterrupt:
-        print("gearpoly prove: interrupted; what is finished is kept: run the same again to go on", file=sys.stderr)
-        raise
+        raise KeyboardInterrupt("what is finished is kept: run the same again to go on") from None
 
 
 def _in_processes(
