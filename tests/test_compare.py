@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
-from gearpoly.units import DEG, UM
+from gearpoly.units import DEG, NM, UM
 from tests.made_command import Command
 from tests.made_recordings import Rig, inspected, record
 
@@ -123,6 +124,18 @@ def test_zeros_agree_with_where_the_truth_has_its_tooth(case: str) -> None:
     spall = next(entry for entry in truth(case)["truth"] if entry["physics"] == "tooth_spall")
     assert found is not None
     assert apart(found / DEG, spall["encoder_deg"] - spall["tooth"] * 360.0 / spall["teeth"]) < NEEDED
+
+
+@pytest.mark.parametrize("stated", [None, 20.0])
+def test_a_torque_that_nobody_stated_is_told(stated: float | None, tmp_path: Path) -> None:
+    """The pair file's own is taken for it: half of three torques would otherwise look like softer teeth."""
+    rng = np.random.default_rng(3)
+    file, path, made = inspected(tmp_path, rng, bends=True)
+    file = file.model_copy(update={"pair": file.pair.model_copy(update={"torque_nm": 20.0})})
+    one = record(made, Rig(zero_1=0.4, zero_2=1.2), rng, cycles=2.0, per_mesh=8, torque_nm=20.0)
+    beside = lay_beside(file, [replace(one, torque_nm=stated)], path=path)
+    assert beside.aligned[0].torque == 20.0 * NM
+    assert any("states no torque: the 20 N.m" in remark for remark in beside.remarks) is (stated is None)
 
 
 @needs_bench

@@ -255,6 +255,8 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
             out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
     for k, one in enumerate(aligned):
         samples = one.cleaned.torque_nm
+        if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
+            out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")
         if samples is None or not np.isfinite(samples).any():
             continue
         spread = float(np.nanstd(samples))
