@@ -13,8 +13,8 @@ waves and means, and short stretches about the corners. Eccentric gears spread i
 
 MEAN_TOOTH_BY_LAWS, BESIDE_ANOTHER = 0.001, 0.004
 """The same for a physics of the mean tooth, beyond the modes in which laws differ, which are fitted beside it: in 83
-healthy loaded pairs of a bench with three other laws it was 0.0007 at most. The second is for one beside another of the
-kind, which acts through a law as well: friction left 0.0011 in the one pair of another simulator, so a margin of more
+healthy loaded pairs of a bench with three other laws it was 0.0007 at most. The second is for one beside any other
+claim, of which something is left: 0.0011 of a friction in the one such pair of another simulator, so a margin of more
 than three is kept."""
 
 OTHERS_BY_LAWS = 0.006

@@ -89,8 +89,8 @@ class Weigh(Fit):
         physics, place = one.claim.physics, one.claim.place
         part = 0.0
         if physics.mean_tooth:
-            others = (made for made in self.model.claims if made.key != one.claim.key)
-            part = BESIDE_ANOTHER if any(made.physics.mean_tooth for made in others) else MEAN_TOOTH_BY_LAWS
+            others = any(made.key != one.claim.key for made in self.model.claims)
+            part = BESIDE_ANOTHER if others else MEAN_TOOTH_BY_LAWS
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
