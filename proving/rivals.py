@@ -21,7 +21,7 @@ from proving.scenes import CAPS
 
 RIVALS: dict[str, tuple[str, ...]] = {
     "eccentricity": ("cumulative_pitch", "encoder_eccentricity"),
-    "cumulative_pitch": ("eccentricity", "encoder_eccentricity", "undulation"),
+    "cumulative_pitch": ("eccentricity", "encoder_eccentricity", "undulation", "cumulative_pitch'"),
     "encoder_eccentricity": ("eccentricity", "cumulative_pitch"),
     "tooth_pitch": ("tooth_crack", "tooth_spall"),
     "tooth_crack": ("tooth_pitch", "tooth_spall"),

@@ -36,7 +36,7 @@ CASES: dict[str, tuple[Place, Values]] = {
     "profile_crowning": (Place(gear=0), (6.0,)),
     "profile_slope": (Place(gear=1), (5.0,)),
     "shaft_windup": (Place(), (9.0,)),
-    "thermal_drift": (Place(order=0), (2.0, -1.0, 0.4)),
+    "thermal_drift": (Place(recordings=(0,)), (2.0, -1.0, 0.4)),
     "tip_relief": (Place(gear=0), (8.0, 0.6)),
     "tooth_crack": (Place(gear=0, tooth=3), (0.6,)),
     "tooth_deflection": (Place(), (1.2,)),

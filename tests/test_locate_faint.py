@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.faint import find_train
+from gearpoly.compare.faint import Train, faint_waves, find_train
+from gearpoly.compare.lines import TIE, LineSearch
 from gearpoly.compare.locate import locate
+from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from tests.residuals import healthy, noise, residual, samples
 
@@ -140,3 +142,29 @@ def test_trains_of_the_pair_itself_are_left_to_its_own_searches() -> None:
     assert found.frequency * round(100.0 / found.frequency) == pytest.approx(100.0)
     repeats[::100] = True
     assert find_train([chance], step=0.5, repeats=[repeats], share=0.002) is None
+
+
+@pytest.mark.parametrize(
+    ("angle", "time", "named"),
+    [(-1.0, 0.5, "order"), (0.5, -1.0, "order"), (2.5, -1.0, "time"), (0.5, 0.1, None)],
+)
+def test_a_train_that_chance_might_make_still_decides_with_one_that_it_would_not(
+    angle: float, time: float, named: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where a train over time is no chance find, and one over angle at the same place nearly none, what turns is the
+    likelier; where it is 3.5 in log chance behind, odds of 33, it is not."""
+    log_false = iter((angle, time))
+
+    def found(*given: object, **more: object) -> Train | None:
+        # The threshold is loosened by as much as may be made up for.
+        later = next(log_false) - 0.5 * TIE
+        train = Train(frequency=0.0831, count=3, recordings=(0,), log_false=later)
+        return train if later < 0.0 else None
+
+    monkeypatch.setattr("gearpoly.compare.faint.find_train", found)
+    data = made(1)
+    search = LineSearch(u=data.u, time=data.time_s, z_1=18, z_2=25)
+    noise = estimate_noise(data.u, data.residual, z_1=18, z_2=25)
+    (peaks,) = faint_waves([search], [noise.whitened(data.residual)], [noise])
+    assert {peak.domain for peak in peaks} == ({named} if named else set())
+    assert all(peak.log_false == min(angle, time) for peak in peaks)

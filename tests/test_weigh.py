@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -9,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.scan import Looked
+from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Place
+from gearpoly.physics.base import Claim, Place
 from gearpoly.units import FloatArray
 
 N = 4000
@@ -62,18 +64,50 @@ def test_a_line_explains_more_than_any_step_where_there_is_one() -> None:
     assert scales(recorded).stepped() < gain_of_slope(recorded)
 
 
-def test_waves_teeth_and_whole_gears_share_the_family() -> None:
-    """Thousands of orders do not outvote the teeth, nor these a few gears: each has a third."""
-    looked = Looked(waves=16000, teeth=1000, whole=60)
-    known = catalogue()
-    assert looked.tests(known["undulation"], Place(gear=0, order=61)) == 48000
-    assert looked.tests(known["tooth_pitch"], Place(gear=0, tooth=3)) == 3000
-    assert looked.tests(known["cumulative_pitch"], Place(gear=0, order=2)) == 180
-    shares = sum(count / looked.tests(physics, place) for count, physics, place in (
-        (16000, known["undulation"], Place(order=1)), (1000, known["tooth_pitch"], Place(tooth=1)),
-        (60, known["eccentricity"], Place(gear=1)),
-    ))  # fmt: skip
+def claim_of(name: str, place: Place) -> Claim:
+    return Claim(physics=catalogue()[name], place=place, values=(1.0,))
+
+
+def test_every_physics_has_its_part_of_the_family() -> None:
+    """Thousands of orders do not outvote the teeth, nor spalls the cracks, nor teeth a few gears: waves, teeth and
+    whole gears have a third each, and their physics equal parts of it. All chances add up to the family's."""
+    looked = Looked(
+        waves={"encoder_interpolation": 16000, "undulation": 500},
+        teeth={"tooth_pitch": 43, "tooth_spall": 86, "tooth_crack": 43},
+        whole={"cumulative_pitch": 20, "friction": 1},
+    )
+    crack = claim_of("tooth_crack", Place(gear=0, tooth=3))
+    assert looked.tests(claim_of("undulation", Place(gear=0, order=61))) == 3 * 2 * 500
+    assert looked.tests(crack) == 3 * 3 * 43
+    assert looked.tests(claim_of("friction", Place())) == 3 * 2
+    shares = 0.0
+    for kind, place in ((looked.waves, Place(order=61)), (looked.teeth, Place(tooth=1)), (looked.whole, Place(gear=1))):
+        shares += sum(count / looked.tests(claim_of(name, place)) for name, count in kind.items())
     assert shares == pytest.approx(1.0)
+
+
+def test_only_one_sign_of_noise_looks_like_a_crack() -> None:
+    """A normal number squared exceeds 9 in 0.0027 of all cases, and from above in half of them."""
+    crack = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=9.0, freedoms=1)
+    pitch = Candidate(claim=claim_of("tooth_pitch", Place(gear=0, tooth=3)), gain=9.0, freedoms=1)
+    assert math.exp(pitch.log_chance(tests=1)) == pytest.approx(0.0026998, rel=1e-4)
+    assert crack.log_chance(tests=2) == pytest.approx(pitch.log_chance(tests=1))
+
+
+@pytest.mark.parametrize("moving", [0.0, 1.0])
+def test_what_only_sets_recordings_apart_does_not_look_like_chords(moving: float) -> None:
+    """Below what chords leave along a recording nothing is claimed; wind-up moves nothing along it, and what chords
+    leave is the same in every hunting cycle, so that nothing slow is like it."""
+    effect = 0.5 * FAINT * (np.ones(N) + 0.2 * moving * np.sin(np.arange(N)))
+    weigh = scales(np.zeros(N))
+    weigh.scenes, weigh.model.claims = [], []
+    weigh.model.change = lambda *given, **more: [effect]
+    assert weigh.moves(Candidate(claim=claim_of("shaft_windup", Place()), gain=30.0, freedoms=1)) is bool(moving)
+    ramp = Candidate(claim=claim_of("encoder_scale", Place(gear=0)), gain=30.0, freedoms=1)
+    weigh.model.observed[0].whole = True
+    assert not weigh.moves(ramp)
+    weigh.model.observed[0].whole = False
+    assert weigh.moves(ramp) is bool(moving)
 
 
 @pytest.mark.parametrize(("size", "pays"), [(0.3, True), (0.0, False)])

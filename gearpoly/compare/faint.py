@@ -59,12 +59,15 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
             at: FloatArray = step * np.arange(size, dtype=np.float64)
             chances[k] = chances[k][np.rint(at / grid.step).astype(np.int64)]
             repeats.append(searches[k].repeats(at * per_mesh))
-        train = find_train(chances, step=step, repeats=repeats, share=SHARES.faint / len(domains))
+        # One that is hardly less likely than the other decides with it, though it alone might be noise.
+        share = math.exp(0.5 * TIE) * SHARES.faint / len(domains)
+        train = find_train(chances, step=step, repeats=repeats, share=share)
         if train is not None:
+            train = replace(train, log_false=train.log_false + 0.5 * TIE)
             found.append(_peaks(train, domain, searches, whites, noises))
     # Lines beside an order of a shaft may fall to it once they are placed.
     found = [peaks for peaks in found if any(peaks)]
-    if not found:
+    if all(one.log_false >= 0.0 for peaks in found for mine in peaks for one in mine):
         return [[] for _ in searches]
     if len(found) == 1:
         return found[0]
@@ -72,7 +75,8 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
     angle, time = ([one for mine in peaks for one in mine] for peaks in found)
     ahead = 2.0 * (angle[0].log_false - time[0].log_false)
     first = 1 if ahead > TIE or (ahead > -TIE and any(one.leads and one.hum for one in time)) else 0
-    return [[replace(one, rival=one.gain - abs(ahead)) for one in mine] for mine in found[first]]
+    log_false = min(angle[0].log_false, time[0].log_false)
+    return [[replace(one, rival=one.gain - abs(ahead), log_false=log_false) for one in mine] for mine in found[first]]
 
 
 def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArray], share: float) -> Train | None:

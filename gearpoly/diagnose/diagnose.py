@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import chi2
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
@@ -25,6 +24,7 @@ from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
+from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
@@ -164,7 +164,8 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
             separation = would_separate(model, search.scenes, linear, k, [one.claim for one in rivals])
         except GearpolyError:
             separation = None  # the pair cannot run under any other condition
-    chance = math.log(search.looked.tests(claim.physics, claim.place)) + _log_tail(judged.gain, len(claim.values))
+    weighed = Candidate(claim=claim, gain=judged.gain, freedoms=len(claim.values))
+    chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(
         claim=claim,
         parameters=parameters(model, claim, covariance),
@@ -177,10 +178,6 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
         rivals=rivals,
         separation=separation,
     )
-
-
-def _log_tail(gain: float, freedoms: int) -> float:
-    return float(chi2.logsf(max(gain, 0.0), freedoms))
 
 
 def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:

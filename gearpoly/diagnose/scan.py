@@ -42,23 +42,29 @@ EVALUATIONS = 18
 
 @dataclass(frozen=True, kw_only=True)
 class Looked:
-    """How many places were looked at: ``waves`` of all orders, single ``teeth``, and ``whole`` gears or pairs; ``own``
-    of every physics by its name, whatever shapes were tried there."""
+    """How many places every physics was looked for at, by its name: ``waves`` of all orders, single ``teeth``, and
+    ``whole`` gears or pairs. The shapes that were tried at a place are freedoms, and count as such."""
 
-    waves: int = 0
-    teeth: int = 0
-    whole: int = 0
-    own: Mapping[object, int] = field(default_factory=dict)
+    waves: Mapping[str, int] = field(default_factory=dict)
+    teeth: Mapping[str, int] = field(default_factory=dict)
+    whole: Mapping[str, int] = field(default_factory=dict)
 
-    def tests(self, physics: Physics, place: Place) -> int:
+    def alike(self, claim: Claim) -> Mapping[str, int]:
+        """The kind that a claim is of: waves, teeth, or whole gears."""
+        return self.waves if claim.physics.wavelike else self.whole if claim.place.tooth is None else self.teeth
+
+    def tests(self, claim: Claim) -> int:
         """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
-        or thousands of orders would outvote the teeth, and these a few gears."""
-        return 3 * max(1, self.waves if physics.wavelike else self.teeth if place.tooth is not None else self.whole)
+        and every physics of a kind its equal part of that, or thousands of orders would outvote the teeth, and spalls
+        of all lengths the cracks."""
+        kind = self.alike(claim)
+        return 3 * max(1, len(kind)) * kind.get(claim.physics.name, 1)
 
     def worth(self, one: Candidate) -> float:
         """Gain in misfit less what a candidate's freedoms and choice of a place are worth: what may be at fifty places
         fits noise at one of them better than what has two."""
-        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
+        places = self.alike(one.claim).get(one.claim.physics.name, 1)
+        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(places)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +76,11 @@ class Candidate:
     freedoms: int
 
     def log_chance(self, *, tests: int) -> float:
-        """Log of the chance that noise alone would gain as much anywhere among ``tests`` places."""
-        return math.log(tests) + float(chi2.logsf(max(self.gain, 0.0), self.freedoms))
+        """Log of the chance that noise alone would gain as much anywhere among ``tests`` places; half of it where one
+        sign of what noise looks like means nothing: no tooth is the stiffer for a crack."""
+        physics = self.claim.physics
+        signs = 1 if physics.amplitudes == 1 and physics.coordinates[0].low >= 0.0 else 2
+        return math.log(tests * signs / 2) + float(chi2.logsf(max(self.gain, 0.0), self.freedoms))
 
 
 def probes(physics: Physics, place: Place) -> list[Values]:
@@ -113,14 +122,15 @@ def scan(
 ) -> tuple[list[Candidate], Looked]:
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
-    waves = teeth = whole = 0
     keys: set[tuple[object, ...]] = set()
+    kinds: dict[str, Counter[str]] = {"waves": Counter(), "teeth": Counter(), "whole": Counter()}
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
-        single = place.tooth is not None and not physics.wavelike
-        waves, teeth = waves + physics.wavelike, teeth + single
-        whole += not physics.wavelike and not single
-        keys.add(Claim(physics=physics, place=place, values=()).key)
+        key = Claim(physics=physics, place=place, values=()).key
+        if key not in keys:
+            keys.add(key)
+            kind = "waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"
+            kinds[kind][physics.name] += 1
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -135,7 +145,7 @@ def scan(
     held = [group for group in groups if group]
     weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
     found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
-    return found, Looked(waves=waves, teeth=teeth, whole=whole, own=Counter(key[0] for key in keys))
+    return found, Looked(**kinds)
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:

@@ -23,6 +23,9 @@ ECHO = 0.004
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
 
+ALONG = 0.1
+"""Part of an effect that changes along recordings below which it only sets them apart."""
+
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
 
@@ -49,7 +52,7 @@ class Weigh(Fit):
         if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
-        if honest.log_chance(tests=self.looked.tests(physics, one.claim.place)) >= math.log(FAMILY):
+        if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
         if physics.slow and one.gain < self.stepped():
             return False
@@ -114,7 +117,7 @@ class Weigh(Fit):
         is far more than the simulation leaves, which reaches the effect by the other part: what would be known of it
         were the teeth quite open.
         """
-        least = max(FAINT, ECHO * self.largest)
+        least = max(FAINT if self.moves(one) else 0.0, ECHO * self.largest)
         if self.size(one) > least or one.gain <= 0.0:
             return least
         columns, system = self.beside(one)
@@ -125,6 +128,18 @@ class Weigh(Fit):
             for which in (system, system.loosened(self.linear.layout.built, OPEN))
         )
         return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
+
+    def moves(self, one: Candidate) -> bool:
+        """Whether an effect changes along a recording as what chords and contacts leave does, which repeats with the
+        pair. One that only sets recordings apart has to beat the doubt about how far a load bends, which is fitted
+        beside it."""
+        if one.claim.physics.slow and all(observed.whole for observed in self.model.observed):
+            return False
+        mine = next((made for made in self.model.claims if made.key == one.claim.key), None)
+        effect = self.model.change(self.scenes, one.claim, one.claim.values, but=mine)
+        along = math.sqrt(sum(part.size * float(np.var(part)) for part in effect))
+        whole = math.sqrt(sum(float(part @ part) for part in effect))
+        return along > ALONG * whole
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""

@@ -63,14 +63,16 @@ class Scope:
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """Where a physics might be: ``gear`` 0 (driving) or 1, ``tooth``, ``order``, ``flank``; ``shape`` the values of
-    its shape to start from; ``probe`` the amplitudes at which its effect is looked at (0: by steps of one unit).
+    """Where a physics might be: ``gear`` 0 (driving) or 1, ``tooth``, ``order``, ``flank``, ``recordings`` (none: in
+    all); ``shape`` the values of its shape to start from; ``probe`` the amplitudes at which its effect is looked at (0:
+    by steps of one unit).
     """
 
     gear: int | None = None
     tooth: int | None = None
     order: int | None = None
     flank: str | None = None
+    recordings: tuple[int, ...] = ()
     shape: Values = ()
     probe: Values = ()
 
@@ -151,10 +153,10 @@ class Claim:
     values: Values
 
     @cached_property
-    def key(self) -> tuple[str, int | None, int | None, int | None, str | None]:
+    def key(self) -> tuple[str, int | None, int | None, int | None, str | None, tuple[int, ...]]:
         """What makes it another claim than others of the same physics."""
         p = self.place
-        return self.physics.name, p.gear, p.tooth, p.order, p.flank
+        return self.physics.name, p.gear, p.tooth, p.order, p.flank, p.recordings
 
     def written(self, file: PairFile) -> PairFile:
         """The pair file with this in it."""

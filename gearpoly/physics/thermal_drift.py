@@ -16,9 +16,11 @@ TERMS = 3
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    for k in range(scope.conditions):
-        if not (scope.wanders and scope.wanders[k]):
-            yield Place(order=k)
+    steady = tuple(k for k in range(scope.conditions) if not (scope.wanders and scope.wanders[k]))
+    yield from (Place(recordings=(k,)) for k in steady)
+    if len(steady) > 1:
+        # All began cold.
+        yield Place(recordings=steady)
 
 
 def _curve(values: Values, along: FloatArray) -> FloatArray:
@@ -26,19 +28,25 @@ def _curve(values: Values, along: FloatArray) -> FloatArray:
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
-    if scene.samples.number != place.order:
+    if scene.samples.number not in place.recordings:
         return np.zeros(scene.samples.size)
     return _curve(values, scene.samples.along)
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     held = list(file.measurement.thermal_drift_um) if file.measurement is not None else []
-    while len(held) <= (place.order or 0):
-        held.append(())
-    held[place.order or 0] = tuple(float(round(v, 6)) for v in values)
+    held += [()] * (max(place.recordings) + 1 - len(held))
+    for k in place.recordings:
+        stated = np.array([*held[k], *(0.0,) * TERMS])[: max(TERMS, len(held[k]))]
+        stated[:TERMS] += values
+        held[k] = tuple(round(v, 6) for v in stated.tolist())
     measurement = Measurement.model_construct(thermal_drift_um=tuple(held))
     copy: PairFile = changed(file, measurement=measurement)
     return copy
+
+
+def _named(recordings: tuple[int, ...]) -> str:
+    return f"recording {recordings[0]}" if len(recordings) == 1 else "every recording alike"
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
@@ -50,7 +58,10 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
     row = columns[top] - columns[bottom]
     size = float(curve[top] - curve[bottom])
     std = float(np.sqrt(max(float(row @ covariance @ row), 0.0)))
-    return {"amplitude_um": (size, std), "recording": (float(place.order or 0), 0.0)}
+    out = {"amplitude_um": (size, std)}
+    if len(place.recordings) == 1:
+        out["recording"] = (float(place.recordings[0]), 0.0)
+    return out
 
 
 PHYSICS = Physics(
@@ -64,7 +75,7 @@ PHYSICS = Physics(
     write=_write,
     report=_report,
     says=lambda place, v: (
-        f"The transmission error of recording {place.order} drifts slowly, by "
+        f"The transmission error of {_named(place.recordings)} drifts slowly, by "
         f"{float(np.ptp(_curve(v, np.linspace(-1, 1, 201)))) / UM:.1f} um."
     ),
     equation="x gains a slow curve over time (Legendre polynomials 1 to 3)",

@@ -121,6 +121,9 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
 def where(one: Finding) -> str:
     """A finding's place in words."""
     place = one.claim.place
+    if place.recordings:
+        several = "s" if place.recordings[1:] else ""
+        return f"Measuring chain, recording{several} {', '.join(map(str, place.recordings))}"
     if place.gear_name is None:
         return "The pair as a whole" + ("" if place.flank is None else f", {place.flank} flank")
     out = f"{place.gear_name} gear" if not one.claim.physics.measures else f"measuring chain, {place.gear_name} shaft"

@@ -1,0 +1,53 @@
+"""Drift of one recording, or of all alike where each began cold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.files.models import Measurement
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.scene import Scene
+from tests.physics_cases import claim_of, scope_of
+from tests.test_physics import base
+
+DRIFT = catalogue()["thermal_drift"]
+VALUES = (2.0, -1.0, 0.4)
+
+
+def test_drifts_are_looked_for_in_each_recording_and_in_all_that_do_not_wander() -> None:
+    scope = replace(scope_of(base()[0]), torques=(0.0, 0.0, 0.0), wanders=())
+    places = [place.recordings for place in DRIFT.places(scope)]
+    assert places == [(0,), (1,), (2,), (0, 1, 2)]
+    places = [place.recordings for place in DRIFT.places(replace(scope, wanders=(False, True, False)))]
+    assert places == [(0,), (2,), (0, 2)]
+    assert [p.recordings for p in DRIFT.places(replace(scope, torques=(0.0,)))] == [(0,)]
+
+
+def test_a_drift_of_all_is_the_sum_of_one_in_each() -> None:
+    """In every scene, and in the file, where it comes on top of what was stated."""
+    scenes: list[Scene] = base()[2]
+    numbers = tuple(range(len(scenes)))
+    assert DRIFT.effect is not None
+    for scene in scenes:
+        alone = [DRIFT.effect(scene, Place(recordings=(k,)), VALUES) for k in numbers]
+        together = DRIFT.effect(scene, Place(recordings=numbers), VALUES)
+        assert np.ptp(together) > 0.0
+        np.testing.assert_allclose(together, np.sum(alone, axis=0))
+    stated = base()[0].model_copy(
+        update={"measurement": Measurement.model_construct(thermal_drift_um=((1.5,), (), (0.5, 0.0, 0.1)))}
+    )
+    written = Claim(physics=DRIFT, place=Place(recordings=(0, 2)), values=VALUES).written(stated)
+    assert written.measurement is not None
+    assert written.measurement.thermal_drift_um == ((3.5, -1.0, 0.4), (), (2.5, -1.0, 0.5))
+
+
+def test_the_verdict_names_the_recording_only_where_it_is_one() -> None:
+    one = claim_of("thermal_drift")
+    assert "recording" in DRIFT.report(one.place, np.array(VALUES), np.eye(3))
+    both = replace(one, place=Place(recordings=(0, 1)))
+    assert "recording" not in DRIFT.report(both.place, np.array(VALUES), np.eye(3))
+    assert "recording 0" in one.says
+    assert "every recording" in both.says
