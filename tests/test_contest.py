@@ -91,35 +91,43 @@ def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
 
 
 class Ends:
-    """A search whose claim fits with the misfit ``ends`` says, fitted again or not; ``broken`` pairs cannot turn."""
+    """A search whose claim fits with the misfit ``ends`` says, fitted again or not, "nothing" without any; ``broken``
+    pairs cannot turn, gains of more than 20 are significant."""
 
-    def __init__(self, ends: dict[str, float], *, broken: str = "") -> None:
+    def __init__(self, ends: dict[str, float], *, broken: str = "", graded: bool = False) -> None:
         self.ends, self.broken, self.noises = ends, broken, None
-        self.model = SimpleNamespace(claims=[named("first")])
+        gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
+        self.model = SimpleNamespace(claims=[named("first")], as_built=SimpleNamespace(gears=gears))
+
+    def cost(self, claims: list[Any]) -> float:
+        return self.ends[claims[0].key if claims else "nothing"] + 2.0 * len(claims)
 
     def kept(self) -> list[Any]:
         return list(self.model.claims)
 
     def gained(self, kept: list[Any]) -> float:
-        return self.ends[kept[0].key] - self.ends[self.model.claims[0].key]
+        return self.cost(kept) - self.cost(self.model.claims)
 
     def restore(self, kept: list[Any]) -> None:
         self.model.claims = list(kept)
 
     def join(self, claims: list[Any], *, instead: int) -> None:
-        self.model.claims[instead] = claims[0]
+        self.model.claims[instead : instead + 1] = claims
 
     def settle(self) -> None:
-        if self.model.claims[0].key == self.broken:
+        if self.broken in [claim.key for claim in self.model.claims] or (self.broken and not self.model.claims):
             raise GeometryError("tip below base")
 
     def relax(self) -> None: ...
 
     def step(self, text: str) -> None: ...
 
+    def significant(self, one: Any) -> bool:
+        return bool(one.gain > 20.0)
+
 
 def named(key: str) -> Any:
-    return SimpleNamespace(key=key, physics=SimpleNamespace(name=key, mean_tooth=True))
+    return SimpleNamespace(key=key, physics=SimpleNamespace(name=key, mean_tooth=True), values=(1.0,))
 
 
 @pytest.mark.parametrize(
@@ -138,3 +146,18 @@ def test_what_fits_best_stands(
     found = contest(search)
     assert [one.key for one in search.model.claims] == [stands]
     assert {one.claim.key: one.behind for one in found[stands]} == behind
+
+
+@pytest.mark.parametrize(
+    ("nothing", "graded", "broken", "stands"),
+    [(119.0, True, "", False), (121.0, True, "", True), (119.0, False, "", True), (119.0, True, "nothing", True)],
+)
+def test_a_claim_goes_where_teeth_of_a_grade_fit_without_it(
+    nothing: float, graded: bool, broken: str, stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What counts is by how much the fit is worse that settled without it, a gain of 19 or of 21. Teeth that were
+    inspected do not wander off, and a pair that cannot turn without the claim needs it."""
+    monkeypatch.setattr("gearpoly.diagnose.contest._likenesses", lambda search, k: iter(()))
+    search: Any = Ends({"first": 100.0, "nothing": nothing}, graded=graded, broken=broken)
+    contest(search)
+    assert [one.key for one in search.model.claims] == (["first"] if stands else [])

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place
-from gearpoly.units import FloatArray
+from gearpoly.units import UM, FloatArray
 
 N = 4000
 
@@ -97,9 +96,11 @@ def test_only_one_sign_of_noise_looks_like_a_crack() -> None:
 @pytest.mark.parametrize("moving", [0.0, 1.0])
 def test_what_only_sets_recordings_apart_does_not_look_like_chords(moving: float) -> None:
     """Below what chords leave along a recording nothing is claimed; wind-up moves nothing along it, and what chords
-    leave is the same in every hunting cycle, so that nothing slow is like it."""
-    effect = 0.5 * FAINT * (np.ones(N) + 0.2 * moving * np.sin(np.arange(N)))
+    leave is the same in every hunting cycle, so that nothing slow is like it. In noise of a micron a gain of 30 is
+    worth 0.09 um, which a wave of 0.2 um may have left."""
+    effect = UM * (5.0 + 0.2 * moving * np.sin(np.arange(N)))
     weigh = scales(np.zeros(N))
+    weigh.noises = [SimpleNamespace(innovation=UM)]
     weigh.scenes, weigh.model.claims = [], []
     weigh.model.change = lambda *given, **more: [effect]
     assert weigh.moves(Candidate(claim=claim_of("shaft_windup", Place()), gain=30.0, freedoms=1)) is bool(moving)

@@ -14,8 +14,12 @@ from gearpoly.diagnose.system import Mask, System
 from gearpoly.units import FloatArray
 
 PARTS = 4
-"""Blocks into which every stretch between jumps is cut, where a recording jumps or something slow is asked for: neither
-a level after a jump nor what goes on slowly is to be foretold from what was before."""
+"""Blocks into which every stretch between jumps is cut where a recording jumps: a level after a jump is not to be
+foretold from what was before."""
+
+SLOW_PARTS = 8
+"""The same where something slow is asked for, which may swing from end to end within a third of a recording: the first
+block is foretold from what came later, and what warms up happens there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,11 +65,11 @@ def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Obser
     ]
 
 
-def blocks(size: int, jumps: Sequence[int] = ()) -> Mask:
+def blocks(size: int, jumps: Sequence[int] = (), *, parts: int = PARTS) -> Mask:
     """Every other block (size,) of each stretch between jumps: of what goes on slowly, one half of a recording says
     nothing about the other, but its blocks say what lies between them."""
     lengths = np.diff([0, *sorted(jumps), size])
-    return np.concatenate([(np.arange(n) * PARTS // max(n, 1)) % 2 == 0 for n in lengths.tolist()])
+    return np.concatenate([(np.arange(n) * parts // max(n, 1)) % 2 == 0 for n in lengths.tolist()])
 
 
 def held(linear: Linear, places: list[int]) -> Linear:

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.heldout import blocks, unseen_misfit
+from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.system import System
 from gearpoly.units import FloatArray
@@ -22,9 +22,6 @@ ECHO = 0.004
 
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
-
-ALONG = 0.1
-"""Part of an effect that changes along recordings below which it only sets them apart."""
 
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
@@ -130,22 +127,21 @@ class Weigh(Fit):
         return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
 
     def moves(self, one: Candidate) -> bool:
-        """Whether an effect changes along a recording as what chords and contacts leave does, which repeats with the
-        pair. One that only sets recordings apart has to beat the doubt about how far a load bends, which is fitted
-        beside it."""
+        """Whether what is seen of an effect may be how it changes along a recording, as what chords and contacts leave
+        does, which repeats with the pair. One that only sets recordings apart has to beat the doubt about how far a
+        load bends, which is fitted beside it."""
         if one.claim.physics.slow and all(observed.whole for observed in self.model.observed):
             return False
         mine = next((made for made in self.model.claims if made.key == one.claim.key), None)
         effect = self.model.change(self.scenes, one.claim, one.claim.values, but=mine)
-        along = math.sqrt(sum(part.size * float(np.var(part)) for part in effect))
-        whole = math.sqrt(sum(float(part @ part) for part in effect))
-        return along > ALONG * whole
+        squares = sum(part.size * float(np.var(part)) for part in effect)
+        return math.sqrt(squares / self.linear.system.samples) > self.size(one)
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
         columns = columns_of(self.model, self.scenes, self.linear, one)
         slow = one.claim.physics.slow
-        masks = [blocks(one.fit.size, one.jumps) if slow else one.fit for one in self.model.observed]
+        masks = [blocks(one.fit.size, one.jumps, parts=SLOW_PARTS) if slow else one.fit for one in self.model.observed]
         others = [~mask for mask in masks]
         if not all(np.any(mask) for mask in others):
             return True
