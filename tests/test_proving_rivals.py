@@ -13,6 +13,7 @@ import pytest
 from proving.chain import Chain, Condition, motion
 from proving.drawn import draw, make_pair
 from proving.effects import Effect, apply
+from proving.gears import Pair
 from proving.limit import Limit, sights
 from proving.rig import Rig
 from proving.rivals import rivals
@@ -31,13 +32,13 @@ ONE = (at(TORQUE),)
 TWO = (at(1.0), at(TORQUE))
 
 
-def limit_of(conditions: tuple[Condition, ...], *, bends: bool, law: float = 0.0) -> Limit:
+def limit_of(conditions: tuple[Condition, ...], *, bends: bool, law: float = 0.0, pair: Pair = PAIR) -> Limit:
     """Gears of grade 5 of which every tooth is known, so that nothing but the two effects is in question."""
     rng = np.random.default_rng(5)
-    teeth = [draw(gear, 5, -60.0, rng) for gear in (PAIR.driving, PAIR.driven)]
-    rig = Rig(pair=PAIR, teeth_1=teeth[0], teeth_2=teeth[1], deflect=bends)
+    teeth = [draw(gear, 5, -60.0, rng) for gear in (pair.driving, pair.driven)]
+    rig = Rig(pair=pair, teeth_1=teeth[0], teeth_2=teeth[1], deflect=bends)
     paths = tuple(motion(rig, condition, rng) for condition in conditions)
-    known = (1e-6 * np.eye(18), 1e-6 * np.eye(25))
+    known = (1e-6 * np.eye(pair.driving.z), 1e-6 * np.eye(pair.driven.z))
     chain = Chain(noise_um=1.0)
     look = sights(conditions, paths, chain)
     return Limit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law)
@@ -99,6 +100,14 @@ def test_crowning_and_compliance() -> None:
 
     assert sine(ONE) == pytest.approx(0.16, abs=0.05)
     assert sine(TWO) > 0.67
+
+
+def test_pitch_waves_of_as_many_teeth_on_either_gear() -> None:
+    """Twice per turn of 20 teeth and three times per turn of 30 both repeat every ten teeth; of 18 and 25 none do."""
+    limit = limit_of((at(0.0, turns=9.0),), bends=False, pair=make_pair("20/30 m6"))
+    found = separability(limit, on("cumulative_pitch", 1.0, 2, order=3, phase=0.7))
+    assert found["cumulative_pitch", 1] < 0.05  # second order of 1 um
+    assert ("cumulative_pitch", 1) not in separability(limit, on("cumulative_pitch", 1.0, 2, order=2, phase=0.7))
 
 
 def test_pitch_and_crack_of_the_same_tooth() -> None:

@@ -43,28 +43,25 @@ EVALUATIONS = 18
 @dataclass(frozen=True, kw_only=True)
 class Looked:
     """How many places every physics was looked for at, by its name: ``waves`` of all orders, single ``teeth``, and
-    ``whole`` gears or pairs. The shapes that were tried at a place are freedoms, and count as such."""
+    ``whole`` gears or pairs; ``own`` whatever shapes were tried there. Shapes are freedoms, but where on its flank a
+    tooth is pitted is a place of its own where chance is asked for."""
 
     waves: Mapping[str, int] = field(default_factory=dict)
     teeth: Mapping[str, int] = field(default_factory=dict)
     whole: Mapping[str, int] = field(default_factory=dict)
-
-    def alike(self, claim: Claim) -> Mapping[str, int]:
-        """The kind that a claim is of: waves, teeth, or whole gears."""
-        return self.waves if claim.physics.wavelike else self.whole if claim.place.tooth is None else self.teeth
+    own: Mapping[str, int] = field(default_factory=dict)
 
     def tests(self, claim: Claim) -> int:
         """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
         and every physics of a kind its equal part of that, or thousands of orders would outvote the teeth, and spalls
         of all lengths the cracks."""
-        kind = self.alike(claim)
+        kind = self.waves if claim.physics.wavelike else self.whole if claim.place.tooth is None else self.teeth
         return 3 * max(1, len(kind)) * kind.get(claim.physics.name, 1)
 
     def worth(self, one: Candidate) -> float:
         """Gain in misfit less what a candidate's freedoms and choice of a place are worth: what may be at fifty places
         fits noise at one of them better than what has two."""
-        places = self.alike(one.claim).get(one.claim.physics.name, 1)
-        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(places)
+        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,15 +119,17 @@ def scan(
 ) -> tuple[list[Candidate], Looked]:
     """All candidates with their gains, best first, and how many places were looked at."""
     rough = _likely_orders(scenes, linear) if only is None else None
-    keys: set[tuple[object, ...]] = set()
     kinds: dict[str, Counter[str]] = {"waves": Counter(), "teeth": Counter(), "whole": Counter()}
+    keys: set[tuple[object, ...]] = set()
+    shapes: set[tuple[object, ...]] = set()
     groups: list[list[Claim]] = [[]]
     for physics, place in all_places(model) if only is None else only:
+        kind = "waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"
         key = Claim(physics=physics, place=place, values=()).key
-        if key not in keys:
-            keys.add(key)
-            kind = "waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"
-            kinds[kind][physics.name] += 1
+        shape = (*key, place.shape if kind == "teeth" else ())
+        kinds[kind][physics.name] += shape not in shapes
+        keys.add(key)
+        shapes.add(shape)
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
@@ -145,7 +144,7 @@ def scan(
     held = [group for group in groups if group]
     weighed = each(lambda group: _weigh(model, scenes, linear, group, roughly=True), held)
     found = sorted((one for group in weighed for one in group), key=lambda one: -one.gain)
-    return found, Looked(**kinds)
+    return found, Looked(**kinds, own=Counter(str(key[0]) for key in keys))
 
 
 def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[int]]:
