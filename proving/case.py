@@ -211,6 +211,8 @@ def _items(
     items: list[dict[str, Any]] = []
     for effect in effects:
         item = truth(rig, effect, made.chain, made.conditions)
+        if "tooth" in item and not numbered(made, effect.gear):
+            item |= {"tooth": None, "encoder_deg": None, "hidden_tooth": item["tooth"]}
         before, about = (base, limit) if effect in bends else (bent, within)
         s = whitened(before, about, effect)
         others = [signal for one, signal in zip(rest, signals, strict=True) if one is not effect]
@@ -222,6 +224,13 @@ def _items(
         item["rivals"] = [one.told() for one in rivals(before, about, effect)]
         items.append(item)
     return items
+
+
+def numbered(made: Recipe, gear: int) -> bool:
+    """Whether anything tells the teeth of gear 1 or 2 apart: a zero, an inspection, a declared eccentricity, or at
+    least an encoder on their shaft. The driving shaft is not read where the rig computes the transmission error."""
+    read = gear == 2 or made.chain.column == "angles"
+    return read or made.chain.known or made.inspected or made.eccentric[gear - 1] is not None
 
 
 def _depth(made: Recipe, base: Rig, rig: Rig, limit: Limit, over: float) -> dict[str, Any]:

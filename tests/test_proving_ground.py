@@ -9,11 +9,13 @@ from collections import Counter
 from dataclasses import replace
 from math import cos, gcd, pi, radians, sqrt
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from proving.case import _limit, make, whitened
+from proving.case import _limit, make, numbered, whitened
 from proving.chain import Chain, Condition, motion, te
 from proving.drawn import PAIRS, draw, make_pair
 from proving.effects import CATALOGUE, Effect, apply, truth
@@ -363,3 +365,18 @@ def test_index_deviation_is_normal_while_the_grade_is_an_arc() -> None:
     p = apply(ideal(PAIR), wave).teeth_1.p
     assert np.ptp(p) / cos(radians(20)) == pytest.approx(4.0 / cos(radians(20)), rel=1e-9)
     assert p == pytest.approx(2.0 * np.cos(2 * pi * np.arange(18) / 18))
+
+
+@pytest.mark.parametrize(
+    ("gear", "more", "told"),
+    [(1, {}, False), (2, {}, True), (1, {"column": "angles"}, True), (1, {"known": True}, True),
+     (1, {"inspected": True}, True), (1, {"eccentric": ((20.0, 30.0), None)}, True),
+     (1, {"eccentric": (None, (20.0, 30.0))}, False)],
+)  # fmt: skip
+def test_a_tooth_has_no_number_where_nothing_gives_it_one(gear: int, more: dict[str, Any], told: bool) -> None:
+    """The driving shaft of a rig that computes the transmission error is not read: its teeth are told apart by a zero,
+    a sheet or an eccentricity, or not at all."""
+    facts = {"column": "te_um", "known": False, "inspected": False, "eccentric": (None, None)} | more
+    chain = Chain(column=facts["column"], known=facts["known"])
+    made: Any = SimpleNamespace(chain=chain, inspected=facts["inspected"], eccentric=facts["eccentric"])
+    assert numbered(made, gear) is told
