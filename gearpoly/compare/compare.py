@@ -18,6 +18,7 @@ from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
+from gearpoly.compare.stated import refuse_twins, speed_remarks
 from gearpoly.compare.template import Template, templates_of
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
@@ -83,6 +84,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         if one.size < LEAST_SAMPLES:
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
+    refuse_twins(cleaned)
     torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
     stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
@@ -264,6 +266,7 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
             out.append(
                 f"recording {k}: the torque varies by {spread:.3g} N.m rms; the simulation takes {one.torque / NM:g}"
             )
+    out += speed_remarks(aligned)
     wrong = alignment.contradicted
     if wrong is not None:
         places = [
