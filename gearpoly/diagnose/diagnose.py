@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.errors import GearpolyError
@@ -37,6 +37,10 @@ from gearpoly.units import FloatArray
 SHAPE_DOUBT = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
 formulas, and another shape would put its edge elsewhere."""
+
+FOREIGN = 2.0
+"""Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
+noise."""
 
 Step = Callable[[str], None]
 
@@ -226,10 +230,19 @@ def _held_out_by(model: Model, *, jumped: bool) -> str:
 
 
 def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear]) -> tuple[str, ...]:
-    out = contradicted(search)
+    out = [*contradicted(search), *_of_another_pair(search)]
     for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
         needed = built[gear].grade_needed
         if section.inspection is None and section.grade is not None and (needed is None or needed > section.grade):
             shown = "no grade" if needed is None else f"grade {needed}"
             out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
     return tuple(out)
+
+
+def _of_another_pair(search: Search) -> Iterator[str]:
+    """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
+    claims, left = len(search.model.claims), search.linear.system.whiteness
+    if claims >= MOST or left > FOREIGN:
+        noise = f"what repeats is still {math.sqrt(max(left - 1.0, 0.0)):.1f} times the noise"
+        begun = f"with {claims} named, {noise}" if claims else f"nothing is named, and {noise}"
+        yield f"{begun}: perhaps the pair file is of another pair, or of another state of this one"
