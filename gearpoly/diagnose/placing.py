@@ -95,6 +95,8 @@ def off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         return 0
     trial, columns = _shortened(model, foreign)
     fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+    # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
+    fit.share()
     scenes, pair = fit.scenes, fit.scenes[0].pair
     period = math.lcm(*(gear.z for gear in model.scope.gears))
     places = np.arange(period)

@@ -23,6 +23,9 @@ ECHO = 0.004
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
 
+ALONG = 0.1
+"""Part of what is seen of an effect below which it hardly changes along recordings."""
+
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
 
@@ -114,9 +117,11 @@ class Weigh(Fit):
         is far more than the simulation leaves, which reaches the effect by the other part: what would be known of it
         were the teeth quite open.
         """
-        least = max(FAINT if self.moves(one) else 0.0, ECHO * self.largest)
+        least, echo = max(FAINT, ECHO * self.largest), ECHO * self.largest
         if self.size(one) > least or one.gain <= 0.0:
             return least
+        if self.size(one) > echo and not self.moves(one):
+            return echo
         columns, system = self.beside(one)
         amplitudes = np.array(one.claim.values[: one.claim.physics.amplitudes])
         information = system.information(columns)
@@ -135,7 +140,7 @@ class Weigh(Fit):
         mine = next((made for made in self.model.claims if made.key == one.claim.key), None)
         effect = self.model.change(self.scenes, one.claim, one.claim.values, but=mine)
         squares = sum(part.size * float(np.var(part)) for part in effect)
-        return math.sqrt(squares / self.linear.system.samples) > self.size(one)
+        return math.sqrt(squares / self.linear.system.samples) > ALONG * self.size(one)
 
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
