@@ -16,6 +16,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.scan import scan
+from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.way import misfit_at
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
@@ -74,6 +75,20 @@ def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
     assert misfits["on top"] > misfits["joined"] + 1000.0
 
 
+def test_places_are_counted_whatever_is_claimed_already(begun: Fit) -> None:
+    """Or a claim would have to beat fewer of its like when it is asked for again."""
+    found, before = scan(begun.model, begun.scenes, begun.linear)
+    kept = begun.kept()
+    begun.join([next(c.claim for c in found if c.claim.physics.name == "profile_slope")])
+    begun.linear = begun.linearised()
+    _, after = scan(begun.model, begun.scenes, begun.linear)
+    begun.restore(kept)
+    assert after == before
+    teeth = sum(gear.z for gear in begun.model.scope.gears)
+    assert before.own["tooth_spall"] == teeth < before.teeth["tooth_spall"]
+    assert before.whole["profile_slope"] == 2
+
+
 def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
     """What shows to first order is how much both gears lean apart; a shorter centre distance explains less of it."""
     known, recordings = leaning()
@@ -96,6 +111,7 @@ class Ends:
 
     def __init__(self, ends: dict[str, float], *, broken: str = "", graded: bool = False) -> None:
         self.ends, self.broken, self.noises = ends, broken, None
+        self.asked: list[str] = []
         gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
         self.model = SimpleNamespace(claims=[named("first")], as_built=SimpleNamespace(gears=gears))
 
@@ -125,9 +141,26 @@ class Ends:
     def significant(self, one: Any) -> bool:
         return bool(one.gain > 20.0)
 
+    def _withdrawn(self, k: int) -> bool:
+        me: Any = self
+        return Search._withdrawn(me, k)
+
+    def declared_law(self) -> None:
+        self.asked.append("declared_law")
+
+    def choose_law(self) -> None:
+        self.asked.append("choose_law")
+
+    def share(self) -> None:
+        self.asked.append("share")
+
+    def drop_idle(self) -> None:
+        self.asked.append("drop_idle")
+
 
 def named(key: str) -> Any:
-    return SimpleNamespace(key=key, physics=SimpleNamespace(name=key, mean_tooth=True), values=(1.0,))
+    physics = SimpleNamespace(name=key, mean_tooth=True)
+    return SimpleNamespace(key=key, physics=physics, place=SimpleNamespace(gear=0), values=(1.0,))
 
 
 @pytest.mark.parametrize(
@@ -153,11 +186,24 @@ def test_what_fits_best_stands(
     [(119.0, True, "", False), (121.0, True, "", True), (119.0, False, "", True), (119.0, True, "nothing", True)],
 )
 def test_a_claim_goes_where_teeth_of_a_grade_fit_without_it(
-    nothing: float, graded: bool, broken: str, stands: bool, monkeypatch: pytest.MonkeyPatch
+    nothing: float, graded: bool, broken: str, stands: bool
 ) -> None:
     """What counts is by how much the fit is worse that settled without it, a gain of 19 or of 21. Teeth that were
     inspected do not wander off, and a pair that cannot turn without the claim needs it."""
-    monkeypatch.setattr("gearpoly.diagnose.contest._likenesses", lambda search, k: iter(()))
     search: Any = Ends({"first": 100.0, "nothing": nothing}, graded=graded, broken=broken)
-    contest(search)
+    Search.withdraw(search)
     assert [one.key for one in search.model.claims] == (["first"] if stands else [])
+    # What was believed beside it only is asked for again.
+    assert search.asked == ([] if stands else ["declared_law", "choose_law", "share", "drop_idle"])
+
+
+def test_of_several_claims_each_is_fitted_without() -> None:
+    """The last first, so that the places of the others stay."""
+    search: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 100.0}, graded=True)
+    search.model.claims = [named("first"), named("second")]
+    Search.withdraw(search)
+    assert not search.model.claims
+    pair: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 130.0}, graded=True)
+    pair.model.claims = [named("first"), named("second")]
+    Search.withdraw(pair)
+    assert [one.key for one in pair.model.claims] == ["first"]

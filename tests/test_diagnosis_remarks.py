@@ -22,9 +22,9 @@ def ended(claims: int, left: float) -> Any:
     [
         (0, 1.02, None),
         (3, 1.3, None),
-        (MOST, 1.1, f"with {MOST} named, what repeats is still 0.3 times the noise"),
-        (1, 10.0, "with 1 named, what repeats is still 3.0 times the noise"),
-        (0, 5.0, "nothing is named, and what repeats is still 2.0 times the noise"),
+        (MOST, 1.1, f"{MOST} physics are named: perhaps"),
+        (1, 10.0, "1 physics are named, and 3.0 times the noise is left"),
+        (0, 5.0, "nothing is named, and 2.0 times the noise is left"),
     ],
 )
 def test_the_pair_is_doubted_where_its_physics_do_not_end(claims: int, left: float, says: str | None) -> None:

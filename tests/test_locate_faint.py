@@ -153,12 +153,13 @@ def test_a_train_that_chance_might_make_still_decides_with_one_that_it_would_not
 ) -> None:
     """Where a train over time is no chance find, and one over angle at the same place nearly none, what turns is the
     likelier; where it is 3.5 in log chance behind, odds of 33, it is not."""
-    log_false = iter((angle, time))
+    log_false, places = iter((angle, time)), list[float]()
 
     def found(*given: object, **more: object) -> Train | None:
         # The threshold is loosened by as much as may be made up for.
         later = next(log_false) - 0.5 * TIE
-        train = Train(frequency=0.0831, count=3, recordings=(0,), log_false=later)
+        places.append(0.0831 if not places else 0.0831 / search.pace)
+        train = Train(frequency=places[-1], count=3, recordings=(0,), log_false=later)
         return train if later < 0.0 else None
 
     monkeypatch.setattr("gearpoly.compare.faint.find_train", found)
@@ -168,3 +169,14 @@ def test_a_train_that_chance_might_make_still_decides_with_one_that_it_would_not
     (peaks,) = faint_waves([search], [noise.whitened(data.residual)], [noise])
     assert {peak.domain for peak in peaks} == ({named} if named else set())
     assert all(peak.log_false == min(angle, time) for peak in peaks)
+
+
+def test_trains_of_different_waves_decide_each_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = made(1)
+    search = LineSearch(u=data.u, time=data.time_s, z_1=18, z_2=25)
+    noise = estimate_noise(data.u, data.residual, z_1=18, z_2=25)
+    found = ((0.0831, 0.5), (0.1173 / search.pace, -1.0))
+    trains = (Train(frequency=f, count=3, recordings=(0,), log_false=p - 0.5 * TIE) for f, p in found)
+    monkeypatch.setattr("gearpoly.compare.faint.find_train", lambda *given, **more: next(trains))
+    (peaks,) = faint_waves([search], [noise.whitened(data.residual)], [noise])
+    assert {peak.domain for peak in peaks} == {"time"}

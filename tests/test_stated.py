@@ -19,7 +19,7 @@ def turning(rpm: float, *, stated: float | None, scale: float = 1.0, backwards: 
     """Twenty turns at ``rpm``, angles written down ``scale`` times as large."""
     time = TURNS / (2.0 * math.pi) * 60.0 / rpm
     return SimpleNamespace(
-        cleaned=SimpleNamespace(recording=SimpleNamespace(speed_rpm=stated)),
+        cleaned=SimpleNamespace(recording=SimpleNamespace(speed_rpm=stated), ratio=0.72),
         theta_1=scale * (TURNS[::-1] if backwards else TURNS),
         time_s=time,
     )
@@ -34,6 +34,9 @@ def turning(rpm: float, *, stated: float | None, scale: float = 1.0, backwards: 
         (turning(30.0, stated=45.0), "turns at 30 rpm"),
         (turning(30.0, stated=30.0, scale=math.pi / 180.0), "are the angles in rad?"),
         (turning(30.0, stated=0.5), "is the speed in Hz?"),
+        (turning(30.0, stated=math.pi), "is the speed in rad/s?"),
+        (turning(30.0, stated=21.6), "is it the driven shaft's?"),
+        (turning(30.0, stated=0.0), None),
     ],
 )
 def test_a_speed_that_angles_and_times_contradict_is_told(one: Any, says: str | None) -> None:
@@ -53,10 +56,12 @@ def test_a_recording_without_times_says_nothing_of_its_speed() -> None:
 def test_a_recording_given_twice_is_refused() -> None:
     """Another of the same length is not the same, nor is the same rotation with other noise."""
 
-    def cleaned(name: str, te: np.ndarray) -> Any:
-        return SimpleNamespace(size=te.size, te=te, theta_2=TURNS, recording=SimpleNamespace(source=name))
+    def cleaned(name: str, te: np.ndarray, torque: float = 5.0) -> Any:
+        stated = SimpleNamespace(source=name, torque_nm=torque, speed_rpm=None, flank="drive")
+        return SimpleNamespace(size=te.size, te=te, theta_2=TURNS, recording=stated)
 
     noise = np.random.default_rng(2).normal(size=(2, TURNS.size))
     refuse_twins([cleaned("a.csv", noise[0]), cleaned("b.csv", noise[1])])
+    refuse_twins([cleaned("a.csv", noise[0]), cleaned("b.csv", noise[0], torque=10.0)])  # of rigid teeth, simulated
     with pytest.raises(InputFileError, match=r"c\.csv.*the same samples as a\.csv.*once"):
         refuse_twins([cleaned("a.csv", noise[0]), cleaned("b.csv", noise[1]), cleaned("c.csv", noise[0].copy())])

@@ -20,7 +20,7 @@ VALUES = (2.0, -1.0, 0.4)
 def test_drifts_are_looked_for_in_each_recording_and_in_all_that_do_not_wander() -> None:
     scope = replace(scope_of(base()[0]), torques=(0.0, 0.0, 0.0), wanders=())
     places = [place.recordings for place in DRIFT.places(scope)]
-    assert places == [(0,), (1,), (2,), (0, 1, 2)]
+    assert places == [(0,), (1,), (2,), (0, 1), (0, 2), (1, 2), (0, 1, 2)]
     places = [place.recordings for place in DRIFT.places(replace(scope, wanders=(False, True, False)))]
     assert places == [(0,), (2,), (0, 2)]
     assert [p.recordings for p in DRIFT.places(replace(scope, torques=(0.0,)))] == [(0,)]
@@ -44,10 +44,13 @@ def test_a_drift_of_all_is_the_sum_of_one_in_each() -> None:
     assert written.measurement.thermal_drift_um == ((3.5, -1.0, 0.4), (), (2.5, -1.0, 0.5))
 
 
-def test_the_verdict_names_the_recording_only_where_it_is_one() -> None:
+def test_of_many_recordings_one_drifts_or_all() -> None:
+    scope = replace(scope_of(base()[0]), torques=(0.0,) * 6, wanders=())
+    assert [place.recordings for place in DRIFT.places(scope)] == [*((k,) for k in range(6)), tuple(range(6))]
+
+
+def test_it_says_which_recordings_drift() -> None:
     one = claim_of("thermal_drift")
-    assert "recording" in DRIFT.report(one.place, np.array(VALUES), np.eye(3))
-    both = replace(one, place=Place(recordings=(0, 1)))
-    assert "recording" not in DRIFT.report(both.place, np.array(VALUES), np.eye(3))
-    assert "recording 0" in one.says
-    assert "every recording" in both.says
+    some = replace(one, place=Place(recordings=(0, 2, 3)))
+    assert "recording 0 " in one.says
+    assert "recordings 0, 2 and 3, alike," in some.says

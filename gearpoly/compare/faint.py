@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.lines import TIE, Domain, LineSearch, Peak
+from gearpoly.compare.lines import APART, TIE, Domain, LineSearch, Peak
 from gearpoly.compare.noise import Noise
 from gearpoly.units import BoolArray, FloatArray
 
@@ -67,16 +67,35 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
             found.append(_peaks(train, domain, searches, whites, noises))
     # Lines beside an order of a shaft may fall to it once they are placed.
     found = [peaks for peaks in found if any(peaks)]
-    if all(one.log_false >= 0.0 for peaks in found for mine in peaks for one in mine):
+    if len(found) == 2 and not _share_a_line(searches, *found):
+        found.sort(key=_log_false)
+        del found[1]
+    if not found or min(map(_log_false, found)) >= 0.0:
         return [[] for _ in searches]
     if len(found) == 1:
         return found[0]
     # What turns is likelier than what is fixed in time where both explain it alike, but for hum.
-    angle, time = ([one for mine in peaks for one in mine] for peaks in found)
-    ahead = 2.0 * (angle[0].log_false - time[0].log_false)
-    first = 1 if ahead > TIE or (ahead > -TIE and any(one.leads and one.hum for one in time)) else 0
-    log_false = min(angle[0].log_false, time[0].log_false)
-    return [[replace(one, rival=one.gain - abs(ahead), log_false=log_false) for one in mine] for mine in found[first]]
+    angle, time = map(_log_false, found)
+    ahead = 2.0 * (angle - time)
+    hums = any(one.leads and one.hum for mine in found[1] for one in mine)
+    first = 1 if ahead > TIE or (ahead > -TIE and hums) else 0
+    return [
+        [replace(one, rival=one.gain - abs(ahead), log_false=min(angle, time)) for one in mine] for mine in found[first]
+    ]
+
+
+def _log_false(peaks: list[list[Peak]]) -> float:
+    return next(one.log_false for mine in peaks for one in mine)
+
+
+def _share_a_line(searches: list[LineSearch], angle: list[list[Peak]], time: list[list[Peak]]) -> bool:
+    """Whether two trains, over angle and over time, are of the same waves: at the mean speed one line is."""
+    return any(
+        abs(search.per_mesh(one) - search.per_mesh(other)) * search.span < APART
+        for search, mine, others in zip(searches, angle, time, strict=True)
+        for one in mine
+        for other in others
+    )
 
 
 def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArray], share: float) -> Train | None:

@@ -35,8 +35,6 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     Teeth as built have settled beside a claim, and where pairs hand over has moved with it, so columns drawn about it
     say too little of what is like it.
     """
-    for k in reversed(range(len(search.model.claims))):
-        _withdrawn(search, k)
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
         if not search.model.claims[k].physics.mean_tooth:
@@ -62,30 +60,6 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
         search.restore(best)
         out[stands.key] = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
     return out
-
-
-def _withdrawn(search: Search, k: int) -> None:
-    """Take claim ``k`` about all teeth back where teeth of a grade, fitted without it, leave no more than chance would.
-
-    Beside the claim they had settled for it, and where unloaded teeth touch had moved with it: to first order nothing
-    can stand in its place, and a fit that had come to rest too early is taken for a claim.
-    """
-    claim, model = search.model.claims[k], search.model
-    if not claim.physics.mean_tooth or not any(gear.graded for gear in model.as_built.gears):
-        return
-    begun = search.kept()
-    search.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
-    try:
-        search.join([], instead=k)
-        search.settle()
-        search.relax()
-    except GearpolyError:
-        search.restore(begun)
-        return
-    freedoms = len(claim.values)
-    lost = 2.0 * freedoms - search.gained(begun)
-    if search.significant(Candidate(claim=claim, gain=lost, freedoms=freedoms)):
-        search.restore(begun)
 
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:

@@ -243,6 +243,6 @@ def _of_another_pair(search: Search) -> Iterator[str]:
     """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
     claims, left = len(search.model.claims), search.linear.system.whiteness
     if claims >= MOST or left > FOREIGN:
-        noise = f"what repeats is still {math.sqrt(max(left - 1.0, 0.0)):.1f} times the noise"
-        begun = f"with {claims} named, {noise}" if claims else f"nothing is named, and {noise}"
-        yield f"{begun}: perhaps the pair file is of another pair, or of another state of this one"
+        named = f"{claims} physics are named" if claims else "nothing is named"
+        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > FOREIGN else ""
+        yield f"{named}{more}: perhaps the pair file is of another pair, or of another state of this one"

@@ -42,9 +42,9 @@ EVALUATIONS = 18
 
 @dataclass(frozen=True, kw_only=True)
 class Looked:
-    """How many places every physics was looked for at, by its name: ``waves`` of all orders, single ``teeth``, and
-    ``whole`` gears or pairs; ``own`` whatever shapes were tried there. Shapes are freedoms, but where on its flank a
-    tooth is pitted is a place of its own where chance is asked for."""
+    """How many places every physics was looked for at, by its name, those of claims among them: ``waves`` of all
+    orders, single ``teeth``, and ``whole`` gears or pairs, every shape that was tried there counted (where on its flank
+    a tooth is pitted, at which frequency a pair resounds); ``own`` counts none but the places."""
 
     waves: Mapping[str, int] = field(default_factory=dict)
     teeth: Mapping[str, int] = field(default_factory=dict)
@@ -105,13 +105,17 @@ def _allowed(physics: Physics, amplitude: FloatArray) -> bool:
     return all(q.low <= a <= q.high * 1.5 for q, a in zip(physics.coordinates, amplitude.tolist(), strict=False))
 
 
+def every_place(model: Model) -> Iterator[tuple[Physics, Place]]:
+    """Every physics at every place."""
+    return ((physics, place) for physics in model.method.physics for place in physics.places(model.scope))
+
+
 def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:
     """Every physics at every place, but for claims that were made."""
     taken = {claim.key for claim in model.claims}
-    for physics in model.method.physics:
-        for place in physics.places(model.scope):
-            if Claim(physics=physics, place=place, values=()).key not in taken:
-                yield physics, place
+    for physics, place in every_place(model):
+        if Claim(physics=physics, place=place, values=()).key not in taken:
+            yield physics, place
 
 
 def scan(
@@ -121,15 +125,14 @@ def scan(
     rough = _likely_orders(scenes, linear) if only is None else None
     kinds: dict[str, Counter[str]] = {"waves": Counter(), "teeth": Counter(), "whole": Counter()}
     keys: set[tuple[object, ...]] = set()
-    shapes: set[tuple[object, ...]] = set()
+    taken = {claim.key for claim in model.claims}
     groups: list[list[Claim]] = [[]]
-    for physics, place in all_places(model) if only is None else only:
-        kind = "waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"
+    for physics, place in every_place(model) if only is None else only:
         key = Claim(physics=physics, place=place, values=()).key
-        shape = (*key, place.shape if kind == "teeth" else ())
-        kinds[kind][physics.name] += shape not in shapes
+        kinds["waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"][physics.name] += 1
         keys.add(key)
-        shapes.add(shape)
+        if key in taken:
+            continue
         if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))

@@ -78,6 +78,7 @@ class Search(Weigh):
             else:
                 self.restore(end)
                 self.looked = looked
+        self.withdraw()
         self.widen()
         return found
 
@@ -216,6 +217,42 @@ class Search(Weigh):
             if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
                 self.restore(before)
             return
+
+    def withdraw(self) -> None:
+        """Take back claims about all teeth of a gear without which teeth of a grade fit hardly worse, and what was
+        believed beside them only.
+
+        Teeth had settled for the claim, and where unloaded ones touch had moved with it: to first order nothing can
+        stand in its place, and a fit that had come to rest too early is taken for a claim.
+        """
+        if not any(gear.graded for gear in self.model.as_built.gears):
+            return
+        gone = [self._withdrawn(k) for k in reversed(range(len(self.model.claims)))]
+        if any(gone):
+            self.declared_law()
+            self.choose_law()
+            self.share()
+            self.drop_idle()
+
+    def _withdrawn(self, k: int) -> bool:
+        """Whether claim ``k`` was taken back, all fitted again without it."""
+        claim, begun = self.model.claims[k], self.kept()
+        if not claim.physics.mean_tooth or claim.place.gear is None:
+            return False
+        self.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
+        try:
+            self.join([], instead=k)
+            self.settle()
+            self.relax()
+        except GearpolyError:
+            self.restore(begun)
+            return False
+        few = len(claim.values)
+        lost = 2.0 * few - self.gained(begun)
+        if self.significant(Candidate(claim=claim, gain=lost, freedoms=few)):
+            self.restore(begun)
+            return False
+        return True
 
     def drop_idle(self) -> None:
         """Take back claims that no longer gain more than chance would, weakest first."""

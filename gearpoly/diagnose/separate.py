@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -131,10 +131,18 @@ def effects(
     model: Model, scenes: Sequence[Scene], claim: Claim, *, reverse: Sequence[bool], but: Claim | None = None
 ) -> list[FloatArray]:
     """What a claim does (n_k,) in mm in every scene; what friction does turns with the rotation."""
-    found = model.change(list(scenes), claim, claim.values, but=but)
+    found = model.change([_as_recorded(model, scene, claim) for scene in scenes], claim, claim.values, but=but)
     if claim.physics.name != "friction":
         return found
     return [-change if back else change for change, back in zip(found, reverse, strict=True)]
+
+
+def _as_recorded(model: Model, scene: Scene, claim: Claim) -> Scene:
+    """The scene, but that what every recording showed the next one shows too: where all began cold, it will."""
+    every = claim.place.recordings
+    if scene.samples.number < model.scope.conditions or len(every) < model.scope.conditions:
+        return scene
+    return replace(scene, samples=replace(scene.samples, number=every[0]))
 
 
 def would_separate(

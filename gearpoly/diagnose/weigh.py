@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -54,7 +55,7 @@ class Weigh(Fit):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        if physics.slow and one.gain < self.stepped():
+        if physics.slow and one.gain < self.stepped(one.claim.place.recordings):
             return False
         return self.size(one) > self.law_floor(one) and self.size(one) > self.least(one)
 
@@ -74,18 +75,22 @@ class Weigh(Fit):
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
         return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
 
-    def stepped(self) -> float:
-        """Gain of the best step in any recording. What happens at once looks like something slow, and is not."""
-        best = 0.0
+    def stepped(self, recordings: Sequence[int] = ()) -> float:
+        """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
+        something slow, and is not. Every step but the first costs its freedom and the choice of its moment."""
+        gains = [0.0]
         for k, observed in enumerate(self.model.observed):
+            if recordings and k not in recordings:
+                continue
             n = observed.samples.size
             moments = np.linspace(0, n, STEPS + 2)[1:-1]
             steps = (np.arange(n)[:, None] >= moments).astype(np.float64)
             score, information = self.linear.system.beside([self.linear.sums(k, steps)])
             known = np.diag(information)
             told = known > KNOWN * np.max(known, initial=0.0)
-            best = max(best, float(np.max(score[told] ** 2 / known[told], initial=0.0)))
-        return best
+            gains.append(float(np.max(score[told] ** 2 / known[told], initial=0.0)))
+        best, *others = sorted(gains, reverse=True)
+        return best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
 
     def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import combinations
 
 import numpy as np
 
@@ -11,16 +12,19 @@ from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Val
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
+MANY = 4
+"""Recordings up to which any number of them may drift alike."""
+
 TERMS = 3
 """Legendre polynomials over a recording: a ramp, a bow, an S. What is faster is no warming."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
     steady = tuple(k for k in range(scope.conditions) if not (scope.wanders and scope.wanders[k]))
-    yield from (Place(recordings=(k,)) for k in steady)
-    if len(steady) > 1:
-        # All began cold.
-        yield Place(recordings=steady)
+    for count in range(1, len(steady) + 1):
+        # Those that began cold drift alike; of many recordings all or one.
+        if count in (1, len(steady)) or len(steady) <= MANY:
+            yield from (Place(recordings=some) for some in combinations(steady, count))
 
 
 def _curve(values: Values, along: FloatArray) -> FloatArray:
@@ -46,7 +50,9 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 
 def _named(recordings: tuple[int, ...]) -> str:
-    return f"recording {recordings[0]}" if len(recordings) == 1 else "every recording alike"
+    if len(recordings) == 1:
+        return f"recording {recordings[0]}"
+    return f"recordings {', '.join(map(str, recordings[:-1]))} and {recordings[-1]}, alike,"
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
@@ -58,10 +64,7 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
     row = columns[top] - columns[bottom]
     size = float(curve[top] - curve[bottom])
     std = float(np.sqrt(max(float(row @ covariance @ row), 0.0)))
-    out = {"amplitude_um": (size, std)}
-    if len(place.recordings) == 1:
-        out["recording"] = (float(place.recordings[0]), 0.0)
-    return out
+    return {"amplitude_um": (size, std)}
 
 
 PHYSICS = Physics(

@@ -171,7 +171,7 @@ def _note(done: list[Deed], what: str, count: int, says: str) -> None:
 
 
 def _too_short(recording: Recording, found: str) -> InputFileError:
-    wish = f"want at least {TURNS_LEAST:g} driving turns at speed; record longer"
+    wish = f"want at least {TURNS_LEAST:g} driving turns at speed, angles in deg; record longer"
     return InputFileError(recording.source, found=found, wish=wish)
 
 

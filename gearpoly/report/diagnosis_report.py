@@ -96,6 +96,8 @@ def _place_json(one: Finding) -> dict[str, Any]:
         out |= {"tooth": one.tooth, "encoder_deg": one.encoder_deg}
     if place.flank is not None and place.flank != "drive":
         out["flank"] = place.flank
+    if place.recordings:
+        out["recordings"] = list(place.recordings)
     return out
 
 
@@ -106,6 +108,8 @@ def _rival_json(rival: Rival) -> dict[str, Any]:
         out["gear"] = place.gear_name
     if place.tooth is not None:
         out["tooth"] = place.tooth
+    if place.recordings:
+        out["recordings"] = list(place.recordings)
     out["parameters"] = {name: {"value": value} for name, (value, _) in rival.parameters.items()}
     return out
 
