@@ -180,3 +180,26 @@ def test_trains_of_different_waves_decide_each_for_itself(monkeypatch: pytest.Mo
     monkeypatch.setattr("gearpoly.compare.faint.find_train", lambda *given, **more: next(trains))
     (peaks,) = faint_waves([search], [noise.whitened(data.residual)], [noise])
     assert {peak.domain for peak in peaks} == {"time"}
+
+
+def test_lines_at_orders_of_the_shafts_are_no_lines_of_a_train() -> None:
+    """Of eight harmonics in two recordings six lines lie at orders. Ten of 4.4 times noise's mean have a chance of
+    1e-10 (Gamma of 10), of sixteen that hold no more 1e-6, which 36 000 sums over 0.002 make likely."""
+    rng = np.random.default_rng(11)
+    none = np.zeros(2000, dtype=bool)
+    chances = [-rng.exponential(size=2000) for _ in range(2)]
+    for chance in chances:
+        chance[120:961:120] = -4.4
+        chance[[480, 600, 960]] = 0.0
+    found = find_train(chances, step=0.5, repeats=[none, none], share=0.002)
+    assert found is not None
+    assert found.frequency * 2.0 == pytest.approx(120.0)
+    for chance in chances:
+        chance[[480, 600, 960]] = -1e-3
+    assert find_train(chances, step=0.5, repeats=[none, none], share=0.002) is None
+
+
+def test_one_line_is_no_train_though_all_others_lie_at_orders() -> None:
+    chance = np.zeros(2000)
+    chance[500] = -40.0
+    assert find_train([chance], step=0.5, repeats=[np.zeros(2000, dtype=bool)], share=0.002) is None

@@ -100,14 +100,16 @@ def _share_a_line(searches: list[LineSearch], angle: list[list[Peak]], time: lis
 
 def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArray], share: float) -> Train | None:
     """The train that noise would least make in spectra of which each place, ``step`` apart, has the log chance (m_k,)
-    that noise exceeds it; ``None`` where noise makes its like with more than chance ``share`` anywhere. ``repeats``
+    that noise exceeds it, 0 where nothing is looked for; ``None`` where noise makes its like with more than chance
+    ``share`` anywhere. ``repeats``
     (m_k,) marks what repeats with the pair: a train that owes more than half to it is the pair's own.
 
     Minus log chances are exponential in noise, so sums of q of them follow Gamma(q) (Fisher 1925); every fundamental
     that is tried counts as a test (union bound), though neighbours are hardly two.
     """
-    alone = [(k,) for k in range(len(chances))]
-    sets = [*alone, tuple(range(len(chances)))] if len(chances) > 1 else alone
+    sets: list[tuple[int, ...]] = [(k,) for k in range(len(chances))]
+    if len(chances) > 1:
+        sets.append(tuple(range(len(chances))))
     best: Train | None = None
     for recordings in sets:
         size = min(chances[k].size for k in recordings)
@@ -121,12 +123,13 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
                 at = np.rint(first * (h / count)).astype(np.int64)
                 lines += [-chances[k][at] for k in recordings]
                 own -= np.sum([np.where(repeats[k][at], chances[k][at], 0.0) for k in recordings], axis=0)
+            # Lines at orders of the shafts say nothing, and are none.
+            free = np.sum([line > 0.0 for line in lines], axis=0)
             total, largest = np.sum(lines, axis=0), np.max(lines, axis=0)
             tests = math.log(first.size * len(HARMONICS) * len(sets) / share)
-            log_false = tests + np.log(np.maximum(gammaincc(len(lines), total), TINY))
-            log_false[
-                (gammaincc(len(lines) - 1, total - largest) > OTHERS) | (own > (0.5 if count > 1 else 1.0) * total)
-            ] = 0.0
+            log_false = tests + np.log(np.maximum(gammaincc(np.maximum(free, 1), total), TINY))
+            alone = (free < 2) | (gammaincc(np.maximum(free - 1, 1), total - largest) > OTHERS)
+            log_false[alone | (own > (0.5 if count > 1 else 1.0) * total)] = 0.0
             place = int(np.argmin(log_false)) if first.size else 0
             if first.size and log_false[place] < min(0.0, best.log_false if best is not None else 0.0):
                 best = Train(
