@@ -68,6 +68,9 @@ class Walk(Search):
     def gained(self, kept: Any) -> float:
         return self.worths[kept[0]["here"]] - self.worths[self.here]
 
+    def withdraw(self) -> None:
+        pass
+
     def widen(self) -> None:
         pass
 

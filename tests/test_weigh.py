@@ -143,3 +143,18 @@ def test_a_slow_change_pays_between_the_blocks_that_were_seen(
     weigh.model.observed[0].fit, weigh.model.observed[0].jumps = np.arange(N) < N // 2, ()
     candidate = SimpleNamespace(claim=SimpleNamespace(physics=catalogue()["thermal_drift"]))
     assert weigh.pays(candidate) is pays
+
+
+def test_teeth_are_not_claimed_one_by_one_for_what_a_grade_leaves_open_to_all() -> None:
+    """Of a misfit that is mostly such a form of all teeth, a tooth's pit has to explain a tenth, not 3 %."""
+    weigh = scales(1.5 * np.random.default_rng(6).normal(0.0, 1.0, N))
+    weigh.model.claims = []
+    beyond = weigh.linear.system.beyond
+    pit = Candidate(claim=claim_of("tooth_spall", Place(gear=0, tooth=4)), gain=0.05 * beyond, freedoms=4)
+    wave = Candidate(claim=claim_of("undulation", Place(gear=0, order=61)), gain=0.05 * beyond, freedoms=2)
+    weigh.formed = 0.0
+    assert weigh.matters(pit)
+    weigh.formed = 0.8 * beyond
+    assert not weigh.matters(pit)
+    assert weigh.matters(wave)
+    assert weigh.matters(Candidate(claim=pit.claim, gain=0.2 * beyond, freedoms=4))

@@ -90,6 +90,7 @@ class Search(Weigh):
         while len(self.model.claims) < MOST:
             self.step(f"looking for what is missing ({len(self.model.claims)} found)")
             found, self.looked = scan(self.model, self.scenes, self.linear)
+            self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
             ones = self.likely(found, refused)
             best = next((one for one in ones if self.matters(one) and self.pays(one)), None)
             if best is None:

@@ -27,6 +27,9 @@ PARTLY, MOSTLY = 0.03, 0.1
 ALONG = 0.1
 """Part of what is seen of an effect below which it hardly changes along recordings."""
 
+HALF = 0.5
+"""The same from which on a form that a grade leaves open is what most of the misfit is."""
+
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
 
@@ -42,6 +45,8 @@ class Weigh(Fit):
     """The fit with the scales on which candidates are weighed; ``looked`` says at how many places."""
 
     looked: Looked = field(default_factory=Looked)
+    formed: float = 0.0
+    """Gain of the best form of all teeth that a grade leaves open."""
 
     def hopeful(self, one: Candidate) -> bool:
         """Whether a candidate may be significant once its shape is polished."""
@@ -49,8 +54,8 @@ class Weigh(Fit):
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
-        physics, gear = one.claim.physics, one.claim.place.gear
-        if physics.mean_tooth and gear is not None and abs(one.claim.values[0]) < self.model.scope.form[gear]:
+        physics = one.claim.physics
+        if self.graded(one):
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
@@ -68,12 +73,21 @@ class Weigh(Fit):
         further = physics.mean_tooth and any(c.physics.mean_tooth for c in self.model.claims)
         if further and physics.shaped:
             gain = max(gain, together(self.model, self.scenes, self.linear, physics)[0])
-        return gain > (MOSTLY if further else PARTLY) * self.linear.system.beyond
+        beyond = self.linear.system.beyond
+        # A form of all teeth that their grade leaves open is not claimed; nor are its likenesses, tooth by tooth.
+        as_one = one.claim.place.tooth is not None and self.formed > HALF * beyond
+        return gain > (MOSTLY if further or as_one else PARTLY) * beyond
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
         level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
         return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
+
+    def graded(self, one: Candidate) -> bool:
+        """Whether what all teeth of a gear have is no more than its grade leaves open."""
+        gear = one.claim.place.gear
+        open_ = self.model.scope.form[gear] if gear is not None and one.claim.physics.mean_tooth else 0.0
+        return abs(one.claim.values[0]) < open_
 
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
