@@ -87,14 +87,15 @@ def claim_of(name: str, place: Place) -> Claim:
 
 def test_every_physics_has_its_part_of_the_family() -> None:
     """Thousands of orders do not outvote the teeth, nor spalls the cracks, nor teeth a few gears: waves, teeth and
-    whole gears have a third each, and their physics equal parts of it. All chances add up to the family's."""
+    whole gears have a third each, and the physics of the latter two equal parts of it. All chances add up to the
+    family's."""
     looked = Looked(
         waves={"encoder_interpolation": 16000, "undulation": 500},
         teeth={"tooth_pitch": 43, "tooth_spall": 86, "tooth_crack": 43},
         whole={"cumulative_pitch": 20, "friction": 1},
     )
     crack = claim_of("tooth_crack", Place(gear=0, tooth=3))
-    assert looked.tests(claim_of("undulation", Place(gear=0, order=61))) == 3 * 2 * 500
+    assert looked.tests(claim_of("undulation", Place(gear=0, order=61))) == 3 * 16500
     assert looked.tests(crack) == 3 * 3 * 43
     assert looked.tests(claim_of("friction", Place())) == 3 * 2
     shares = 0.0

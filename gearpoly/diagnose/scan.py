@@ -53,9 +53,11 @@ class Looked:
 
     def tests(self, claim: Claim) -> int:
         """Places by which the chance of a claim counts: waves, teeth and whole gears have a third of the family's each,
-        and every physics of a kind its equal part of that, or thousands of orders would outvote the teeth, and spalls
-        of all lengths the cracks."""
-        kind = self.waves if claim.physics.wavelike else self.whole if claim.place.tooth is None else self.teeth
+        or thousands of orders would outvote the teeth; and every physics of teeth or of gears an equal part of that, or
+        spalls of all lengths would outvote the cracks. Waves are of one order whatever makes them, and share theirs."""
+        if claim.physics.wavelike:
+            return 3 * max(1, sum(self.waves.values()))
+        kind = self.whole if claim.place.tooth is None else self.teeth
         return 3 * max(1, len(kind)) * kind.get(claim.physics.name, 1)
 
     def worth(self, one: Candidate) -> float:
