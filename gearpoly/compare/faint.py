@@ -85,6 +85,7 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
 
 
 def _log_false(peaks: list[list[Peak]]) -> float:
+    """Log of the expected number of such trains in noise, which all waves of one carry alike."""
     return next(one.log_false for mine in peaks for one in mine)
 
 
@@ -101,8 +102,8 @@ def _share_a_line(searches: list[LineSearch], angle: list[list[Peak]], time: lis
 def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArray], share: float) -> Train | None:
     """The train that noise would least make in spectra of which each place, ``step`` apart, has the log chance (m_k,)
     that noise exceeds it, 0 where nothing is looked for; ``None`` where noise makes its like with more than chance
-    ``share`` anywhere. ``repeats``
-    (m_k,) marks what repeats with the pair: a train that owes more than half to it is the pair's own.
+    ``share`` anywhere. ``repeats`` (m_k,) marks what repeats with the pair: a train that owes more than half to it is
+    the pair's own.
 
     Minus log chances are exponential in noise, so sums of q of them follow Gamma(q) (Fisher 1925); every fundamental
     that is tried counts as a test (union bound), though neighbours are hardly two.

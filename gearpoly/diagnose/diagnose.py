@@ -38,7 +38,7 @@ SHAPE_DOUBT = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
 formulas, and another shape would put its edge elsewhere."""
 
-FOREIGN = 2.0
+DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
 noise."""
 
@@ -242,7 +242,7 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
 def _of_another_pair(search: Search) -> Iterator[str]:
     """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
     claims, left = len(search.model.claims), search.linear.system.whiteness
-    if claims >= MOST or left > FOREIGN:
+    if claims >= MOST or left > DOUBTED:
         named = f"{claims} physics are named" if claims else "nothing is named"
-        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > FOREIGN else ""
+        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
         yield f"{named}{more}: perhaps the pair file is of another pair, or of another state of this one"

@@ -54,13 +54,12 @@ class Weigh(Fit):
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
-        physics = one.claim.physics
         if self.graded(one):
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        if physics.slow and one.gain < self.stepped(one.claim.place.recordings):
+        if one.claim.physics.slow and one.gain < self.stepped(one.claim.place.recordings):
             return False
         return self.size(one) > self.law_floor(one) and self.size(one) > self.least(one)
 
@@ -86,8 +85,9 @@ class Weigh(Fit):
     def graded(self, one: Candidate) -> bool:
         """Whether what all teeth of a gear have is no more than its grade leaves open."""
         gear = one.claim.place.gear
-        open_ = self.model.scope.form[gear] if gear is not None and one.claim.physics.mean_tooth else 0.0
-        return abs(one.claim.values[0]) < open_
+        if gear is None or not one.claim.physics.mean_tooth:
+            return False
+        return abs(one.claim.values[0]) < self.model.scope.form[gear]
 
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
@@ -136,7 +136,8 @@ class Weigh(Fit):
         is far more than the simulation leaves, which reaches the effect by the other part: what would be known of it
         were the teeth quite open.
         """
-        least, echo = max(FAINT, ECHO * self.largest), ECHO * self.largest
+        echo = ECHO * self.largest
+        least = max(FAINT, echo)
         if self.size(one) > least or one.gain <= 0.0:
             return least
         if self.size(one) > echo and not self.moves(one):
