@@ -20,7 +20,7 @@ from proving.limit import Limit, sights
 from proving.recipes import Recipe, recipe
 from proving.reliefs import cancelling, mean_tooth, over_a_pitch
 from proving.rig import Rig
-from proving.rivals import rivals
+from proving.rivals import rivals, whitened
 from proving.scenes import CAPS
 
 ALIKE = 1.0
@@ -119,20 +119,6 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         compliance=0.08 if rig.deflect else 0.0,
         form=(form(1), form(2)),
     )  # fmt: skip
-
-
-def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
-    """Whitened signal of one effect put into a rig."""
-    if effect.physics in ("tooth_pitch", "cumulative_pitch"):
-        p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
-        return limit.index_signal(effect.gear, p)
-    if effect.physics == "profile_slope":
-        return limit.slope_signal(
-            effect.gear, apply(rig, effect).teeth(effect.gear).slope - rig.teeth(effect.gear).slope
-        )
-    if effect.physics == "profile_crowning":
-        return limit.form_signal(effect.gear, effect.size)
-    return limit.difference(apply(rig, effect))
 
 
 def _sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
@@ -123,6 +124,13 @@ class Limit:
         form: tuple[float, float] = (0.0, 0.0),
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
+        self._known: dict[str, Any] = {
+            "index": index,
+            "slope": slope,
+            "thickness": thickness,
+            "compliance": compliance,
+            "form": form,
+        }
         self.z_1 = rig.pair.driving.z
         self.slopes = self.z_1 + rig.pair.driven.z
         self.plain = self.seen(rig)
@@ -147,6 +155,10 @@ class Limit:
     def perp(self, s: FloatArray) -> FloatArray:
         """A whitened signal less what the nuisances would make of it (in the metric of the limit)."""
         return np.asarray(s - self.N @ cho_solve(self.factor, self.N.T @ s))
+
+    def around(self, rig: Rig) -> Limit:
+        """The limit of the same recordings about another rig: there, other pairs lead."""
+        return Limit(rig, self.look, self.chain, **self._known)
 
     def over(self, rig: Rig) -> float:
         """Size over limit of what a rig has beyond the one the limit was built with."""
@@ -197,9 +209,3 @@ class Limit:
         root = np.linalg.cholesky(gram * np.outer(scale, scale))
         wanted = solve_triangular(root, scale * (columns.T @ self.perp(s)), lower=True)
         return np.asarray(scale * lsq_linear(root.T, wanted, bounds=(low / scale, high / scale), method="bvls").x)
-
-    def sine(self, s: FloatArray, rest: FloatArray) -> float:
-        """Sine of the angle between a signal and its best rival, rest being what the rival leaves of it."""
-        whole = float(s @ self.perp(s))
-        left = max(float(rest @ self.perp(rest)), 0.0)
-        return min(sqrt(left / whole), 1.0) if whole > 0 else 1.0

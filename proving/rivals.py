@@ -1,8 +1,9 @@
 """What else an effect could be: how near everything worth comparing comes to it in the recordings of a case.
 
-Separability is the sine of the angle between the effect's signal and the nearest that its rival can make, in the metric
-of the limit, whatever size, place and sign the rival can have. An effect of n standard deviations is told from its
-rival at n times that sine. Derived here: minimum of a weighted distance by Gauss and Newton's method."""
+Separability is the distance between the effect's signal and the nearest that its rival can make, in the metric of the
+limit, whatever size, place and sign the rival can have, over the effect's size in that metric: of small signals the
+sine of the angle between them. An effect of n standard deviations is told from its rival at n times that. Derived here:
+minimum of a weighted distance by Gauss and Newton's method."""
 
 from __future__ import annotations
 
@@ -115,27 +116,53 @@ class Kind:
     starts: tuple[tuple[float, ...], ...] = ((),)
 
 
+def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
+    """Whitened signal of one effect put into a rig."""
+    if effect.physics in ("tooth_pitch", "cumulative_pitch"):
+        p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
+        return limit.index_signal(effect.gear, p)
+    if effect.physics == "profile_slope":
+        return limit.slope_signal(
+            effect.gear, apply(rig, effect).teeth(effect.gear).slope - rig.teeth(effect.gear).slope
+        )
+    if effect.physics == "profile_crowning":
+        return limit.form_signal(effect.gear, effect.size)
+    return limit.difference(apply(rig, effect))
+
+
 def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
-    """Every rival of an effect put into a rig, the nearest first."""
-    s = limit.difference(apply(rig, effect))
-    there = limit.seen(apply(rig, effect))
+    """Every rival of an effect put into a rig, the nearest first; ``limit`` is built about the rig without it.
+
+    How far a rival is left is asked where a fit rests that has found the effect: with the pairs leading that lead then.
+    """
+    hidden = apply(rig, effect)
+    about = limit.around(hidden)
+    over = limit.size_of(whitened(rig, limit, effect))
     out = []
     for name in RIVALS.get(effect.physics, ()):
         kind = _kind(effect, rig, limit, name)
         if kind is None:
             continue
-        at, rest = _nearest(rig, limit, s, kind)
+        # Far from the effect other pairs lead, and first order leads astray: the way there begins at the rig without.
+        first, _ = _nearest(rig, limit, hidden, kind)
+        at, rest = _nearest(rig, about, hidden, kind, begin=first)
         meant = kind.make(at)
-        apart = float((limit.seen(apply(rig, meant)) - there).std())
-        out.append(Rival(physics=meant.physics, gear=meant.gear, separability=limit.sine(s, rest), apart=apart))
+        apart = float((about.seen(apply(rig, meant)) - about.plain).std())
+        left = about.size_of(rest) / over if over > 0.0 else 1.0
+        out.append(Rival(physics=meant.physics, gear=meant.gear, separability=min(left, 1.0), apart=apart))
     return sorted(out, key=lambda one: one.separability)
 
 
-def _nearest(rig: Rig, limit: Limit, s: FloatArray, kind: Kind) -> tuple[FloatArray, FloatArray]:
-    """The numbers with which a rival comes nearest to a whitened signal, and what it leaves of that."""
+def _nearest(
+    rig: Rig, limit: Limit, hidden: Rig, kind: Kind, *, begin: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """The numbers with which a rival, put into a ``rig``, comes nearest to what is ``hidden`` in it, and what it leaves
+    of that whitened signal; ``begin``: numbers to begin with if nothing else comes as near at once."""
+    bare = limit.difference(rig)
+    s = limit.difference(hidden) - bare
 
     def signal(v: FloatArray) -> FloatArray:
-        return limit.difference(apply(rig, kind.make(v)))
+        return limit.difference(apply(rig, kind.make(v))) - bare
 
     def slopes(v: FloatArray, here: FloatArray, few: int) -> FloatArray:
         steps = np.where(v + kind.step > kind.high, -kind.step, kind.step)
@@ -164,6 +191,10 @@ def _nearest(rig: Rig, limit: Limit, s: FloatArray, kind: Kind) -> tuple[FloatAr
             left, much = left_by(v)
             if much < size(rest):
                 at, rest = v.copy(), left
+    if begin is not None:
+        left, much = left_by(begin)
+        if much < size(rest):
+            at, rest = begin, left
     if size(rest) > FAR and size(rest) > UNLIKE * size(s):
         return at, rest
     for _ in range(ROUNDS):
