@@ -8,37 +8,23 @@ belong together see what none of them shows.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import gammaincc
 
+from gearpoly.compare.bumps import Heard, find_bumps, followed
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import APART, TIE, Domain, LineSearch, Peak
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.trains import OTHERS, TINY, Train, lines_of
 from gearpoly.units import BoolArray, FloatArray
 
 HARMONICS = (1, 2, 3, 4, 6, 8)
 """Numbers of harmonics that are added up: a pulse as long as a seventh of its period has about six."""
 
-OTHERS = 1e-3
-"""Chance with which all lines but the strongest may be noise: what stands out in one line is looked for elsewhere."""
-
 PLACES = 21
 """Frequencies within a line of the last harmonic at which a train is placed."""
-
-TINY = 1e-300
-
-
-@dataclass(frozen=True, kw_only=True)
-class Train:
-    """Harmonics 1 to ``count`` of ``frequency``, in units of the spectra's, in the ``recordings``; ``log_false`` log of
-    the expected number of such finds in noise."""
-
-    frequency: float
-    count: int
-    recordings: tuple[int, ...]
-    log_false: float
 
 
 def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]) -> list[list[Peak]]:
@@ -47,46 +33,64 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
     domains: list[Domain] = ["order"]
     if all(one.time_grid is not None for one in searches):
         domains.append("time")
-    found: list[list[list[Peak]]] = []
+    trains: dict[Domain, Train] = {}
     for domain in domains:
-        over = [one.over(domain) for one in searches]
-        step = min(grid.step for _, grid, _, _ in over)
-        chances = [s.chances(domain, white, noise) for s, white, noise in zip(searches, whites, noises, strict=True)]
-        repeats = []
-        for k, (_, grid, _, per_mesh) in enumerate(over):
-            # Onto common places: half a place off is a quarter of a line at most.
-            size = int((chances[k].size - 1) * grid.step / step)
-            at: FloatArray = step * np.arange(size, dtype=np.float64)
-            chances[k] = chances[k][np.rint(at / grid.step).astype(np.int64)]
-            repeats.append(searches[k].repeats(at * per_mesh))
+        step = min(one.over(domain)[1].step for one in searches)
+        lines = [lines_of(s, domain, white, n, step=step) for s, white, n in zip(searches, whites, noises, strict=True)]
         # One that is hardly less likely than the other decides with it, though it alone might be noise.
-        share = math.exp(0.5 * TIE) * SHARES.faint / len(domains)
+        share = math.exp(0.5 * TIE) * SHARES.faint / (2 * len(domains))
+        chances, repeats = [one.chances for one in lines], [one.repeats for one in lines]
         train = find_train(chances, step=step, repeats=repeats, share=share)
+        bumps = find_bumps(lines, step=step, share=share)
+        if bumps is not None and (train is None or bumps.log_false < train.log_false):
+            train = followed(bumps, _heard(bumps, domain, searches, whites, noises)) or train
         if train is not None:
-            train = replace(train, log_false=train.log_false + 0.5 * TIE)
-            found.append(_peaks(train, domain, searches, whites, noises))
+            trains[domain] = replace(train, log_false=train.log_false + 0.5 * TIE)
+    strongest = min(trains, key=lambda domain: trains[domain].log_false, default=domains[0])
+    if len(domains) == 2 and strongest in trains and trains[strongest].gain > 0.0:
+        trains = _both_ways(trains[strongest], strongest, searches, whites, noises)
+    found = {domain: _peaks(train, domain, searches, whites, noises) for domain, train in trains.items()}
     # Lines beside an order of a shaft may fall to it once they are placed.
-    found = [peaks for peaks in found if any(peaks)]
-    if len(found) == 2 and not _share_a_line(searches, *found):
-        found.sort(key=_log_false)
-        del found[1]
-    if not found or min(map(_log_false, found)) >= 0.0:
+    found = {domain: peaks for domain, peaks in found.items() if any(peaks)}
+    if len(found) == 2 and not _share_a_line(searches, found["order"], found["time"]):
+        del found["time" if strongest == "order" else "order"]
+    likeliest = min((trains[domain].log_false for domain in found), default=0.0)
+    if likeliest >= 0.0:
         return [[] for _ in searches]
     if len(found) == 1:
-        return found[0]
+        return next(iter(found.values()))
     # What turns is likelier than what is fixed in time where both explain it alike, but for hum.
-    angle, time = map(_log_false, found)
-    ahead = 2.0 * (angle - time)
-    hums = any(one.leads and one.hum for mine in found[1] for one in mine)
-    first = 1 if ahead > TIE or (ahead > -TIE and hums) else 0
-    return [
-        [replace(one, rival=one.gain - abs(ahead), log_false=min(angle, time)) for one in mine] for mine in found[first]
-    ]
+    angle, time = trains["order"], trains["time"]
+    ahead = 2.0 * (time.gain - angle.gain if time.gain * angle.gain > 0.0 else angle.log_false - time.log_false)
+    hums = any(one.leads and one.hum for mine in found["time"] for one in mine)
+    named: Domain = "time" if ahead > TIE or (ahead > -TIE and hums) else "order"
+    return [[replace(one, rival=one.gain - abs(ahead), log_false=likeliest) for one in mine] for mine in found[named]]
 
 
-def _log_false(peaks: list[list[Peak]]) -> float:
-    """Log of the expected number of such trains in noise, which all waves of one carry alike."""
-    return next(one.log_false for mine in peaks for one in mine)
+def _both_ways(
+    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+) -> dict[Domain, Train]:
+    """A train of bumps over angle or time, and what it is over the other."""
+    other: Domain = "time" if domain == "order" else "order"
+    first = searches[train.recordings[0]]
+    frequency = train.frequency * first.over(domain)[3] / first.over(other)[3]
+    there = replace(train, frequency=frequency)
+    turned = followed(there, _heard(there, other, searches, whites, noises))
+    return {domain: train} if turned is None else {domain: train, other: turned}
+
+
+def _heard(
+    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+) -> list[Heard]:
+    """The recordings in which a train was found."""
+    frequency: FloatArray = train.frequency * np.arange(1.0, train.count + 1.0)
+    out = []
+    for k in train.recordings:
+        x, _, _, per_mesh = searches[k].over(domain)
+        rest, _ = searches[k].rest_at(domain, frequency, noises[k])
+        rest = np.where(searches[k].own(frequency * per_mesh), 0.0, rest)
+        out.append(Heard(x=x, white=whites[k], rest=rest))
+    return out
 
 
 def _share_a_line(searches: list[LineSearch], angle: list[list[Peak]], time: list[list[Peak]]) -> bool:
@@ -146,7 +150,9 @@ def _peaks(
     """The waves of a train, per recording: its fundamental where the lines hold most, of orders of the shafts none."""
     multiples: FloatArray = np.arange(1.0, train.count + 1.0)
     longest = max(searches[k].over(domain)[2] for k in train.recordings)
-    near = train.frequency + np.linspace(-0.5, 0.5, PLACES) / (longest * train.count)
+    near = train.frequency + (1.0 if train.gain == 0.0 else 0.0) * np.linspace(-0.5, 0.5, PLACES) / (
+        longest * train.count
+    )
     power = np.zeros((len(searches), PLACES, train.count))
     for k in train.recordings:
         x, _, _, per_mesh = searches[k].over(domain)
@@ -162,7 +168,9 @@ def _peaks(
     held = power[:, best]
     if not np.any(held):
         return [[] for _ in searches]
-    std = 0.551 / longest / math.sqrt(2.0 * float(np.sum(held * multiples**2)))
+    # A line of noise holds 1, which says nothing of the place.
+    said = max(float(np.sum(np.maximum(held - 1.0, 0.0) * multiples**2)), 1.0)
+    std = 0.551 / longest / math.sqrt(2.0 * said)
     out: list[list[Peak]] = []
     for mine in held:
         peaks = [

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.compare.families import SHARES, log_false_any, log_tail_line
+from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise, spacing_of
 from gearpoly.compare.orders import known_orders
 from gearpoly.compare.pieces import PIECE, pieces
@@ -237,17 +237,6 @@ class LineSearch:
         assert self.time_grid is not None
         return self.t, self.time_grid, self.duration, self.pace
 
-    def chances(self, domain: Domain, white: FloatArray, noise: Noise) -> FloatArray:
-        """Log chance (m,) that noise exceeds a whitened residual (n,) at each place of the grid below half the sampling
-        rate, 0 where orders of the shafts or what is no slower than drift stand."""
-        _, grid, span, per_mesh = self.over(domain)
-        below = int(self.nyquist / per_mesh / grid.step)
-        frequency: FloatArray = grid.step * np.arange(min(grid.count, below), dtype=np.float64)
-        rest, count = self.rest_at(domain, frequency, noise)
-        chance = log_tail_line(grid.power(white)[: frequency.size] / (white.size * rest), count)
-        chance[self.own(frequency * per_mesh) | (frequency * span < SLOWEST_BLIND)] = 0.0
-        return chance
-
     def own(self, frequency: FloatArray) -> BoolArray:
         """Whether waves (k,), in cycles per mesh, may be orders of the shafts."""
         places, known = frequency * self.period, np.sort(self.orders.place)
@@ -257,8 +246,15 @@ class LineSearch:
 
     def repeats(self, frequency: FloatArray) -> BoolArray:
         """Whether waves (k,), in cycles per mesh, repeat with the pair as far as so long a record shows."""
-        places, cycles = frequency * self.period, self.span / self.period
-        return np.asarray((np.abs(places - np.rint(places)) * cycles < REPEATS) & (cycles > WHOLE_TURN))
+        return np.asarray(self._may_repeat(frequency) & (self.span / self.period > WHOLE_TURN))
+
+    def strange(self, frequency: FloatArray) -> BoolArray:
+        """Whether waves (k,), in cycles per mesh, do not repeat with the pair, as no error of a simulation does."""
+        return np.asarray(~self._may_repeat(frequency) & (self.span / self.period > WHOLE_TURN))
+
+    def _may_repeat(self, frequency: FloatArray) -> BoolArray:
+        places = frequency * self.period
+        return np.asarray(np.abs(places - np.rint(places)) * self.span / self.period < REPEATS)
 
     def snapped(self, frequency: float, std: float) -> float | None:
         """The integer order (or low sum of both shafts) in cycles per mesh that ``frequency`` is, if it is one."""

@@ -94,6 +94,8 @@ class Search(JumpSearch):
         pair."""
         search = s.search
         frequency = search.per_mesh(peak)
+        if search.strange(np.array([frequency]))[0]:
+            return True
         repeats = search.repeats(np.array([frequency]))[0]
         least = max(self.floor, FOLLOWED_WAVE * self.built_rms if repeats else 0.0)
         gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=search.spacing))[0])
