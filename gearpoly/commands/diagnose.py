@@ -17,9 +17,11 @@ def diagnose(
     ],
     json: Annotated[Path | None, typer.Option(help="Write the verdict (JSON; - for standard output).")] = None,
     html: Annotated[
-        Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network.")
+        Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network (- likewise).")
     ] = None,
-    fitted: Annotated[Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it.")] = None,
+    fitted: Annotated[
+        Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
+    ] = None,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from rich.console import Console
@@ -37,11 +39,15 @@ def diagnose(
     with steps() as step:
         step("reading")
         diagnosis = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+    # All are made before any is written.
+    made: list[tuple[Path, str]] = []
     if fitted is not None:
-        write_text(fitted, dump_pair(moved(diagnosis.fitted, source=pair, target=fitted)))
+        made.append((fitted, dump_pair(moved(diagnosis.fitted, source=pair, target=fitted))))
     if json is not None:
-        write_text(json, json_text(diagnosis))
+        made.append((json, json_text(diagnosis)))
     if html is not None:
-        write_text(html, page(diagnosis))
-    if str(json) != "-":
+        made.append((html, page(diagnosis)))
+    for target, text in made:
+        write_text(target, text)
+    if all(str(target) != "-" for target, _ in made):
         print_diagnosis(Console(), diagnosis)
