@@ -158,6 +158,26 @@ def test_nothing_is_looked_for_where_it_cannot_show(what: str, absent: set[str])
 # (a) No amplitude changes nothing.
 
 
+def test_a_fast_wave_of_an_encoder_may_be_one_of_the_flanks_though_none_is_looked_for() -> None:
+    """Nine waves a pitch: on one flank both differ where pairs hand over and share only, a part of every pitch."""
+    file, _, scenes = base()
+    undulation, encoder = catalogue()["undulation"], catalogue()["encoder_interpolation"]
+    scope, place = scope_of(file), Place(gear=1, order=147)
+    assert place.order not in {one.order for one in undulation.places(scope) if one.gear == 1}
+    instead = list(undulation.instead(scope, place))
+    assert {(one.gear, one.order, one.flank) for one in instead} == {(1, 147, flank) for flank in set(scope.flanks)}
+    assert not list(undulation.instead(scope, Place(gear=1, order=20)))  # that is looked for anyway
+    assert not list(undulation.instead(scope, Place(gear=1, order=16 * 40 + 1)))  # roughness
+    scene = next(one for one in scenes if one.samples.flank == "drive" and one.samples.torque == 0.0)
+    drive = next(one for one in instead if one.flank == "drive")
+    assert encoder.effect is not None
+    assert undulation.effect is not None
+    wave = encoder.effect(scene, place, (1.0, 0.0))
+    columns = np.stack([undulation.effect(scene, drive, one) for one in ((1.0, 0.0), (0.0, 1.0))], axis=1)
+    left = wave - columns @ np.linalg.lstsq(columns, wave, rcond=None)[0]
+    assert np.linalg.norm(left) < 0.15 * np.linalg.norm(wave)  # 0.10
+
+
 def assert_alike(a: Assembled, b: Assembled) -> None:
     """Both run alike on every flank, under every torque and at every speed: all that the kernel asks is the same."""
     for p, q in ((a.pair.driving, b.pair.driving), (a.pair.driven, b.pair.driven)):

@@ -117,6 +117,9 @@ class Physics:
     says: Callable[[Place, Values], str]
     equation: str
     effect: Callable[[Scene, Place, Values], FloatArray] | None = None
+    instead: Callable[[Scope, Place], Iterable[Place]] = lambda scope, place: ()
+    """Where it is too unlikely to be looked for, yet could stand for what another physics does at a place."""
+
     reloads: bool = False
     """Only load and shafts change, so the contacts found stay."""
 

@@ -13,7 +13,11 @@ from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
 LOWEST, HIGHEST = 1.2, 8.0
-"""Waves per pitch. Slower waves are pitch or eccentricity; a wave shorter than an eighth of the path is roughness."""
+"""Waves per pitch. Slower waves are pitch or eccentricity; waves shorter than an eighth of one are hardly met."""
+
+SHORTEST = 32.0
+"""Waves per pitch beyond which a wave is roughness. Up to there a wave that was found may be one of the flanks, though
+nobody would look for it."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -23,6 +27,15 @@ def _places(scope: Scope) -> Iterable[Place]:
             if order % z:
                 for flank in sorted(set(scope.flanks), reverse=True):
                     yield Place(gear=gear, order=order, flank=flank)
+
+
+def _instead(scope: Scope, place: Place) -> Iterable[Place]:
+    if place.order is None or place.gear is None:
+        return
+    z = scope.gears[place.gear].z
+    if HIGHEST * z < place.order <= SHORTEST * z and place.order % z:
+        for flank in sorted(set(scope.flanks), reverse=True):
+            yield Place(gear=place.gear, order=place.order, flank=flank)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -51,6 +64,7 @@ PHYSICS = Physics(
     amplitudes=2,
     places=_places,
     effect=_effect,
+    instead=_instead,
     wavelike=True,
     write=_write,
     report=phased("amplitude_um"),
