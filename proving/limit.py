@@ -24,6 +24,8 @@ POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
 RUN = 9
 """Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
+SPREAD = 7
+"""Seed of where in each stretch of samples is looked."""
 FORMS = 2
 """Columns for the mean form of graded gears: a crowning of either gear."""
 LAW = 5
@@ -52,7 +54,9 @@ def sights(conditions: tuple[Condition, ...], paths: tuple[Motion, ...], chain: 
     stride = max(run, -(-total * told // POINTS))
     out = []
     for condition, path in zip(conditions, paths, strict=True):
-        first = np.arange(0, path.time.size - run + 1, stride)
+        # Drawn within each stretch: evenly spaced looks would see but one phase of the mesh where a stretch is a mesh.
+        start = np.arange(0, path.time.size - stride + 1, stride)
+        first = start + np.random.default_rng(SPREAD).integers(0, stride - run + 1, start.size)
         at = (first[:, None] + np.arange(run)).ravel()
         share = path.time.size / (first.size * told)
         out.append(Sight(condition=condition, path=path, time=path.time[at], run=run, share=share))

@@ -380,3 +380,17 @@ def test_a_tooth_has_no_number_where_nothing_gives_it_one(gear: int, more: dict[
     chain = Chain(column=facts["column"], known=facts["known"])
     made: Any = SimpleNamespace(chain=chain, inspected=facts["inspected"], eccentric=facts["eccentric"])
     assert numbered(made, gear) is told
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.6])
+def test_the_limit_looks_at_every_phase_of_the_mesh(colour: float) -> None:
+    """52 360 samples, 14 a mesh, of which 4000 are looked at: every fourteenth would show one phase only."""
+    pair = make_pair("17/22 m4 22.5deg")
+    condition = Condition(torque=0.0, flank="drive", turns=220.0, per_mesh=14)
+    path = motion(ideal(pair), condition, np.random.default_rng(1))
+    (look,) = sights((condition,), (path,), Chain(noise_um=1.0, colour=colour))
+    phase = path.angle(look.time) * pair.driving.z / (2 * pi) % 1.0
+    count = np.histogram(phase, bins=14, range=(0.0, 1.0))[0]
+    # Of 4000 looks 286 fall on each phase, give or take 17; four times that comes in one of 1100 such tests.
+    assert np.all(np.abs(count - look.time.size / 14) < 4.0 * sqrt(look.time.size / 14))
+    assert look.share * look.time.size == pytest.approx(path.time.size * look.run / max(look.run - 1, 1), rel=0.01)
