@@ -19,8 +19,8 @@ from gearpoly.compare.trains import OTHERS, TINY, Lines, Train
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 WIDTHS = (0.6, 0.35, 0.2)
-"""Standard deviations in rad of the round of bumps that are looked for: from 0.2 to 0.75 no more than a thirtieth of the
-gain is lost."""
+"""Standard deviations in rad of the round of bumps that are looked for: from 0.2 to 0.75 no more than a thirtieth of
+the gain is lost."""
 
 REACH = 2.0
 """Harmonics times width up to which a bump has any to speak of: there an eighth of the first's amplitude is left."""
