@@ -386,8 +386,9 @@ def test_a_tooth_has_no_number_where_nothing_gives_it_one(gear: int, more: dict[
 def test_the_limit_looks_at_every_phase_of_the_mesh(colour: float) -> None:
     """52 360 samples, 14 a mesh, of which 4000 are looked at: every fourteenth would show one phase only."""
     pair = make_pair("17/22 m4 22.5deg")
-    condition = Condition(torque=0.0, flank="drive", turns=220.0, per_mesh=14)
+    condition = Condition(torque=0.0, flank="drive", turns=220.0, per_mesh=14, wobble=0.0)
     path = motion(ideal(pair), condition, np.random.default_rng(1))
+    assert path.time.size == 52360
     (look,) = sights((condition,), (path,), Chain(noise_um=1.0, colour=colour))
     phase = path.angle(look.time) * pair.driving.z / (2 * pi) % 1.0
     count = np.histogram(phase, bins=14, range=(0.0, 1.0))[0]
