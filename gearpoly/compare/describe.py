@@ -128,8 +128,8 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
     amplitude, std, phase, square = found[best]
-    told = s.search.strange(np.array([peak.frequency]))[0]
-    if (amplitude < search.floor and not told) or (square < SEEN and not peak.leads):
+    strange = s.search.strange(np.array([peak.frequency]))[0]
+    if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
     kind, gear, order, label, rivals = _kind(search, peak.frequency)
     if peak.harmonic:

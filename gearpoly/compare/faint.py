@@ -17,7 +17,7 @@ from gearpoly.compare.bumps import Heard, find_bumps, followed
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import APART, TIE, Domain, LineSearch, Peak
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.trains import OTHERS, TINY, Train, lines_of
+from gearpoly.compare.trains import OTHERS, TINY, Train, likelier, lines_of, together
 from gearpoly.units import BoolArray, FloatArray
 
 HARMONICS = (1, 2, 3, 4, 6, 8)
@@ -112,9 +112,7 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
     Minus log chances are exponential in noise, so sums of q of them follow Gamma(q) (Fisher 1925); every fundamental
     that is tried counts as a test (union bound), though neighbours are hardly two.
     """
-    sets: list[tuple[int, ...]] = [(k,) for k in range(len(chances))]
-    if len(chances) > 1:
-        sets.append(tuple(range(len(chances))))
+    sets = together(len(chances))
     best: Train | None = None
     for recordings in sets:
         size = min(chances[k].size for k in recordings)
@@ -135,12 +133,7 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
             log_false = tests + np.log(np.maximum(gammaincc(np.maximum(free, 1), total), TINY))
             alone = (free < 2) | (gammaincc(np.maximum(free - 1, 1), total - largest) > OTHERS)
             log_false[alone | (own > (0.5 if count > 1 else 1.0) * total)] = 0.0
-            place = int(np.argmin(log_false)) if first.size else 0
-            if first.size and log_false[place] < min(0.0, best.log_false if best is not None else 0.0):
-                best = Train(
-                    frequency=float(first[place]) * step / count, count=count, recordings=recordings,
-                    log_false=float(log_false[place]),
-                )  # fmt: skip
+            best = likelier(best, log_false, first, step=step, count=count, recordings=recordings)
     return best
 
 

@@ -10,12 +10,13 @@ from gearpoly.compare.families import log_tail_line
 from gearpoly.compare.lines import SLOWEST_BLIND, Domain, LineSearch
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.spectrum import ComplexArray
-from gearpoly.units import BoolArray, FloatArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 OTHERS = 1e-3
 """Chance with which all lines but the strongest may be noise: what stands out in one line is looked for elsewhere."""
 
 TINY = 1e-300
+"""Chances and weights below this count as this, so that logarithms and quotients stay finite."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,26 @@ class Train:
     recordings: tuple[int, ...]
     log_false: float
     gain: float = 0.0
+
+
+def together(many: int) -> list[tuple[int, ...]]:
+    """In which of ``many`` recordings trains are looked for: in each, and in all at once."""
+    each: list[tuple[int, ...]] = [(k,) for k in range(many)]
+    return each if many < 2 else [*each, tuple(range(many))]
+
+
+def likelier(
+    best: Train | None, log_false: FloatArray, last: IntArray, *, step: float, count: int, recordings: tuple[int, ...]
+) -> Train | None:
+    """The ``best`` train so far, or that of ``log_false`` (b,) which noise makes less often, if it makes it less than
+    once; its last harmonic is at place ``last`` (b,) of places ``step`` apart."""
+    place = int(np.argmin(log_false)) if log_false.size else 0
+    if not log_false.size or log_false[place] >= min(0.0, best.log_false if best is not None else 0.0):
+        return best
+    return Train(
+        frequency=float(last[place]) * step / count, count=count, recordings=recordings,
+        log_false=float(log_false[place]),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

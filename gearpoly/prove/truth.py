@@ -37,8 +37,8 @@ FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 
 @dataclass(frozen=True, kw_only=True)
 class Rival:
-    """What an effect may be mistaken for: ``separability`` is the sine of the angle between the two signals, ``apart``
-    what they differ by in um rms (None: not known)."""
+    """What an effect may be mistaken for: ``separability`` is how far it is left over the effect's size (of small
+    signals the sine of the angle between them), ``apart`` what they differ by in um rms (None: not known)."""
 
     physics: str
     gear: str | None
