@@ -18,6 +18,7 @@ from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, unexplained
+from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
@@ -37,6 +38,10 @@ from gearpoly.units import FloatArray
 SHAPE_DOUBT = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
 formulas, and another shape would put its edge elsewhere."""
+
+AT_LEAST = 2.0
+"""Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
+the next, two of three sizes are less than three times the least."""
 
 DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
@@ -111,7 +116,7 @@ def diagnose(
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
-        remarks=(*comparison.remarks, *_remarks(search, file, built)),
+        remarks=(*comparison.remarks, *_untouched(findings), *_remarks(search, file, built)),
         seconds=watch.seconds(),
     )
 
@@ -153,7 +158,10 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
     model, linear = search.model, search.linear
     claim = model.claims[k]
     at = linear.layout.claims[k]
-    covariance = linear.system.covariance[at, at]
+    covariance = linear.system.covariance[at, at].copy()
+    at_least = out_of_mesh(model, search.scenes, claim)
+    if at_least:
+        covariance[0, 0] += (AT_LEAST * claim.values[0]) ** 2
     masks = [one.fit for one in model.observed]
     mine = linear.layout.places(k) + linear.layout.form_places(model, k)
     slow = slow_places(search)
@@ -181,6 +189,7 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
         with_=cross_validated(linear, masks, hold=slow),
         rivals=rivals,
         separation=separation,
+        at_least=at_least,
     )
 
 
@@ -237,6 +246,14 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
             shown = "no grade" if needed is None else f"grade {needed}"
             out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
     return tuple(out)
+
+
+def _untouched(findings: Sequence[Finding]) -> Iterator[str]:
+    """A word about claims whose teeth are out of the mesh where they deviate."""
+    for one in findings:
+        if one.at_least:
+            name = one.claim.physics.name.replace("_", " ")
+            yield f"where the {name} is, teeth do not touch under these conditions: its size is the least it can have"
 
 
 def _of_another_pair(search: Search) -> Iterator[str]:

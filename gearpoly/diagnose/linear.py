@@ -110,7 +110,36 @@ class Linear:
 
 
 def derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
-    """Derivative (n_k, q) in mm of every recording by the coordinates of a claim, at its values."""
+    """Derivative (n_k, q) in mm of every recording by the coordinates of a claim, at its values; by its size, per unit
+    of the whole where a tooth has left the mesh: how far it stands back, nothing shows, but that it does."""
+    out = _derivatives(model, scenes, claim)
+    whole = _left_mesh(model, scenes, claim, out)
+    for mine, effect in zip(out, whole, strict=True) if whole else ():
+        mine[:, 0] = effect / claim.values[0]
+    return out
+
+
+def out_of_mesh(model: Model, scenes: list[Scene], claim: Claim) -> bool:
+    """Whether a claimed tooth stands so far back that hardly anything changes if it stands farther back."""
+    return bool(_left_mesh(model, scenes, claim, _derivatives(model, scenes, claim)))
+
+
+def _left_mesh(model: Model, scenes: list[Scene], claim: Claim, columns: list[FloatArray]) -> list[FloatArray]:
+    """Effects (n_k,) in mm of a claimed tooth, simulated with it and without, if it has left the mesh, so that its
+    ``columns`` (n_k, q) are far from telling them; else nothing."""
+    gear, tooth = claim.place.gear or 0, claim.place.tooth
+    if tooth is None or claim.physics.amplitudes != 1 or claim.values[0] == 0.0:
+        return []
+    carrying = [np.bincount(s.teeth(gear)[s.weight > 0.0], minlength=s.gear(gear).z) for s in scenes]
+    if all(one[tooth] > SELDOM * np.median(one) for one in carrying):
+        return []
+    without = model.but(claim).scenes()
+    whole = [here.te - gone.te for here, gone in zip(scenes, without, strict=True)]
+    told = sum(float(np.sum((claim.values[0] * c[:, 0]) ** 2)) for c in columns)
+    return whole if told < IDLE**2 * sum(float(np.sum(effect**2)) for effect in whole) else []
+
+
+def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
     base = model.change(scenes, claim, claim.values, but=claim)
     out: list[list[FloatArray]] = [[] for _ in scenes]
     for k, quantity in enumerate(claim.physics.coordinates):
@@ -126,6 +155,12 @@ KNOTS = 12
 
 LOOSE = 0.08
 """Part of a claim's largest effect by which its tooth's form may differ, one sigma: no spall is cut by a formula."""
+
+SELDOM = 0.9
+"""Part of the samples in which a tooth of its gear carries below which one may have left the mesh."""
+
+IDLE = 0.5
+"""Part of the effect that a tooth's size must still tell, or the tooth counts as out of the mesh."""
 
 LEAST_FORM = 1e-9
 """mm. The least of the same: far below anything seen."""

@@ -28,7 +28,8 @@ class Rival:
 class Finding:
     """One missing physics: the ``claim``, its ``parameters`` (value, standard error), where its ``tooth`` passes on the
     encoder, ``gain`` in misfit, ``p_value`` over the whole search, rms in mm on unseen samples ``without`` and
-    ``with_`` it, its ``rivals`` and the recording that would decide."""
+    ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
+    teeth do not touch there."""
 
     claim: Claim
     parameters: Reported
@@ -40,6 +41,7 @@ class Finding:
     with_: Rms
     rivals: tuple[Rival, ...]
     separation: Separation | None
+    at_least: bool = False
 
     @property
     def says(self) -> str:

@@ -8,7 +8,18 @@ import numpy as np
 
 from gearpoly.files.models import PairFile, Spall
 from gearpoly.gear.deviations import Pit
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, plain, tooth_of
+from gearpoly.physics.base import (
+    Physics,
+    Place,
+    Quantity,
+    Reported,
+    Scope,
+    Values,
+    gear_section,
+    on_gear,
+    plain,
+    tooth_of,
+)
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -42,7 +53,8 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
         return np.zeros(scene.samples.size)
     gear = place.gear or 0
     ideal = scene.gear(gear)
-    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, values[1], values[2], max(values[3], LEAST))
+    low, high = sorted(values[1:3])
+    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, high, max(values[3], LEAST))
 
     return scene.deviated_tooth(gear, place.tooth, pit.along)
 
@@ -59,6 +71,13 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, spall=(*gear_section(file, place.gear).spall, spall))
 
 
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    # A fit may have moved one edge past the other: the pit is between them.
+    low, high = (1, 2) if values[1] <= values[2] else (2, 1)
+    index = np.array([0, low, high, 3])
+    return plain("depth_um", "from_mm", "to_mm", "wall_mm")(place, values[index], covariance[np.ix_(index, index)])
+
+
 PHYSICS = Physics(
     name="tooth_spall",
     coordinates=(
@@ -71,7 +90,9 @@ PHYSICS = Physics(
     places=_places,
     effect=_effect,
     write=_write,
-    report=plain("depth_um", "from_mm", "to_mm", "wall_mm"),
-    says=lambda place, v: f"{tooth_of(place)} has lost {v[0]:.1f} um between the radii {v[1]:.2f} and {v[2]:.2f} mm.",
+    report=_report,
+    says=lambda place, v: (
+        f"{tooth_of(place)} has lost {v[0]:.1f} um between the radii {min(v[1:3]):.2f} and {max(v[1:3]):.2f} mm."
+    ),
     equation="d = -depth/2 [tanh((r - from)/wall) - tanh((r - to)/wall)] on one tooth",
 )

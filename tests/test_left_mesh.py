@@ -1,0 +1,107 @@
+"""A tooth that stands so far back that its neighbours carry over it: it is named, with the least size it can have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
+from gearpoly.diagnose.verdict import Diagnosis
+from gearpoly.files.models import PairFile
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Place
+from gearpoly.physics.scene import stage
+from gearpoly.recording.recording import Recording
+from tests.pair_files import made
+from tests.physics_cases import Condition, recorded, samples_at
+
+Z, TOOTH = (30, 45), 7
+
+
+def pair(lag_um: float, *, spall_um: float = 0.0) -> PairFile:
+    """Small gears, unloaded and inspected; one driving tooth stands back, or is pitted in the middle of its flank."""
+    rng = np.random.default_rng(9)
+    gears: dict[str, Any] = {"model": {"tooth_deflection": False}}
+    for name, z in zip(("driving", "driven"), Z, strict=True):
+        pitch = rng.normal(0.0, 1.0, z).round(2)
+        pitch[TOOTH] += lag_um if name == "driving" else 0.0
+        sheet = {"pitch_um": pitch.tolist(), "profile_slope_um": [0.0] * z, "uncertainty_um": 0.2}
+        gears[name] = {"teeth": z, "module_mm": 0.5, "face_width_mm": 5.0, "points_per_flank": 400, "inspection": sheet}
+    if spall_um:
+        pit = {"tooth": TOOTH, "depth_um": spall_um, "from_mm": 7.4, "to_mm": 7.5, "wall_mm": 0.03}
+        gears["driving"]["spall"] = [pit]
+    return PairFile.model_validate(gears)
+
+
+@pytest.fixture(scope="module")
+def lagging() -> dict[float, Recording]:
+    """The same recording of a tooth that stands back by 2, 24 and 48 um."""
+    out = {}
+    for lag in (-2.0, -24.0, -48.0):
+        (out[lag],) = recorded(pair(lag), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0)
+    return out
+
+
+def found(recording: Recording, folder: Path) -> Diagnosis:
+    return diagnose(pair(0.0), [recording], path=folder / "pair.toml")
+
+
+def test_farther_back_nothing_changes(lagging: dict[float, Recording]) -> None:
+    """A premise: the transmission error of 24 um is that of 48 um, of the same noise."""
+    near, far = (lagging[lag].driving_angle_rad for lag in (-24.0, -48.0))
+    assert near is not None
+    assert far is not None
+    assert np.max(np.abs(near - far)) < 1e-9
+
+
+def test_a_tooth_out_of_the_mesh_is_named_with_its_least_size(lagging: dict[float, Recording], tmp_path: Path) -> None:
+    """Its size no longer changes anything, so to first order nothing is lost without it; only the whole tells."""
+    diagnosis = found(lagging[-24.0], tmp_path)
+    (one,) = diagnosis.findings
+    assert (one.claim.physics.name, one.claim.place.gear, one.tooth) == ("tooth_pitch", 0, TOOTH)
+    size, std = one.parameters["deviation_um"]
+    assert -24.0 <= size < -2.0
+    assert std >= AT_LEAST * abs(size)
+    assert any("the least it can have" in remark for remark in diagnosis.remarks)
+    assert diagnosis.after.unseen == pytest.approx(diagnosis.noise, rel=0.02)
+
+
+def test_a_tooth_that_touches_keeps_its_size_and_error(lagging: dict[float, Recording], tmp_path: Path) -> None:
+    diagnosis = found(lagging[-2.0], tmp_path)
+    (one,) = diagnosis.findings
+    size, std = one.parameters["deviation_um"]
+    assert abs(size + 2.0) < 2.0 * std
+    # An inspection to 0.2 um on this tooth and on all others.
+    assert std < 0.4
+    assert not any("the least it can have" in remark for remark in diagnosis.remarks)
+
+
+def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: Path) -> None:
+    """Its walls, where teeth still touch, tell the edges to a wall's width; the bottom is at least as deep."""
+    (one,) = recorded(pair(0.0, spall_um=20.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0)
+    diagnosis = found(one, tmp_path)
+    (pit,) = diagnosis.findings
+    assert (pit.claim.physics.name, pit.claim.place.gear, pit.tooth) == ("tooth_spall", 0, TOOTH)
+    depth, std = pit.parameters["depth_um"]
+    assert abs(depth - 20.0) < 2.0 * std
+    for name, edge in (("from_mm", 7.4), ("to_mm", 7.5)):
+        assert abs(pit.parameters[name][0] - edge) < 0.03
+
+
+def test_edges_of_a_pit_that_a_fit_has_moved_past_each_other_are_told_in_order() -> None:
+    """The same pit, from whichever edge it is told."""
+    physics = catalogue()["tooth_spall"]
+    covariance = np.diag([1.0, 4.0, 9.0, 16.0])
+    place = Place(gear=0, tooth=TOOTH)
+    crossed = physics.report(place, np.array([3.0, 7.5, 7.4, 0.03]), covariance)
+    assert crossed == {"depth_um": (3.0, 1.0), "from_mm": (7.4, 3.0), "to_mm": (7.5, 2.0), "wall_mm": (0.03, 4.0)}
+    assembled = made(pair(0.0))
+    assert physics.effect is not None
+    theta = np.linspace(0.0, assembled.pair.cycle, 3000)
+    scene = stage(assembled, samples_at(assembled, theta, Condition(torque_nm=0.0), 0))
+    one, other = (physics.effect(scene, place, (3.0, *edges, 0.03)) for edges in ((7.4, 7.5), (7.5, 7.4)))
+    assert np.max(np.abs(one)) > 1e-4
+    assert np.array_equal(one, other)
