@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
+from gearpoly.compare.noise import Noise
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
@@ -161,14 +162,27 @@ def _likely_orders(scenes: list[Scene], linear: Linear) -> tuple[set[int], set[i
             s = scene.samples
             turns = (s.theta_1 if gear == 0 else s.theta_2) / (2.0 * math.pi)
             sums = Grid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
-            # The score of a wave, over its information in white noise of the same spectrum there.
-            z = scene.gear(gear).z
-            spacing = float(np.median(np.abs(np.diff(turns)))) * z
-            enlarged = np.abs(noise.gain(np.arange(HIGHEST_ORDER + 1) / z, spacing=spacing)) ** 2
-            gains += 2.0 * np.abs(sums) ** 2 / (s.size * enlarged)
+            gains += 2.0 * np.abs(sums) ** 2 / (s.size * _enlarged(noise, turns))
         order = np.argsort(-gains)[:LIKELY]
         out.append({int(k) for k in order if gains[k] > FAINT_WAVE})
     return out[0], out[1]
+
+
+def _enlarged(noise: Noise, turns: FloatArray) -> FloatArray:
+    """By how much (``HIGHEST_ORDER`` + 1,) whitening enlarges the power of a wave of every order over samples at
+    ``turns`` (n,) of its shaft.
+
+    From each sample to those before it, as they are: beyond half the sampling rate an order is the alias of a slower
+    one, and samples that do not come evenly leave it no part of that one's spectrum.
+    """
+    taps = np.append(1.0, -noise.ar) / noise.innovation
+    many = noise.ar.size
+    out = np.full(HIGHEST_ORDER + 1, float(taps @ taps))
+    for late in range(1, many + 1):
+        apart = turns[late:] - turns[:-late]
+        alike = Grid(apart, step=1.0, count=HIGHEST_ORDER + 1).transform(np.ones(apart.size)).real / apart.size
+        out += 2.0 * float(taps[late:] @ taps[: many + 1 - late]) * alike
+    return out
 
 
 def _beside(

@@ -33,7 +33,7 @@ def _instead(scope: Scope, place: Place) -> Iterable[Place]:
     if place.order is None or place.gear is None:
         return
     z = scope.gears[place.gear].z
-    if HIGHEST * z < place.order <= SHORTEST * z and place.order % z:
+    if HIGHEST * z <= place.order <= SHORTEST * z:
         for flank in sorted(set(scope.flanks), reverse=True):
             yield Place(gear=place.gear, order=place.order, flank=flank)
 
