@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.diagnose.weigh import Weigh
@@ -159,3 +160,31 @@ def test_teeth_are_not_claimed_one_by_one_for_what_a_grade_leaves_open_to_all() 
     assert not weigh.matters(pit)
     assert weigh.matters(wave)
     assert weigh.matters(Candidate(claim=pit.claim, gain=0.2 * beyond, freedoms=4))
+
+
+def test_a_tooth_has_to_beat_what_chords_leave_where_it_shows() -> None:
+    """An effect in a hundredth of the samples is as large there as one of ten times its rms is everywhere."""
+    weigh = scales(np.zeros(N))
+    weigh.noises, weigh.scenes, weigh.model.claims = [SimpleNamespace(innovation=UM)], [], []
+    effect = np.where(np.arange(N) < N // 100, 0.1 * UM, 0.0)
+    weigh.model.change = lambda *given, **more: [effect]
+    few = 0.3 * N * (FAINT / UM) ** 2
+    tooth = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=few, freedoms=1)
+    assert weigh.faint(tooth) == pytest.approx(0.1 * FAINT)
+    assert weigh.faint(replace(tooth, claim=claim_of("friction", Place()))) == FAINT
+    weigh.model.change = lambda *given, **more: [np.full(N, UM)]
+    assert weigh.faint(tooth) == pytest.approx(FAINT)
+
+
+@pytest.mark.parametrize("data", [0.01, 1.0, 100.0])
+def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(data: float) -> None:
+    """Teeth that could have the same effect, known beforehand with precision P, told by data with S: of what is known
+    of the effect, S P / (S + P), the part P / (S + P) lies in what is recorded."""
+    rng = np.random.default_rng(8)
+    column = rng.normal(0.0, 1.0, N)
+    column *= math.sqrt(data) / np.linalg.norm(column)
+    system = System(white=[column[:, None]], target=[np.zeros(N)], precision=np.eye(1), prior=np.zeros(1))
+    weigh = scales(np.zeros(N))
+    weigh.beside = lambda one: ([column[:, None]], system)
+    one = Candidate(claim=claim_of("profile_slope", Place(gear=0)), gain=1.0, freedoms=1)
+    assert weigh.reached(one) == pytest.approx(math.sqrt(1.0 / (1.0 + data)), rel=1e-6)

@@ -33,6 +33,10 @@ HALF = 0.5
 OPEN = 1e-6
 """Part of the precision of teeth as built that leaves them open."""
 
+IN_STEP = 4.0
+"""Size of a wave over what a reading's noise can make of it to first order: what is left of a wave beside the mean is
+less than the wave, and several harmonics of the sampling make more together."""
+
 STEPS = 48
 """Moments of a recording at which a step is tried."""
 
@@ -61,7 +65,7 @@ class Weigh(Fit):
             return False
         if one.claim.physics.slow and one.gain < self.stepped(one.claim.place.recordings):
             return False
-        return self.size(one) > self.law_floor(one) and self.size(one) > self.least(one)
+        return self.size(one) > max(self.law_floor(one), self.reading_floor(one), self.least(one))
 
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
@@ -107,17 +111,51 @@ class Weigh(Fit):
         return best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
 
     def law_floor(self, one: Candidate) -> float:
-        """Rms in mm below which an effect may be what no compliance law gets right."""
+        """Rms in mm below which an effect may be what no compliance law gets right, as far as that reaches it."""
         physics, place = one.claim.physics, one.claim.place
         part = 0.0
         if physics.mean_tooth:
-            others = any(made.key != one.claim.key for made in self.model.claims)
+            others = any(
+                (made.physics.mean_tooth or made.physics.law_doubt > 0.0) and made.key != one.claim.key
+                for made in self.model.claims
+            )
             part = BESIDE_ANOTHER if others else MEAN_TOOTH_BY_LAWS
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
                 part = OTHERS_BY_LAWS
-        return part * self.deflection
+        floor = part * self.deflection
+        return floor * self.reached(one) if self.size(one) <= floor else floor
+
+    def reached(self, one: Candidate) -> float:
+        """Part of what may be left in the recordings that can pass for an effect: less than all of it where teeth as
+        built could have the effect too, were they not held by their grade or inspection.
+
+        Of what is known of the effect, K = D + P, only D lies in what is recorded, P in how unlikely such teeth are; to
+        a leftover of the norm e belongs a gain of D e^2 / K at most.
+        """
+        columns, system = self.beside(one)
+        effect = [white @ np.array(one.claim.values[: one.claim.physics.amplitudes]) for white in columns]
+        right = sum((a.T @ e for a, e in zip(system.white, effect, strict=True)), np.zeros(system.size))
+        taken = system.solved(right)
+        recorded = sum(float(np.sum((e - a @ taken) ** 2)) for a, e in zip(system.white, effect, strict=True))
+        known = sum(float(e @ e) for e in effect) - float(right @ taken)
+        return math.sqrt(min(1.0, recorded / known)) if known > 0.0 else 1.0
+
+    def reading_floor(self, one: Candidate) -> float:
+        """Rms in mm below which a wave may be made of a reading's noise alone: that moves the angles by which the wave
+        is drawn and the recorded error alike. Where samples come at the same phase of the wave turn after turn, as at
+        the orders of the sampling itself, those products do not average out."""
+        order, gear = one.claim.place.order, one.claim.place.gear or 0
+        if not one.claim.physics.wavelike or order is None:
+            return 0.0
+        worst = 0.0
+        for scene, noise in zip(self.scenes, self.noises, strict=True):
+            samples = scene.samples
+            angle = order * (samples.theta_1 if gear == 0 else samples.theta_2)
+            in_step = math.hypot(float(np.mean(np.cos(angle))), float(np.mean(np.sin(angle))))
+            worst = max(worst, in_step * order * noise.level**2 / scene.gear(gear).r_b)
+        return IN_STEP * worst
 
     def beside(self, one: Candidate) -> tuple[list[FloatArray], System]:
         """Whitened columns (n_k, a) per unit of each amplitude of a candidate or claim, and all that is believed
@@ -137,7 +175,7 @@ class Weigh(Fit):
         were the teeth quite open.
         """
         echo = ECHO * self.largest
-        least = max(FAINT, echo)
+        least = max(self.faint(one), echo)
         if self.size(one) > least or one.gain <= 0.0:
             return least
         if self.size(one) > echo and not self.moves(one):
@@ -150,6 +188,17 @@ class Weigh(Fit):
             for which in (system, system.loosened(self.linear.layout.built, OPEN))
         )
         return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
+
+    def faint(self, one: Candidate) -> float:
+        """Rms in mm over all samples below which an effect may be what chords and contacts leave: of a single tooth,
+        as much as they leave where it shows."""
+        if one.claim.place.tooth is None or self.size(one) > FAINT:
+            return FAINT
+        effect = np.concatenate(self.model.change(self.scenes, one.claim, one.claim.values))
+        fourth = float(np.sum(effect**4))
+        # Samples that count, were the effect as large in all of them: 1 over the kurtosis, as a part of all.
+        part = float(np.sum(effect**2)) ** 2 / (fourth * effect.size) if fourth > 0.0 else 1.0
+        return FAINT * math.sqrt(part)
 
     def moves(self, one: Candidate) -> bool:
         """Whether what is seen of an effect may be how it changes along a recording, as what chords and contacts leave
