@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from proving.chain import Chain, Condition, Motion, motion, record
+from proving.chain import ZERO_STD, Chain, Condition, Motion, motion, record
 from proving.compliance import LAWS
 from proving.drawn import Known, draw, form_deviation, index_covariance, make_pair, pair_file, slope_covariance
 from proving.effects import Effect, apply, truth
 from proving.flanks import Teeth
-from proving.gears import FloatArray
+from proving.gears import DEG, UM, FloatArray
 from proving.ground import Entry
 from proving.limit import Limit, sights
 from proving.recipes import Recipe, recipe
@@ -27,6 +27,8 @@ ALIKE = 1.0
 """A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
 WEAKEST = 7.0
 """No look-alike is made weaker than this over the limit: it has to be seen before it can be mistaken for anything."""
+UNKNOWN = 10.0
+"""Standard deviation in deg of a zero that nobody stated: as far as the next tooth."""
 STIFFEST = 0.0025
 """Least (mesh frequency over natural frequency) squared of a resonance: a spring twenty times as fast as the mesh."""
 
@@ -117,6 +119,7 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         slope=(prior(slope_covariance, 1), prior(slope_covariance, 2)),
         thickness=made.uncertainty if made.inspected else 4.0,
         compliance=0.08 if rig.deflect else 0.0,
+        zero=rig.pair.driven.r_b * DEG / UM * (ZERO_STD if made.chain.known else UNKNOWN),
         form=(form(1), form(2)),
     )  # fmt: skip
 

@@ -15,6 +15,9 @@ FORCED = 96
 """Points per mesh at which a resonance is forced: steps of the transmission error are rounded by a hundredth of a
 pitch."""
 
+ZERO_STD = 0.05
+"""Standard deviation in deg of a zero that is read off the teeth by eye."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
@@ -157,7 +160,7 @@ def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.r
         f'# flank = "{condition.flank}"',
     ]
     if chain.known:  # the two zeros are read off the teeth by eye
-        rough = [(z + e) % 360.0 for z, e in zip(chain.zeros_deg, rng.normal(0, 0.05, 2), strict=True)]
+        rough = [(z + e) % 360.0 for z, e in zip(chain.zeros_deg, rng.normal(0, ZERO_STD, 2), strict=True)]
         head += [f"# driving_zero_deg = {rough[0]:.3f}", f"# driven_zero_deg = {rough[1]:.3f}"]
     for name, direction in zip(("driving", "driven"), chain.directions, strict=True):
         if direction < 0:

@@ -1,13 +1,14 @@
 """How small an effect any method could find: the theoretical limit sigma / ||s_perp||, from this bench's own signals.
 
-What a recording says of an effect is its signal less what the pitch and slope of every tooth, the mean and the scale
-of a declared compliance could make of it, each as freely as is known beforehand. White or AR(1) noise is whitened.
+What a recording says of an effect is its signal less what the pitch and slope of every tooth, the mean, the angle zeros
+and the scale of a declared compliance could make of it, each as freely as is known beforehand. White or AR(1) noise is
+whitened.
 Derived here: with noise covariance V, nuisance columns N and their prior covariance P, (size / limit)^2 = s' (V + N P
 N')^-1 s."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any
 
@@ -17,8 +18,8 @@ from scipy.optimize import lsq_linear
 
 from proving.chain import Chain, Condition, Motion, te
 from proving.contact import SLOTS
-from proving.gears import UM, FloatArray
-from proving.rig import Rig, mesh
+from proving.gears import DEG, UM, FloatArray
+from proving.rig import Encoder, Rig, mesh
 
 POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
@@ -26,6 +27,10 @@ RUN = 9
 """Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
 SPREAD = 7
 """Seed of where in each stretch of samples is looked."""
+ZEROS = 1
+"""Columns for where the teeth are: the driven zero. The driving one then follows from contact but for the mean."""
+ASIDE = 0.01
+"""Turn in deg of the driven gear by which that column is drawn."""
 FORMS = 2
 """Columns for the mean form of graded gears: a crowning of either gear."""
 LAW = 5
@@ -78,8 +83,18 @@ def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain) -> FloatArray:
     return np.concatenate([_whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / UM) for one in look])
 
 
+def _displaced(rig: Rig, sight: Sight) -> FloatArray:
+    """What a driven zero off by one um along the line of action changes in um, but for the mean: encoders and all that
+    is no matter of the teeth stay where they are."""
+    bare = replace(rig, encoder_1=Encoder(), encoder_2=Encoder(), disturbances=(), drift=0.0)
+    there = replace(sight.path, start=sight.path.start + ASIDE * DEG)
+    here, gone = (te(bare, sight.condition, path, at=sight.time) for path in (sight.path, there))
+    return np.asarray((gone - here) / (rig.pair.driven.r_b * ASIDE * DEG))
+
+
 def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
-    """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance, form."""
+    """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance, zero,
+    form."""
     pair = rig.pair
     drive = sight.condition.flank == "drive"
     got = mesh(rig, sight.path.angle(sight.time), torque=sight.condition.torque, flank=sight.condition.flank)
@@ -87,7 +102,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
     both = 2 * (z_1 + z_2)
-    out = np.zeros((n, both + 3 + LAW + FORMS))
+    out = np.zeros((n, both + 3 + LAW + ZEROS + FORMS))
     side = 1.0 if drive else -1.0
     # What is known of a tooth is known of both its flanks: one set of columns for both.
     starts = (0, z_1, z_1 + z_2, 2 * z_1 + z_2)
@@ -111,6 +126,7 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     if not drive:
         out[:, mean + 1 : mean + 3] = 1.0
     out[:, mean + 3 : mean + 3 + LAW] = law
+    out[:, mean + 3 + LAW] = _displaced(rig, sight)
     return out
 
 
@@ -118,14 +134,14 @@ class Limit:
     """The limit of one set of recordings: build it once, then ask it for each effect.
 
     index, slope: prior covariances (um^2) of the gears' index deviations and slopes, driving then driven; thickness:
-    prior standard deviation (um) of both; compliance: prior standard deviation of a declared compliance's scale, 0
-    where none is declared; form: prior standard deviations (um) of a crowning of all teeth of either gear, 0 where
-    somebody looked."""
+    prior standard deviation (um) of both; zero: that of the driven zero, along the line of action; compliance: that of
+    a declared compliance's scale, 0 where none is declared; form: those of a crowning of all teeth of either gear, 0
+    where somebody looked."""
 
     def __init__(
         self, rig: Rig, look: tuple[Sight, ...], chain: Chain, *, index: tuple[FloatArray, FloatArray],
         slope: tuple[FloatArray, FloatArray], thickness: float, compliance: float,
-        form: tuple[float, float] = (0.0, 0.0),
+        zero: float, form: tuple[float, float] = (0.0, 0.0),
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self._known: dict[str, Any] = {
@@ -133,6 +149,7 @@ class Limit:
             "slope": slope,
             "thickness": thickness,
             "compliance": compliance,
+            "zero": zero,
             "form": form,
         }
         self.z_1 = rig.pair.driving.z
@@ -152,8 +169,10 @@ class Limit:
         # Where nothing is declared, the columns of compliance are tied to zero, like a prior of a thousandth.
         for j in range(LAW):
             inverse[place + 3 + j, place + 3 + j] = 1 / max(compliance * (1.0 if j == 0 else 0.6), 1e-3) ** 2
-        for j in range(FORMS):
-            inverse[place + 3 + LAW + j, place + 3 + LAW + j] = 1 / max(form[j], 1e-3) ** 2
+        place += 3 + LAW
+        inverse[place, place] = 1 / zero**2
+        for j in range(place + ZEROS, place + ZEROS + FORMS):
+            inverse[j, j] = 1 / max(form[j - place - ZEROS], 1e-3) ** 2
         self.factor = cho_factor(self.N.T @ self.N + inverse)
 
     def perp(self, s: FloatArray) -> FloatArray:

@@ -79,6 +79,9 @@ ENOUGH = 0.98
 """A step that leaves more than this part of the distance is the last."""
 
 
+PARTS = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85)
+"""Parts of a deviation that are tried as the one that shows as much."""
+
 UNLIKE, FAR = 0.85, 15.0
 """A rival that at first leaves more than this part of the signal, and this many standard deviations, is looked at no
 closer: nothing hangs on how far it is."""
@@ -117,7 +120,29 @@ class Kind:
 
 
 def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
-    """Whitened signal of one effect put into a rig."""
+    """Whitened signal of one effect put into a rig.
+
+    Of what teeth as built have as well, that part is taken to first order with which least remains: a fit of the teeth
+    follows it, pairs that lead others and all, and a tooth that has left the mesh shows no more than one that just
+    does. What the rest adds is taken as it is.
+    """
+    taken = _as_built(rig, limit, effect)
+    if taken is None:
+        return limit.difference(apply(rig, effect))
+    whole, best = limit.difference(apply(rig, effect)), taken
+    for part in PARTS:
+        try:
+            rest = whole - limit.difference(apply(rig, effect.scaled(part * abs(effect.size))))
+        except BenchError:  # pragma: no cover - a smaller deviation runs where a larger one does
+            continue
+        signal = part * taken + rest
+        if limit.size_of(signal) < limit.size_of(best):
+            best = signal
+    return best
+
+
+def _as_built(rig: Rig, limit: Limit, effect: Effect) -> FloatArray | None:
+    """Whitened signal to first order of what teeth as built may have as well; None of any other effect."""
     if effect.physics in ("tooth_pitch", "cumulative_pitch"):
         p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
         return limit.index_signal(effect.gear, p)
@@ -127,7 +152,7 @@ def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
         )
     if effect.physics == "profile_crowning":
         return limit.form_signal(effect.gear, effect.size)
-    return limit.difference(apply(rig, effect))
+    return None
 
 
 def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:

@@ -44,7 +44,7 @@ def limit_of(
     known = (tooth**2 * np.eye(pair.driving.z), tooth**2 * np.eye(pair.driven.z))
     chain = Chain(noise_um=1.0)
     look = sights(conditions, paths, chain)
-    return Limit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law)
+    return Limit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law, zero=1e-3)
 
 
 def separability(limit: Limit, effect: Effect) -> dict[tuple[str, int], float]:
