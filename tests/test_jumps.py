@@ -14,7 +14,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.jump_search import JumpSearch
-from gearpoly.compare.jumps import Left, rise, weigh_steps
+from gearpoly.compare.jumps import Jump, Left, rise, weigh_steps
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -335,6 +335,15 @@ def knocked(folder: Path, *, size_um: float, at: float = 0.4) -> tuple[PairFile,
     # TE = theta_2 - z_1/z_2 theta_1: it rises where the driving reading falls.
     reading = made_.driving_angle_rad - step / truth.pair.ratio
     return file, path, replace(made_, driving_angle_rad=reading), place
+
+
+def test_jumps_that_moved_to_the_same_sample_stay_two() -> None:
+    """Each moves to where it fits best, and two may meet; the one that is given up is then the one that was meant."""
+    here, there = Jump(at=6650), Jump(at=6650)
+    held = [here, there]
+    held.remove(there)
+    assert held[0] is here
+    assert there not in held
 
 
 @pytest.mark.parametrize("size", [2.0, 30.0])

@@ -266,9 +266,10 @@ def _bump(noise: Noise, length: int) -> float:
     return float(white @ white)
 
 
-@dataclass
+@dataclass(eq=False)
 class Jump:
-    """A jump that was found in one recording: 0 before sample ``at``, 1 from there on."""
+    """A jump that was found in one recording: 0 before sample ``at``, 1 from there on. Two that have moved to the same
+    sample stay two, and are told apart as such."""
 
     at: int
 
