@@ -3,7 +3,7 @@ beforehand."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -131,10 +131,6 @@ class System:
         )
         return out._knowing(self.normal[np.ix_(keep, keep)])
 
-    def loosened(self, places: slice, part: float) -> System:
-        """The same with only a ``part`` of what is known beforehand of some parameters."""
-        return self.believing(places, part * self.precision[places, places])
-
     def believing(self, places: slice, known: FloatArray) -> System:
         """The same with the precision ``known`` (k, k) beforehand of some parameters, which nothing ties to others."""
         precision, normal = self.precision.copy(), self.normal.copy()
@@ -172,12 +168,6 @@ class System:
         """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them."""
         parts = zip(columns, self.white, self.left, strict=True)
         return self.beside([Sums(score=c.T @ r, own=c.T @ c, cross=a.T @ c) for c, a, r in parts])
-
-    def information(self, columns: list[FloatArray]) -> Callable[[System], FloatArray]:
-        """Information (q, q) of further whitened columns (n_k, q) beside this system, or one with the same columns."""
-        own = sum((c.T @ c for c in columns), np.zeros(()))
-        cross = sum((a.T @ c for a, c in zip(self.white, columns, strict=True)), np.zeros(()))
-        return lambda system: own - cross.T @ system.solved(cross)
 
     def beside(self, sums: Sequence[Sums]) -> tuple[FloatArray, FloatArray]:
         """The same from what every recording adds to it."""

@@ -30,9 +30,6 @@ ALONG = 0.1
 HALF = 0.5
 """The same from which on a form that a grade leaves open is what most of the misfit is."""
 
-OPEN = 1e-6
-"""Part of the precision of teeth as built that leaves them open."""
-
 IN_STEP = 4.0
 """Size of a wave over what a reading's noise can make of it to first order: what is left of a wave beside the mean is
 less than the wave, and several harmonics of the sampling make more together."""
@@ -168,26 +165,14 @@ class Weigh(Fit):
         return columns, linear.system.without(linear.layout.places(mine))
 
     def least(self, one: Candidate) -> float:
-        """Rms in mm below which an effect may be what the simulation leaves of others.
-
-        Part of what is known of an effect comes from what teeth as built cannot be, by their grade or inspection. That
-        is far more than the simulation leaves, which reaches the effect by the other part: what would be known of it
-        were the teeth quite open.
-        """
+        """Rms in mm below which an effect may be what the simulation leaves of others, as far as that reaches it."""
         echo = ECHO * self.largest
         least = max(self.faint(one), echo)
-        if self.size(one) > least or one.gain <= 0.0:
+        if self.size(one) > least:
             return least
         if self.size(one) > echo and not self.moves(one):
             return echo
-        columns, system = self.beside(one)
-        amplitudes = np.array(one.claim.values[: one.claim.physics.amplitudes])
-        information = system.information(columns)
-        known, left = (
-            float(amplitudes @ information(which) @ amplitudes)
-            for which in (system, system.loosened(self.linear.layout.built, OPEN))
-        )
-        return least * math.sqrt(min(1.0, max(left / known, 0.0))) if known > 0.0 else least
+        return least * self.reached(one)
 
     def faint(self, one: Candidate) -> float:
         """Rms in mm over all samples below which an effect may be what chords and contacts leave: of a single tooth,
