@@ -181,6 +181,25 @@ def test_what_fits_best_stands(
     assert {one.claim.key: one.behind for one in found[stands]} == behind
 
 
+class Restless(Ends):
+    """A search whose first claim was left before it rested: fitted again it fits better by 12, once."""
+
+    def settle(self) -> None:
+        if self.model.claims[0].key == "first":
+            self.ends["first"] = 88.0
+
+
+def test_the_claim_that_was_there_is_fitted_as_long_as_its_likenesses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or whoever comes later wins by the rounds it was given, and is told from its twin by them."""
+    monkeypatch.setattr(
+        "gearpoly.diagnose.contest._likenesses", lambda *_: iter([SimpleNamespace(claim=named("twin"))])
+    )
+    search: Any = Restless({"first": 100.0, "twin": 88.5})
+    found = contest(search)
+    assert [one.key for one in search.model.claims] == ["first"]
+    assert [one.behind for one in found["first"]] == [0.5]
+
+
 @pytest.mark.parametrize(
     ("nothing", "graded", "broken", "stands"),
     [(119.0, True, "", False), (121.0, True, "", True), (119.0, False, "", True), (119.0, True, "nothing", True)],

@@ -123,7 +123,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
-            label=_train(peak, "Hz"),
+            label=_train(peak, "Hz"), together=peak.faint,
         )  # fmt: skip
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
@@ -151,6 +151,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         label=label,
         rivals=rivals,
         gain=square,
+        together=peak.faint,
     )
 
 

@@ -20,7 +20,7 @@ class Entry:
     pitches from the pitch point; ``recordings`` in which it was found. ``p_value`` bounds the chance that any such
     entry arises from noise anywhere in the search. ``companion_of`` the order or tooth that it comes along with;
     ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of a wave: it is amplitude cos(order theta -
-    phase). ``label`` a plain word for the kind of wave.
+    phase). ``label`` a plain word for the kind of wave. ``together``: it stands out only with others like it.
     """
 
     kind: Kind
@@ -47,6 +47,7 @@ class Entry:
     companion_of: str | None = None
     rivals: tuple[str, ...] = ()
     gain: float = 0.0
+    together: bool = False
 
     @property
     def moment(self) -> str | None:

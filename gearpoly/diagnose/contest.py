@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.way import NEGLIGIBLE
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 
@@ -18,6 +19,9 @@ other gear, whose teeth as built have leant the claim's way so far, and any othe
 
 MOST = 3
 """Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
+
+RESTS = 4
+"""Times that a fit is taken up again, at most, until that gains nothing more."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,12 +37,14 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     became of the others, by the key of the claim that stands.
 
     Teeth as built have settled beside a claim, and where pairs hand over has moved with it, so columns drawn about it
-    say too little of what is like it.
+    say too little of what is like it. All are fitted until they rest: a last small step can open a further one, and
+    whoever came later would win by the steps that it was given.
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
         if not search.model.claims[k].physics.mean_tooth:
             continue
+        _rest(search)
         begun = search.kept()
         best, most, stands = begun, 0.0, search.model.claims[k]
         others: list[tuple[Claim, float]] = []
@@ -48,6 +54,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
                 search.join([one.claim], instead=k)
                 search.settle()
                 search.relax()
+                _rest(search)
             except GearpolyError:
                 pass
             else:
@@ -60,6 +67,15 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
         search.restore(best)
         out[stands.key] = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
     return out
+
+
+def _rest(search: Search) -> None:
+    """Fit on until that gains nothing more."""
+    for _ in range(RESTS):
+        before = search.kept()
+        search.settle()
+        if search.gained(before) < NEGLIGIBLE:
+            return
 
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.special import gammaincc
 
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
@@ -124,14 +125,10 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
     # teeth as they were built: their size is whatever the teeth leave open.
     x = linear.system.solution.copy()
-    covariance = linear.system.covariance
-    at = layout.foreign.start
-    widths = [_width(entry) for _, entry in _foreign_entries(comparison)]
-    for width in [*widths, *[1] * (layout.foreign.stop - at - sum(widths))]:
-        here = slice(at, at + width)
-        if x[here] @ np.linalg.solve(covariance[here, here], x[here]) > STANDS**2:
-            x[here] = 0.0
-        at += width
+    for places in _found_alone(_foreign_entries(comparison), layout.foreign):
+        within = linear.system.covariance[np.ix_(places, places)]
+        if _stands(float(x[places] @ np.linalg.solve(within, x[places])), len(places)):
+            x[places] = 0.0
     residuals = []
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
     # touch all at once.
@@ -172,6 +169,31 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
+
+
+def _found_alone(entries: list[tuple[int, Entry]], foreign: slice) -> list[list[int]]:
+    """Parameters of the ``foreign`` columns by what was found of itself: those of waves that stood out together only,
+    as a train of pulses does, are one."""
+    alone: list[list[int]] = []
+    together: list[int] = []
+    at = foreign.start
+    for _, entry in entries:
+        here = list(range(at, at + _width(entry)))
+        at = here[-1] + 1
+        if entry.together:
+            together += here
+        else:
+            alone.append(here)
+    alone += [[place] for place in range(at, foreign.stop)]
+    return [*alone, together] if together else alone
+
+
+def _stands(square: float, count: int) -> bool:
+    """Whether ``count`` columns stand out whose sizes have this ``square`` over their covariance, with the chance of a
+    single wave beyond ``STANDS``."""
+    if count <= 2:
+        return square > STANDS**2
+    return bool(gammaincc(0.5 * count, 0.5 * square) < math.exp(-0.5 * STANDS**2))
 
 
 def _by_law(entry: Entry, deflection: float) -> bool:

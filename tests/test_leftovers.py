@@ -1,0 +1,52 @@
+"""What is fitted beside everything is found again at the end, and not lost in parts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.leftovers import STANDS, _stands
+from tests.made_recordings import Rig, inspected, record
+from tests.test_bumps import bumps
+
+ORDER, GAIN = 0.83, 90.0
+"""Of the pulses, and what they take of the misfit."""
+
+
+def test_a_train_of_which_no_line_stands_out_is_not_lost_in_the_fit(tmp_path: Path) -> None:
+    """Its lines are fitted beside the teeth, each too faint to be put back for itself; together they are what was
+    found."""
+    rng = np.random.default_rng(2)
+    file, path, truth = inspected(tmp_path, rng, z_1=11, z_2=13, hidden="", points=40)
+    one = record(truth, Rig(zero_1=1.0, zero_2=2.0, noise=1.0), rng, cycles=6.0, stated=(1.0, 2.0))
+    assert one.driven_angle_rad is not None
+    assert one.driving_angle_rad is not None
+    shape = bumps(one.driving_angle_rad / (2.0 * math.pi) * ORDER, 0.25)
+    pitch = 1e-3 * math.sqrt(GAIN / float(shape @ shape))
+    driven = one.driven_angle_rad + pitch * shape / truth.pair.r_b2
+    struck = replace(one, driven_angle_rad=driven)
+    located = [e for e in compare(file, [struck], path=path).located.entries if e.companion_of is None]
+    assert located
+    assert all(e.together for e in located)
+    found = diagnose(file, [struck], path=path)
+    assert not found.findings
+    assert found.unexplained
+    for entry in found.unexplained:
+        assert entry.order is not None
+        assert entry.order / ORDER == pytest.approx(round(entry.order / ORDER), abs=0.02)
+
+
+def test_columns_stand_out_together_by_the_chance_of_one_wave() -> None:
+    """The square of two columns in noise is exponential; of ten it is Gamma's, of mean 10."""
+    assert _stands(1.01 * STANDS**2, 2)
+    assert not _stands(0.99 * STANDS**2, 2)
+    draws = np.random.default_rng(1).chisquare(10, 200_000)
+    level = np.quantile(draws, 1.0 - math.exp(-0.5 * STANDS**2))
+    assert _stands(1.05 * level, 10)
+    assert not _stands(0.95 * level, 10)
