@@ -188,3 +188,25 @@ def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(dat
     weigh.beside = lambda one: ([column[:, None]], system)
     one = Candidate(claim=claim_of("profile_slope", Place(gear=0)), gain=1.0, freedoms=1)
     assert weigh.reached(one) == pytest.approx(math.sqrt(1.0 / (1.0 + data)), rel=1e-6)
+
+
+def test_a_faint_crack_does_not_hide_a_friction() -> None:
+    """What the law leaves of a crack is a part of the crack, and of a large one no more than of a physics of all
+    teeth: with 4 um of deflection, friction has to beat 4 nm beside nothing, 9 beside a crack of 60 nm rms."""
+    crack = claim_of("tooth_crack", Place(gear=0, tooth=3))
+    weigh = scales(np.zeros(N))
+    weigh.noises, weigh.scenes, weigh.nuisance = [SimpleNamespace(innovation=UM)], [], None
+    weigh.model.claims = [crack]
+    weigh.deflection, weigh.reached = 4.0 * UM, lambda one: 1.0
+    friction = Candidate(claim=claim_of("friction", Place()), gain=1.0, freedoms=1)
+    floors = []
+    for crack_um in (0.0, 0.06, 10.0):
+        weigh.model.change = lambda *given, size=crack_um, **more: [size * UM * np.tile([1.0, -1.0], N // 2)]
+        weigh.measure()
+        weigh.deflection = 4.0 * UM
+        floors.append(weigh.law_floor(friction) / UM)
+    assert floors == pytest.approx([0.004, 0.15 * 0.06, 0.016])
+    weigh.model.claims = [claim_of("profile_crowning", Place(gear=0))]
+    weigh.measure()
+    weigh.deflection = 4.0 * UM
+    assert weigh.law_floor(friction) / UM == pytest.approx(0.016)

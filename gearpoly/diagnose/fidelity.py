@@ -13,9 +13,10 @@ waves and means, and short stretches about the corners. Eccentric gears spread i
 
 MEAN_TOOTH_BY_LAWS, BESIDE_ANOTHER = 0.001, 0.004
 """The same for a physics of the mean tooth, beyond the modes in which laws differ, which are fitted beside it: in 83
-healthy loaded pairs of a bench with three other laws it was 0.0007 at most. The second is for one beside another
-that follows the law, of which something is left: 0.0011 of a friction in the one such pair of another simulator, so a
-margin of more than three is kept; a friction of 0.0015 was made of what a crack left."""
+healthy loaded pairs of a bench with three other laws it was 0.0007 at most. The second is for one beside another,
+of which something is left: 0.0011 of a friction in the one such pair of another simulator, so a margin of more than
+three is kept. Of a crack's effect its doubt about the law may be left, up to as much: a friction of 0.0015 was made of
+that."""
 
 OTHERS_BY_LAWS = 0.006
 """Part of the mean deflection below which what is left of single teeth and other waves is no news: how they share

@@ -67,6 +67,7 @@ class Fit:
     trial: bool = False
     largest: float = 0.0
     deflection: float = 0.0
+    of_teeth: float = 0.0
 
     @classmethod
     def begun(
@@ -183,7 +184,7 @@ class Fit:
 
     def kept(self) -> Kept:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""
-        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection")
+        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection", "of_teeth")
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
     def restore(self, kept: Kept) -> None:
@@ -309,12 +310,16 @@ class Fit:
             self.settle()
 
     def measure(self) -> None:
-        """Measure once what ``least`` compares with: the largest effect of a claim, and the mean deflection."""
-        self.largest = 0.0
+        """Measure once what candidates are compared with: the largest effect of a claim, what laws may leave of claims
+        about single teeth, and the mean deflection."""
+        self.largest = self.of_teeth = 0.0
         for claim in self.model.claims:
             if not claim.physics.measures:
                 change = self.model.change(self.scenes, claim, claim.values, but=claim)
-                self.largest = max(self.largest, *(float(np.std(c)) for c in change))
+                size = max(float(np.std(c)) for c in change)
+                self.largest = max(self.largest, size)
+                if not claim.physics.mean_tooth:
+                    self.of_teeth = max(self.of_teeth, claim.physics.law_doubt * size)
         bent = [abs(float(np.mean(scene.under(None) - scene.te))) for scene in self.scenes if scene.bends]
         self.deflection = max(bent, default=0.0)
 

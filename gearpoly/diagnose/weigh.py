@@ -110,18 +110,17 @@ class Weigh(Fit):
     def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right, as far as that reaches it."""
         physics, place = one.claim.physics, one.claim.place
-        part = 0.0
+        part, more = 0.0, 0.0
         if physics.mean_tooth:
-            others = any(
-                (made.physics.mean_tooth or made.physics.law_doubt > 0.0) and made.key != one.claim.key
-                for made in self.model.claims
-            )
-            part = BESIDE_ANOTHER if others else MEAN_TOOTH_BY_LAWS
+            part, more = MEAN_TOOTH_BY_LAWS, self.of_teeth
+            if any(made.physics.mean_tooth and made.key != one.claim.key for made in self.model.claims):
+                part = BESIDE_ANOTHER
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
                 part = OTHERS_BY_LAWS
-        floor = part * self.deflection
+        # What is left of a tooth that follows the law is no more than that of all.
+        floor = max(part * self.deflection, min(more, BESIDE_ANOTHER * self.deflection))
         return floor * self.reached(one) if self.size(one) <= floor else floor
 
     def reached(self, one: Candidate) -> float:
