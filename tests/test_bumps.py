@@ -89,6 +89,19 @@ def test_what_strikes_in_time_is_told_from_what_turns() -> None:
     assert kind == "shaft_order"
 
 
+@pytest.mark.parametrize("seed", [5, 6])
+def test_a_train_at_a_difference_of_both_shafts_is_one(seed: int) -> None:
+    """0.2865 of the driving shaft is 1 - 18/25 to a third of a line, and further harmonics are as near to such sums,
+    where the pair itself puts next to nothing."""
+    data = made(seed)
+    found = entries(struck(data, data.theta_1 / (2.0 * math.pi) * 0.2865 + 0.3, gain=85.0, width=0.2))
+    assert found
+    for e in found:
+        assert "of pulses at 0.28" in e.label
+        assert e.order is not None
+        assert abs(e.order - round(e.order / 0.2865) * 0.2865) < 3.0 * (e.order_std or 0.0)
+
+
 def test_one_bump_is_no_train() -> None:
     """It has a line at every frequency, all in step; but trains come all along the record."""
     data = made(8)

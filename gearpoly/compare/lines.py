@@ -238,8 +238,9 @@ class LineSearch:
         return self.t, self.time_grid, self.duration, self.pace
 
     def own(self, frequency: FloatArray) -> BoolArray:
-        """Whether waves (k,), in cycles per mesh, may be orders of the shafts."""
-        places, known = frequency * self.period, np.sort(self.orders.place)
+        """Whether waves (k,), in cycles per mesh, may be orders of the shafts. Sums and differences are none: what they
+        have is little, and where it is more, it has been found as theirs."""
+        places, known = frequency * self.period, np.sort(self.orders.whole)
         near = np.clip(np.searchsorted(known, places), 1, known.size - 1)
         off = np.minimum(np.abs(places - known[near - 1]), np.abs(places - known[near]))
         return np.asarray(off * self.span / self.period < APART)

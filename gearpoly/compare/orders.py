@@ -30,6 +30,11 @@ class KnownOrders:
         return math.lcm(self.z_1, self.z_2)
 
     @property
+    def whole(self) -> IntArray:
+        """Places of the integer orders alone."""
+        return self.place[: self.first + self.second.size]
+
+    @property
     def frequency(self) -> FloatArray:
         """Frequencies (k,) in cycles per mesh."""
         return self.place / float(self.period)
