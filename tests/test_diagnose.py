@@ -125,6 +125,16 @@ def test_a_telescope_gives_the_driving_gear_s_eccentricity(tmp_path: Path) -> No
     assert one.parameters["amplitude_um"][0] == pytest.approx(34.0, abs=5.0)
 
 
+@needs_telescope
+def test_waves_of_another_mount_get_no_name(tmp_path: Path) -> None:
+    """Of fifteen waves that this pair cannot make, by 0.02 each is at an order of one of its shafts."""
+    pair = tmp_path / "eq6.toml"
+    pair.write_text("[driving]\nteeth = 12\nmodule_mm = 0.5\n[driven]\nteeth = 47\nmodule_mm = 0.5\n")
+    found = diagnose(read_pair(pair), [read_recording(TELESCOPE / "log04_as_eq6.csv")], path=pair)
+    assert not found.findings
+    assert {20.0, 10.0} <= {entry.order for entry in found.unexplained}
+
+
 def test_a_plan_knows_the_look_alikes_of_a_pair(tmp_path: Path) -> None:
     pair = tmp_path / "pair.toml"
     pair.write_text(

@@ -210,3 +210,16 @@ def test_a_faint_crack_does_not_hide_a_friction() -> None:
     weigh.measure()
     weigh.deflection = 4.0 * UM
     assert weigh.law_floor(friction) / UM == pytest.approx(0.016)
+
+
+@pytest.mark.parametrize(("strangers", "named"), [(0, True), (6, True), (8, False)])
+def test_where_many_waves_are_foreign_one_at_an_order_may_be_another(strangers: int, named: bool) -> None:
+    """50 turns of one shaft and 36 of the other have orders within 0.15 lines of 1.4 % of all places."""
+    weigh = scales(np.zeros(N))
+    turns = 2.0 * math.pi * np.linspace(0.0, 1.0, N)
+    weigh.scenes = [SimpleNamespace(samples=SimpleNamespace(theta_1=50.0 * turns, theta_2=36.0 * turns))]
+    weigh.model.strangers = strangers
+    wave = Candidate(claim=claim_of("undulation", Place(gear=0, order=61)), gain=100.0, freedoms=2)
+    crack = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=100.0, freedoms=1)
+    assert weigh.by_coincidence(wave) is not named
+    assert not weigh.by_coincidence(crack)

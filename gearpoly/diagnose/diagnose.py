@@ -17,7 +17,7 @@ from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
-from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, unexplained
+from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, strangers, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
@@ -66,7 +66,8 @@ def diagnose(
     """
     watch = _Watch(step)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-    model = replace(prepare(file, comparison, path=Path(path)), method=method or Method())
+    model = prepare(file, comparison, path=Path(path))
+    model = replace(model, method=method or Method(), strangers=strangers(comparison))
     model.observed = beside_jumps(model.observed, jumps(comparison))
     waves, preparing = foreign(comparison, model), watch.stage("prepare")
     placed(model, waves, preparing)

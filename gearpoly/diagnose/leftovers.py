@@ -79,6 +79,12 @@ def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
     return out
 
 
+def strangers(comparison: Comparison) -> int:
+    """How many waves were found that no gear pair and no encoder makes, those of one train counted once."""
+    waves = [entry for entry in comparison.located.entries if _is_foreign(entry) and entry.moment is None]
+    return sum(not one.together for one in waves) + any(one.together for one in waves)
+
+
 def _width(entry: Entry) -> int:
     """Columns of a foreign entry: a step, or cosine and sine."""
     return 1 if entry.moment is not None else 2

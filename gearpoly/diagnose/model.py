@@ -44,6 +44,7 @@ class Model:
     in the hunting cycle it may be as well; ``offset`` how far all was moved since.
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
     which the declared ones give as much in the mean;
+    ``strangers`` is how many waves the recordings hold that no gear pair makes;
     ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
 
@@ -63,6 +64,7 @@ class Model:
     turns_of: Literal["driving", "driven"] | None = None
     turned_by: float = 0.0
     offset: float = 0.0
+    strangers: int = 0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gearpoly.compare.lines import SNAP
 from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
@@ -34,6 +35,9 @@ IN_STEP = 4.0
 """Size of a wave over what a reading's noise can make of it to first order: what is left of a wave beside the mean is
 less than the wave, and several harmonics of the sampling make more together."""
 
+COINCIDENCE = 0.1
+"""Waves of unknown make that may be expected to lie at an order of a shaft by chance, beyond which none is named."""
+
 STEPS = 48
 """Moments of a recording at which a step is tried."""
 
@@ -55,7 +59,7 @@ class Weigh(Fit):
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
-        if self.graded(one):
+        if self.graded(one) or self.by_coincidence(one):
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
@@ -89,6 +93,17 @@ class Weigh(Fit):
         if gear is None or not one.claim.physics.mean_tooth:
             return False
         return abs(one.claim.values[0]) < self.model.scope.form[gear]
+
+    def by_coincidence(self, one: Candidate) -> bool:
+        """Whether a wave may as well be one of those that no gear pair makes, where the recordings hold many of them:
+        in so many turns each is at an order of either shaft by chance now and then."""
+        if one.claim.place.order is None:
+            return False
+        turns = [
+            max(float(np.ptp(angle)) for angle in angles) / (2.0 * math.pi)
+            for angles in zip(*((s.samples.theta_1, s.samples.theta_2) for s in self.scenes), strict=True)
+        ]
+        return self.model.strangers * 2.0 * SNAP * sum(1.0 / turn for turn in turns) > COINCIDENCE
 
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like

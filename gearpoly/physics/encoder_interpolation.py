@@ -30,6 +30,9 @@ times."""
 HIGHEST = 8192
 """The same: more lines than most discs have. Above half the sampling an order may be the alias of another."""
 
+FEW = 32
+"""Errors per turn below which not many encoders have as few lines, or poles."""
+
 MESH_ORDERS = 7
 """Mesh orders up to which mean teeth have a say. At those from 4 to 24, 34 healthy pairs of another bench, loaded or
 not, left no line that is more than the noise's highest of so many; what laws of compliance leave is weighed apart."""
@@ -56,6 +59,12 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, encoder=changed(held, interpolation=(*held.interpolation, one)))
 
 
+def _reason(place: Place) -> str:
+    if (place.order or 1) < FEW:
+        return "its own, or of something else that turns with that shaft, such as a worm or a coupling"
+    return "interpolation between its lines"
+
+
 PHYSICS = Physics(
     name="encoder_interpolation",
     coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
@@ -68,7 +77,7 @@ PHYSICS = Physics(
     report=phased("amplitude_urad"),
     says=lambda place, v: (
         f"The encoder on the {own_of(place)}'s shaft errs by {math.hypot(v[0], v[1]):.1f} urad, "
-        f"{place.order} times per turn: interpolation between its lines."
+        f"{place.order} times per turn: {_reason(place)}."
     ),
     equation="reading = truth + A cos(n reading + phase), n the line count or a multiple",
 )
