@@ -32,7 +32,7 @@ from gearpoly.gear.deviations import (
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks, points_for
 from gearpoly.gear.gear import Gear
-from gearpoly.gear.rack import Rack
+from gearpoly.gear.rack import Rack, usual_round
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
 from gearpoly.mesh.deflection import Elasticity
@@ -64,12 +64,10 @@ class Assembled:
 
 def nominal_gear(section: GearSection) -> Gear:
     """The deviation-free gear of one gear section. Raises ``GeometryError`` where it cannot be cut."""
-    rack = Rack(
-        alpha=section.pressure_angle_deg * DEG,
-        h_aP=section.addendum,
-        h_fP=section.dedendum,
-        rho_fP=section.root_radius,
-    )
+    alpha, round_ = section.pressure_angle_deg * DEG, section.root_radius
+    if round_ is None:
+        round_ = max(usual_round(alpha=alpha, h_fP=section.dedendum), 0.0)
+    rack = Rack(alpha=alpha, h_aP=section.addendum, h_fP=section.dedendum, rho_fP=round_)
     return Gear(
         z=section.teeth,
         m=section.module_mm,

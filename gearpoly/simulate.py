@@ -12,6 +12,7 @@ from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.shafts import Shafts, runs_up, swings_along
 from gearpoly.mesh.transmission import (
     NEAR,
     Backlash,
@@ -140,13 +141,15 @@ def simulate(
     evenly: bool,
     fast: bool = False,
     speed: float | None = None,
+    time: FloatArray | None = None,
     progress: Progress,
 ) -> Simulation:
     """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
     shaft).
 
-    ``speed`` of the driving shaft in rad/s makes a mesh resonance swing, if the pair has one.
-    Evenly spaced positions (``evenly``) also give the contact ratio. Teeth stay rigid where the pair's file says so.
+    ``speed`` of the driving shaft in rad/s makes a mesh resonance swing, if the pair has one, and over ``time`` (N,) in
+    s it follows a run-up. Evenly spaced positions (``evenly``) also give the contact ratio. Teeth stay rigid where the
+    pair's file says so.
     Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do, ``OutOfRangeError`` for a
     load beyond small deflections.
     """
@@ -173,7 +176,7 @@ def simulate(
 
         # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.
         ratio = mean_count(pair, theta_2, load.pairs, carrying, resolution=2e-3)
-    further = further_te(assembled, theta_2, torque=torque, flank=flank, speed=speed)
+    further = further_te(assembled, theta_2, torque=torque, flank=flank, speed=speed, time=time)
     return Simulation(
         assembled=assembled,
         flank=flank,
@@ -192,7 +195,13 @@ hand over, and straight lines between so many miss it by a thirtieth of its rms.
 
 
 def further_te(
-    assembled: Assembled, theta_2: FloatArray, *, torque: float, flank: Flank, speed: float | None
+    assembled: Assembled,
+    theta_2: FloatArray,
+    *,
+    torque: float,
+    flank: Flank,
+    speed: float | None,
+    time: FloatArray | None = None,
 ) -> FloatArray:
     """What shafts and resonance add to the transmission error (N,) in rad at ``theta_2`` (N,) in rad; arguments as for
     ``simulate``."""
@@ -201,8 +210,19 @@ def further_te(
     if shafts.frequency is None or speed is None:
         return out
     te = cycle_te(assembled, torque=torque, flank=flank)
+    return out + swings_at(shafts, te, pair, theta_2, speed=speed, time=time)
+
+
+def swings_at(
+    shafts: Shafts, te: FloatArray, pair: GearPair, theta_2: FloatArray, *, speed: float, time: FloatArray | None
+) -> FloatArray:
+    """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, in its unit:
+    settled at a driving ``speed`` in rad/s, or as it follows where ``time`` (N,) in s says that the speed changes."""
+    if runs_up(theta_2, time) is not None and time is not None:
+        pitch = pair.cycle / pair.meshes_per_cycle
+        return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time)
     swings = shafts.swings(te, period=pair.cycle / (speed * pair.ratio))
-    return out + np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
+    return np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
 
 
 def cycle_te(assembled: Assembled, *, torque: float, flank: Flank) -> FloatArray:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gearpoly.assemble import nominal_gear
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, effective_defaults, moved, profile_csv_path, read_pair
@@ -43,12 +44,21 @@ def test_contract_example_is_read_whole(tmp_path: Path) -> None:
 def test_defaults_are_iso_53_profile_a_and_steel(tmp_path: Path) -> None:
     pair = read_pair(write(tmp_path, SMALLEST))
     gear = pair.driving
-    rack = (gear.pressure_angle_deg, gear.addendum, gear.dedendum, gear.root_radius)
-    assert rack == (20.0, 1.0, 1.25, 0.38)
+    rack = nominal_gear(gear).rack
+    assert (gear.pressure_angle_deg, rack.h_aP, rack.h_fP, rack.rho_fP) == (20.0, 1.0, 1.25, 0.38)
     assert (pair.material.youngs_modulus_gpa, pair.material.poisson_ratio) == (206.0, 0.3)
     assert pair.model.tooth_deflection
     assert pair.pair.torque_nm == 0.0
     assert pair.pair.centre_distance_mm is gear.bore_mm is gear.grade is None
+
+
+def test_at_other_angles_the_root_is_as_round_as_fits(tmp_path: Path) -> None:
+    """At 25 deg and the usual dedendum a round of 0.38 leaves the cutting rack no land: (pi/4 - 1.25 tan 25) cos 25 /
+    (1 - sin 25) = 0.3179 does."""
+    text = SMALLEST.replace("teeth =", "pressure_angle_deg = 25.0\nteeth =")
+    gear = nominal_gear(read_pair(write(tmp_path, text)).driving)
+    assert gear.rack.rho_fP == pytest.approx(0.3179, abs=1e-4)
+    assert 0.0 <= gear.rack.half_land < 1e-8
 
 
 def test_effective_defaults_name_what_was_left_out_and_nothing_else(tmp_path: Path) -> None:

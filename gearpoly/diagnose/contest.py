@@ -42,13 +42,14 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
-        if not search.model.claims[k].physics.mean_tooth:
+        likenesses = list(_likenesses(search, k)) if search.model.claims[k].physics.mean_tooth else []
+        if not likenesses:
             continue
         _rest(search)
         begun = search.kept()
         best, most, stands = begun, 0.0, search.model.claims[k]
         others: list[tuple[Claim, float]] = []
-        for one in _likenesses(search, k):
+        for one in likenesses:
             search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead")
             try:
                 search.join([one.claim], instead=k)

@@ -18,6 +18,7 @@ from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
+from gearpoly.mesh.shafts import runs_up
 from gearpoly.physics.base import Scope
 from gearpoly.physics.scene import Samples
 from gearpoly.recording.recording import Recording
@@ -58,6 +59,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         flanks=tuple(one.samples.flank for one in observed),
         torques=tuple(one.samples.torque for one in observed),
         speeds=tuple(one.samples.speed for one in observed),
+        run_ups=tuple(ends for one in observed if (ends := runs_up(one.samples.theta_1, one.samples.time)) is not None),
         # A rig that computed the transmission error itself had a sensor on either shaft too.
         encoders=(
             any(r.driving_angle_rad is not None for r in recordings) or computed,

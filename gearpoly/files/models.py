@@ -252,7 +252,9 @@ class GearSection(Section):
     pressure_angle_deg: float = _field("pressure angle in deg, 10 to 35", 20.0, ge=10.0, le=35.0)
     addendum: float = _field("addendum over the module, above 0 to 3", 1.0, gt=0.0, le=3.0)
     dedendum: float = _field("dedendum over the module, above 0 to 4", 1.25, gt=0.0, le=4.0)
-    root_radius: float = _field("tip radius of the rack over the module, 0 to 1", 0.38, ge=0.0, le=1.0)
+    root_radius: float | None = _field(
+        "tip radius of the rack over the module, 0 to 1; default: 0.38, or the largest that fits", ge=0.0, le=1.0
+    )
     profile_shift: float = _field("profile shift coefficient, -5 to 5", 0.0, ge=-5.0, le=5.0)
     face_width_mm: Length | None = _field("face width in mm, above 0")
     bore_mm: Length | None = _field("diameter of the bore in mm, above 0; default: half the root diameter")

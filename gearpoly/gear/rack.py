@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from gearpoly.errors import GeometryError
 from gearpoly.units import DEG
 
+FULL = 1e-9
+"""Part that a full round leaves, so that rounding never makes its land negative."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Rack:
@@ -51,6 +54,17 @@ class Rack:
 
     @property
     def rho_fP_max(self) -> float:
-        """The largest tip round that fits, in modules: full radius, ``half_land`` = 0 (derived here)."""
-        sine, tangent = math.sin(self.alpha), math.tan(self.alpha)
-        return (math.pi / 4.0 - self.h_fP * tangent) * math.cos(self.alpha) / (1.0 - sine)
+        """The largest tip round that fits, in modules."""
+        return largest_round(alpha=self.alpha, h_fP=self.h_fP)
+
+
+def largest_round(*, alpha: float, h_fP: float) -> float:
+    """The largest tip round of a rack of pressure angle ``alpha`` in rad and dedendum ``h_fP``, in modules: full
+    radius, no land left (derived here)."""
+    return (math.pi / 4.0 - h_fP * math.tan(alpha)) * math.cos(alpha) / (1.0 - math.sin(alpha))
+
+
+def usual_round(*, alpha: float, h_fP: float) -> float:
+    """The tip round where none is stated, in modules: that of ISO 53 profile A, or the largest that fits, which at 25
+    degrees is less."""
+    return min(Rack.rho_fP, (1.0 - FULL) * largest_round(alpha=alpha, h_fP=h_fP))

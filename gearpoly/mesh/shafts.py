@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import cont2discrete, lfilter
 
 from gearpoly.units import FloatArray
+
+UNEVEN = 0.05
+"""Part of its mean by which a recording's speed may go up and down before it counts as a run-up: near a resonance of
+damping 0.05 that moves the gain by a few parts in a hundred of the largest."""
+
+PER_SWING, PER_PITCH = 24.0, 64.0
+"""Steps in time per period of the resonance and of the mesh, at the fastest, in which a run-up is followed; straight
+lines between are off by (2 pi / 24)^2 / 12 of what swings at the resonance itself."""
+
+FINER = 4.0
+"""Times as many steps at most for a resonance far above the mesh: it follows, and what swings of it is nothing."""
+
+BEFORE, LONGEST = 6.0, 0.5
+"""Decay times of a swing that a recording is taken to have run before it began, at its first speed, and the most of
+it as a part of the recording."""
+
+BEGUN = 4.0
+"""Pitches over which that speed is taken."""
+
+LEAST_STEP = 1e-7
+"""Shortest step in s: no recording that anyone makes asks for more."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,3 +70,52 @@ class Shafts:
             return np.ones(frequency.shape, dtype=np.complex128)
         r = frequency / self.frequency
         return np.asarray(1.0 / (1.0 - r**2 + 2j * self.damping * r), dtype=np.complex128)
+
+    def follows(self, te: FloatArray, *, step: float) -> FloatArray:
+        """What the resonance adds to ``te`` (n,), ``step`` s apart, which has rested at its first value before.
+
+        The equation of motion x'' + 2 D w x' + w^2 x = w^2 te, solved exactly for straight lines between the values.
+        """
+        if self.frequency is None:
+            return np.zeros(te.size)
+        w = 2.0 * math.pi * self.frequency
+        system = (np.array([w * w]), np.array([1.0, 2.0 * self.damping * w, w * w]))
+        numerator, denominator, _ = cont2discrete(system, step, method="foh")
+        off = te - te[0]
+        return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), off) - off)
+
+
+def runs_up(theta: FloatArray, time: FloatArray | None) -> tuple[float, float] | None:
+    """The least and the largest speed in rad/s of a shaft at ``theta`` (n,) in rad over ``time`` (n,) in s, by its
+    turns, where they differ so much that a resonance is not met at one speed; else ``None``."""
+    if time is None:
+        return None
+    turns = np.floor((theta - theta[0]) * (np.sign(theta[-1] - theta[0]) / (2.0 * math.pi)))
+    begin = np.flatnonzero(np.diff(turns, prepend=-1.0) > 0.0)
+    if begin.size < 2:
+        return None
+    speeds = np.abs(np.diff(theta[begin]) / np.maximum(np.diff(time[begin]), LEAST_STEP))
+    low, high = float(np.min(speeds)), float(np.max(speeds))
+    return (low, high) if high - low > UNEVEN * float(np.mean(speeds)) else None
+
+
+def swings_along(
+    shafts: Shafts, te: FloatArray, *, cycle: float, pitch: float, theta_2: FloatArray, time: FloatArray
+) -> FloatArray:
+    """What the resonance adds (n,) to a pair's transmission error ``te`` (m,), at even places of a hunting ``cycle``
+    in rad, at ``theta_2`` (n,) in rad passed at ``time`` (n,) in s, however the speed changes; ``pitch`` in rad of
+    driven rotation."""
+    if shafts.frequency is None:
+        return np.zeros(theta_2.size)
+    ends = runs_up(theta_2, time)
+    fastest = abs(theta_2[-1] - theta_2[0]) / (time[-1] - time[0]) if ends is None else ends[1]
+    mesh, lasts = PER_PITCH * fastest / pitch, float(time[-1] - time[0])
+    step = max(1.0 / float(np.clip(PER_SWING * shafts.frequency, mesh, FINER * mesh)), LEAST_STEP)
+    ago = min(BEFORE / (2.0 * math.pi * shafts.frequency * shafts.damping), LONGEST * lasts)
+    ahead = np.arange(-ago, lasts + step, step)
+    begun = min(int(np.searchsorted(np.abs(theta_2 - theta_2[0]), BEGUN * pitch)), theta_2.size - 1)
+    first = (theta_2[begun] - theta_2[0]) / (time[begun] - time[0])
+    there = np.where(ahead < 0.0, theta_2[0] + first * ahead, np.interp(ahead, time - time[0], theta_2))
+    even = np.arange(te.size) * (cycle / te.size)
+    added = shafts.follows(np.interp(there, even, te, period=cycle), step=step)
+    return np.asarray(np.interp(time - time[0], ahead, added))

@@ -42,6 +42,9 @@ class Scope:
     form: tuple[float, float] = (0.0, 0.0)
     """Sizes in um of a mean tooth's form that each gear's grade leaves open; 0 where it was inspected."""
 
+    run_ups: tuple[tuple[float, float], ...] = ()
+    """The least and the largest driving speed in rad/s of every recording whose speed changes much."""
+
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""

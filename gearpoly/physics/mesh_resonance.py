@@ -27,6 +27,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     speeds = [speed for speed in scope.speeds if speed is not None]
     if len(speeds) < len(scope.speeds) or scope.file.pair.resonance is not None:
         return
+    speeds += [end for ends in scope.run_ups for end in ends]
     if len({round(speed, 3) for speed in speeds}) < 2:
         return  # at one speed it would stand for whatever a law of compliance leaves of the mean tooth
     mesh = max(speeds) * scope.gears[0].z / (2.0 * math.pi)
@@ -36,12 +37,10 @@ def _places(scope: Scope) -> Iterable[Place]:
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
-    speed, pair, te = scene.samples.speed, scene.pair, scene.cycle_te
-    if speed is None or values[0] <= 0.0:
+    if scene.samples.speed is None or values[0] <= 0.0:
         return np.zeros(scene.samples.size)
     shafts = Shafts(frequency=math.exp(values[1]), damping=min(1.0, max(values[2], 1e-3)))
-    swings = shafts.swings(te, period=pair.cycle / (speed * pair.ratio)) * pair.r_b2 * values[0]
-    return np.interp(scene.samples.theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
+    return np.asarray(scene.swings(shafts) * (scene.pair.r_b2 * values[0]))
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:

@@ -20,8 +20,9 @@ from gearpoly.gear.gear import Gear
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, levers, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start
+from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
-from gearpoly.simulate import cycle_te, further_te
+from gearpoly.simulate import cycle_te, further_te, swings_at
 from gearpoly.units import UM, FloatArray, IntArray
 
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
@@ -221,11 +222,15 @@ class Scene:
         te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast)
         if shafts.frequency is not None and s.speed is not None:
             # The curve that swings is this scene's: what load changes of it swings a second-order change along.
-            period = self.pair.cycle / (s.speed * self.pair.ratio)
-            places = np.arange(self.cycle_te.size) * (self.pair.cycle / self.cycle_te.size)
-            swings = shafts.swings(self.cycle_te, period=period)
-            te = te + np.interp(s.theta_2, places, swings, period=self.pair.cycle)
+            te = te + self.swings(shafts)
         return np.asarray(te * self.pair.r_b2)
+
+    def swings(self, shafts: Shafts) -> FloatArray:
+        """What a resonance of ``shafts`` adds (n,) in rad to the transmission error of the mesh."""
+        s = self.samples
+        if s.speed is None:
+            return np.zeros(s.size)
+        return swings_at(shafts, self.cycle_te, self.pair, s.theta_2, speed=s.speed, time=s.time)
 
     @cached_property
     def cycle_te(self) -> FloatArray:
@@ -292,7 +297,9 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
 
     r_1 = np.hypot(rows.point[:, 0], rows.point[:, 1])
     r_2 = np.hypot(rows.point[:, 0] - pair.a, rows.point[:, 1])
-    further = further_te(assembled, samples.theta_2, torque=torque, flank=samples.flank, speed=samples.speed)
+    further = further_te(
+        assembled, samples.theta_2, torque=torque, flank=samples.flank, speed=samples.speed, time=samples.time
+    )
     soft = np.zeros(samples.size)
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
