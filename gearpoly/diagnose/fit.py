@@ -66,7 +66,7 @@ class Fit:
     laws: list[FloatArray] | None
     trial: bool = False
     largest: float = 0.0
-    deflection: float = 0.0
+    deflections: tuple[float, ...] = ()
     of_teeth: float = 0.0
 
     @classmethod
@@ -184,7 +184,7 @@ class Fit:
 
     def kept(self) -> Kept:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""
-        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflection", "of_teeth")
+        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflections", "of_teeth")
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
     def restore(self, kept: Kept) -> None:
@@ -311,7 +311,7 @@ class Fit:
 
     def measure(self) -> None:
         """Measure once what candidates are compared with: the largest effect of a claim, what laws may leave of claims
-        about single teeth, and the mean deflection."""
+        about single teeth, and the mean deflections."""
         self.largest = self.of_teeth = 0.0
         for claim in self.model.claims:
             if not claim.physics.measures:
@@ -320,8 +320,14 @@ class Fit:
                 self.largest = max(self.largest, size)
                 if not claim.physics.mean_tooth:
                     self.of_teeth = max(self.of_teeth, claim.physics.law_doubt * size)
-        bent = [abs(float(np.mean(scene.under(None) - scene.te))) for scene in self.scenes if scene.bends]
-        self.deflection = max(bent, default=0.0)
+        self.deflections = tuple(
+            abs(float(np.mean(scene.under(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
+        )
+
+    @property
+    def deflection(self) -> float:
+        """The largest mean deflection in mm of any recording."""
+        return max(self.deflections, default=0.0)
 
 
 def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:

@@ -136,6 +136,8 @@ class Weigh(Fit):
                 part = OTHERS_BY_LAWS
         # What is left of a tooth that follows the law is no more than that of all.
         floor = max(part * self.deflection, min(more, BESIDE_ANOTHER * self.deflection))
+        if place.tooth is not None and self.size(one) <= OTHERS_BY_LAWS * self.deflection:
+            floor = max(floor, OTHERS_BY_LAWS * self.bent_where(one))
         return floor * self.reached(one) if self.size(one) <= floor else floor
 
     def reached(self, one: Candidate) -> float:
@@ -194,10 +196,16 @@ class Weigh(Fit):
         if one.claim.place.tooth is None or self.size(one) > FAINT:
             return FAINT
         effect = np.concatenate(self.model.change(self.scenes, one.claim, one.claim.values))
-        fourth = float(np.sum(effect**4))
-        # Samples that count, were the effect as large in all of them: 1 over the kurtosis, as a part of all.
-        part = float(np.sum(effect**2)) ** 2 / (fourth * effect.size) if fourth > 0.0 else 1.0
-        return FAINT * math.sqrt(part)
+        return FAINT * math.sqrt(participation(effect))
+
+    def bent_where(self, one: Candidate) -> float:
+        """Rms in mm over all samples of the mean deflection, counted where an effect shows."""
+        effects = self.model.change(self.scenes, one.claim, one.claim.values)
+        squares = sum(
+            bent**2 * participation(effect) * effect.size
+            for bent, effect in zip(self.deflections, effects, strict=True)
+        )
+        return math.sqrt(squares / self.linear.system.samples)
 
     def moves(self, one: Candidate) -> bool:
         """Whether what is seen of an effect may be how it changes along a recording, as what chords and contacts leave
@@ -228,3 +236,9 @@ class Weigh(Fit):
         """What claim ``k`` gains, all else fitted again without it."""
         system = self.linear.system
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
+
+
+def participation(effect: FloatArray) -> float:
+    """Part of the samples that count, were an ``effect`` (n,) as large in all of them: 1 over its kurtosis."""
+    fourth = float(np.sum(effect**4))
+    return float(np.sum(effect**2)) ** 2 / (fourth * effect.size) if fourth > 0.0 else 1.0
