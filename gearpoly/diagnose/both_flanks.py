@@ -32,16 +32,33 @@ too much makes them out of nothing."""
 TOLD_BY = 0.95
 """The part by which turns that no encoder counted are told: less than what ground teeth share, more than chance."""
 
+FREE = 1e4
+"""Variance over that of a reading up to which a coast flank is let be what it is, to see what that is."""
+
+SCATTERS, SEEN = 0.15, 2.0
+"""The same from which a coast flank does not follow, three times what is granted to all, and the least over what
+is uncertain about it."""
+
+WITHIN_HALF = 0.6745
+"""Standard deviations within which half of a normal distribution lies."""
+
+AGAINST = 1.5
+"""Variance of a tooth against the middle of its neighbours, over its own."""
+
 CLEARLY = 10.0
 """Fall of twice the negative log of the evidence for a part to be believed: likelier by a factor of 150."""
 
 
 def told(model: Model, scenes: Sequence[Scene], linear: Linear) -> AsBuilt:
     """The as-built teeth with both flanks of graded gears sharing as little as the recordings allow, one part after the
-    other; as they were where nothing is told, or one flank only was recorded."""
+    other, and coast flanks that nobody measured scattering as they do; as they were where nothing is told, or one flank
+    only was recorded."""
     best = model.as_built
+    if len(best.flanks) < 2:
+        return best
+    best = scattered(best, linear.system)
     graded = [gear for gear, one in enumerate(best.gears) if one.graded]
-    if len(best.flanks) < 2 or not graded:
+    if not graded:
         return best
     system = _beside_eccentricities(model, scenes, linear, graded)
     for gear in graded:
@@ -51,6 +68,37 @@ def told(model: Model, scenes: Sequence[Scene], linear: Linear) -> AsBuilt:
             if min(found) < surprise(best, system) - CLEARLY:
                 best = next(way for way, one in zip(ways, found, strict=True) if one < min(found) + ALLOWED)
     return best
+
+
+def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
+    """The same where the coast flanks of inspected gears, which follow from their drive flanks if nobody measured them,
+    scatter about that by more than a reading does.
+
+    What most teeth do against their neighbours is scatter; one tooth, a wave of a low order and what all have in common
+    are not, and stay to be found.
+    """
+    gears = list(as_built.gears)
+    derived = [gear for gear, one in enumerate(gears) if not one.graded and one.own > 0.0]
+    if not derived:
+        return as_built
+    for gear in derived:
+        gears[gear] = replace(gears[gear], own=FREE)
+    free = make_as_built((gears[0], gears[1]), as_built.flanks)
+    under = system.believing(slice(0, as_built.size), free.precision)
+    for gear in derived:
+        one = as_built.gears[gear]
+        own = [one.own]
+        for part, sign in ((0, 1.0), (1, -1.0)):
+            against = np.zeros((one.z, under.size))
+            for flank, way in (("coast", 1.0), ("drive", sign)):
+                start = as_built.start(flank, gear) + part * one.z  # type: ignore[arg-type]
+                for shift, weight in ((0, 1.0), (1, -0.5), (-1, -0.5)):
+                    against[np.arange(one.z), start + (np.arange(one.z) + shift) % one.z] += way * weight
+            off = float(np.median(np.abs(against @ under.solution))) / WITHIN_HALF
+            known = float(np.median(np.einsum("ij,jk,ik->i", against, under.covariance, against)))
+            own.append((off**2 - known) / (AGAINST * one.slope**2) if off**2 > SEEN * known else 0.0)
+        gears[gear] = replace(one, own=max(own) if max(own) > SCATTERS else one.own)
+    return make_as_built((gears[0], gears[1]), as_built.flanks)
 
 
 def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:

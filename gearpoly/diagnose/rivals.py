@@ -21,9 +21,10 @@ LIKE = 0.05
 """Sine of the angle below which two signals differ by what only a perfect simulation could tell: corners, second
 order, the fourth figure of a shape."""
 
-CORNERS = 0.01
-"""Part of a claim's whole effect below which two signals differ by what no two models of corner contact agree on. The
-effect counts with all that teeth as built might take of it."""
+CORNERS = 0.02
+"""Part of a claim's whole effect below which two signals differ by what no two models of corner contact agree on: a
+slope or a crowning of one gear and of the other, which are one on the path of contact, by 0.011 and 0.016 beside it.
+The effect counts with all that teeth as built might take of it."""
 
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
