@@ -59,12 +59,15 @@ class Weigh(Fit):
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
+        physics, place = one.claim.physics, one.claim.place
+        if not physics.sensible(self.model.scope, place, one.claim.values):
+            return False
         if self.graded(one) or self.by_coincidence(one):
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        if one.claim.physics.slow and one.gain < self.stepped(one.claim.place.recordings):
+        if physics.slow and one.gain < self.stepped(place.recordings):
             return False
         return self.size(one) > max(self.law_floor(one), self.reading_floor(one), self.least(one))
 

@@ -123,6 +123,9 @@ class Physics:
     instead: Callable[[Scope, Place], Iterable[Place]] = lambda scope, place: ()
     """Where it is too unlikely to be looked for, yet could stand for what another physics does at a place."""
 
+    sensible: Callable[[Scope, Place, Values], bool] = lambda scope, place, values: True
+    """Whether it is still itself with such values, and not the nearest it has to something else."""
+
     reloads: bool = False
     """Only load and shafts change, so the contacts found stay."""
 

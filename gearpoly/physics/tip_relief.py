@@ -26,6 +26,10 @@ from gearpoly.units import UM, FloatArray
 LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Modules. Reliefs begin between the very tip and about the highest point of single contact."""
 
+SHORTEST = 0.05
+"""Modules. What is taken off less of a tip is a chamfer, a burr or a smaller tip circle: only where teeth take over
+would it show, as all that a simulation lacks about corners does."""
+
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
@@ -61,6 +65,10 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return on_gear(file, place.gear, tip_relief=table)
 
 
+def _sensible(scope: Scope, place: Place, values: Values) -> bool:
+    return values[1] > SHORTEST * scope.gears[place.gear or 0].m
+
+
 PHYSICS = Physics(
     name="tip_relief",
     coordinates=(Quantity(name="amount_um", low=0.0), Quantity(name="length_mm", low=0.02, step=0.01)),
@@ -69,6 +77,7 @@ PHYSICS = Physics(
     mean_tooth=True,
     law_doubt=0.05,
     effect=_effect,
+    sensible=_sensible,
     write=_write,
     report=plain("amount_um", "length_mm"),
     says=lambda place, v: f"The tips of the {own_of(place)} are relieved by {v[0]:.1f} um over {v[1]:.2f} mm.",
