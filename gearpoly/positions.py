@@ -23,9 +23,9 @@ def cycle_positions(
     return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
 
 
-def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArray, list[str]]:
-    """Driven rotations (N,) in rad at the samples of ``recording``, drop-outs left out, and remarks on what had to be
-    assumed.
+def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArray, FloatArray | None, list[str]]:
+    """Driven rotations (N,) in rad at the samples of ``recording`` and their times (N,) in s, where recorded, drop-outs
+    left out, and remarks on what had to be assumed.
 
     From the driven encoder where there is one, else from the driving encoder and the recorded TE. Raises
     ``OutOfRangeError`` where no sample is left.
@@ -63,7 +63,10 @@ def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArra
         remarks.append(f"{dropped} drop-outs of {keep.size} samples are left out")
     if theta_2.size == 0:
         raise OutOfRangeError(f"{recording.source}: no sample is left, all are drop-outs")
-    return theta_2, remarks
+    time = recording.time_s
+    if time is not None and not np.all(np.isfinite(time[keep])):
+        time = None
+    return theta_2, None if time is None else time[keep], remarks
 
 
 def _driven_turns(pair: GearPair, recording: Recording, theta_2: FloatArray, keep: BoolArray) -> float:

@@ -254,6 +254,20 @@ def test_start_and_stop_ramps_are_cut(still: float) -> None:
     same_te(got, te)
 
 
+def test_a_run_up_and_a_coast_down_are_kept_whole() -> None:
+    """From a third to full speed, or from standstill and back: slow ends that hold a good part of the way are what was
+    to be recorded. Only standing still is cut."""
+    t = np.arange(5000) / 500.0
+    theta = TURN * (t + 0.1 * t**2) / 2.0
+    assert clean(recording(theta, error_of(theta), t), ratio=RATIO).keep.size == t.size
+    assert clean(recording(theta[::-1][0] - theta[::-1], error_of(theta), t), ratio=RATIO).keep.size == t.size
+    t, theta, speed = ramped(14.0, 5.0, 5.0, 2.0)
+    got = clean(recording(theta, error_of(theta), t), ratio=RATIO)
+    moving = np.flatnonzero(speed > 0.0)
+    assert 0 <= int(got.keep[0]) - int(moving[0]) < 100
+    assert 0 <= int(moving[-1]) - int(got.keep[-1]) < 100
+
+
 def test_a_trembling_reading_is_kept_and_a_reversal_is_not() -> None:
     t, theta = steady(6.0, 4000)
     te = error_of(theta)
@@ -273,7 +287,7 @@ def test_a_trembling_reading_is_kept_and_a_reversal_is_not() -> None:
 def test_fewer_than_two_turns() -> None:
     t, theta = steady(1.9)
     assert "1.90 driving turns" in refusal(recording(theta, error_of(theta), t)).found
-    t, theta, _ = ramped(4.0, 1.5, 1.5, 0.2)
+    t, theta, _ = ramped(3.6, 1.5, 1.5, 0.2)
     assert "driving turns" in refusal(recording(theta, error_of(theta), t)).found
     few = recording(theta[:5], theta[:5], t[:5])
     assert "5 samples" in refusal(few).found

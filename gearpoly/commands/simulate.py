@@ -70,6 +70,7 @@ def simulate(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     remarks: list[str] = []
+    time = None
     torque, speed = file.pair.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
@@ -81,7 +82,7 @@ def simulate(
         recording = corrected(
             read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
         )
-        theta_2, remarks = positions.recording_positions(assembled.pair, recording)
+        theta_2, time, remarks = positions.recording_positions(assembled.pair, recording)
         remarks += recording.remarks
         side = recording.flank if flank is None else side
         torque = positions.recorded_torque(recording, default=torque)
@@ -102,6 +103,7 @@ def simulate(
             evenly=at is None,
             fast=fast,
             speed=None if speed is None else speed * RPM,
+            time=time,
             progress=progress,
         )
     remarks += strength_remarks(simulation)

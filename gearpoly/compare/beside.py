@@ -22,7 +22,8 @@ class Aligned:
 
     ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
     difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
-    shaft in rad/s where known, ``template`` the simulation over a hunting cycle. Arrays are taken over, and sealed;
+    shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in mm what a resonance adds
+    to it in a run-up. Arrays are taken over, and sealed;
     what follows from others is worked out when asked for, since recordings are long.
     """
 
@@ -35,6 +36,7 @@ class Aligned:
     torque: float
     speed: float | None
     template: Template
+    swings: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):
@@ -43,7 +45,10 @@ class Aligned:
     def moved(self, offset: float) -> Aligned:
         """The same where both shafts turn by ``offset`` in rad of driven rotation more."""
         theta_2 = self.theta_2 + offset
-        return replace(self, theta_2=theta_2, residual=self.recorded - self.template.at(theta_2))
+        simulated = self.template.at(theta_2)
+        if self.swings is not None:
+            simulated = simulated + self.swings
+        return replace(self, theta_2=theta_2, residual=self.recorded - simulated)
 
     @property
     def theta_1(self) -> FloatArray:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear, stated_limits
+from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
@@ -24,10 +24,12 @@ from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
+from gearpoly.mesh.shafts import runs_up, swings_along
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.recording import Recording
+from gearpoly.simulate import SWINGS_PER_MESH
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64
@@ -88,7 +90,11 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
     stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
-    speeds = [None if rpm is None else rpm * RPM for rpm in stated]
+    # What swings in a run-up never comes again, so templates are of the mesh alone.
+    speeds = [
+        None if rpm is None or runs_up(one.theta_2, one.time_s) else rpm * RPM
+        for rpm, one in zip(stated, cleaned, strict=True)
+    ]
     templates = templates_of(assembled, [one.recording.flank for one in cleaned], torques, speeds)
     cycle = Cycle(
         z_1=z_1,
@@ -100,6 +106,9 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
     drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
     curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
+    swings = [_swings(one, c.template, assembled, c.theta_2) for one, c in zip(cleaned, curves, strict=True)]
+    # By the stated zeros, which are good enough to lay what is left on the mesh.
+    curves = tuple(c if s is None else replace(c, te=c.te - s) for c, s in zip(curves, swings, strict=True))
     step("laying the recordings on the simulation")
     shafts = Shafts(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
@@ -112,7 +121,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     )
     alignment = settle(lay(curves, cycle, stated=base.stated), cycle, base=base, shafts=shafts)
     aligned = tuple(
-        _aligned(one, curve, alignment, k, torque, cycle, default_speed=file.pair.speed_rpm)
+        _aligned(one, curve, alignment, k, torque, assembled, cycle, swings[k], default_speed=file.pair.speed_rpm)
         for k, (one, curve, torque) in enumerate(zip(cleaned, curves, torques, strict=True))
     )
     gears = (
@@ -151,21 +160,38 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     )
 
 
+def _swings(one: Cleaned, template: Template, assembled: Assembled, theta_2: FloatArray) -> FloatArray | None:
+    """What a declared resonance adds (n,) in mm in a run-up; ``None`` where there is neither."""
+    if assembled.shafts.frequency is None or one.time_s is None or runs_up(theta_2, one.time_s) is None:
+        return None
+    cycle, pitch = template.cycle, assembled.pair.driven.gear.tau
+    te = template.at(np.linspace(0.0, cycle, round(cycle / pitch) * SWINGS_PER_MESH, endpoint=False))
+    return swings_along(assembled.shafts, te, cycle=cycle, pitch=pitch, theta_2=theta_2, time=one.time_s)
+
+
 def _aligned(
     one: Cleaned,
     curve: Curve,
     alignment: Alignment,
     k: int,
     torque: float,
+    assembled: Assembled,
     cycle: Cycle,
+    before: FloatArray | None,
     *,
     default_speed: float | None,
 ) -> Aligned:
     theta_2 = curve.theta_2 - alignment.shift[k]
     recorded = curve.te - alignment.offset[k]
+    swings = _swings(one, curve.template, assembled, theta_2)
+    if before is not None:
+        recorded = recorded + before
     residual = np.empty(theta_2.size)
     for here in pieces(theta_2.size):
         residual[here] = recorded[here] - curve.template.at(theta_2[here])
+    if swings is not None:
+        residual -= swings
+        swings.setflags(write=False)
     speed = one.recording.speed_rpm
     if speed is not None:
         speed *= RPM
@@ -186,6 +212,7 @@ def _aligned(
         torque=torque,
         speed=speed,
         template=curve.template,
+        swings=swings,
     )
 
 

@@ -32,6 +32,10 @@ TEETH_TOLERANCE = 1e-4
 """Relative uncertainty of a measured ratio at least, when teeth are named: encoder errors over a few turns."""
 RAMP_SHARE = 0.75
 """Share of the usual speed below which both ends of a recording are ramps; speed may wobble within it."""
+STANDS_SHARE = 0.02
+"""The same below which it stands still."""
+RUN_UP_SHARE = 0.1
+"""Part of all driving turns that a slow end may hold and still be a ramp."""
 RAMP_WINDOW = 5.0 * DEG
 """Driving rotation in rad over which that speed is taken, above the noise of single readings."""
 BACKWARD_LIMIT = 0.5 * DEG
@@ -241,15 +245,24 @@ def _rotations(
 
 
 def _steady(theta_1: FloatArray, position: FloatArray) -> tuple[int, int]:
-    """The first sample and the end of the stretch between the start and the stop ramp."""
+    """The first sample and the end of the stretch between the start and the stop ramp. Slow ends that hold a good part
+    of the way are no ramps but a run-up or a coast-down, of which only standing still is left out."""
     travel = np.abs(np.diff(theta_1))
     moving = weighted_median(travel, travel)
     span = min(max(1, math.ceil(RAMP_WINDOW / moving)) if moving > 0.0 else 1, theta_1.size - 1)
     pause = position[span:] - position[:-span]
     advance = theta_1[span:] - theta_1[:-span]
     speed = np.divide(advance, pause, out=np.zeros_like(advance), where=pause > 0.0)
-    fast = np.flatnonzero(speed >= RAMP_SHARE * weighted_median(speed, np.abs(advance)))
-    return (int(fast[0]), int(fast[-1]) + span + 1) if fast.size else (0, 0)
+    usual = weighted_median(speed, np.abs(advance))
+    fast, moves = (np.flatnonzero(speed >= share * usual) for share in (RAMP_SHARE, STANDS_SHARE))
+    if not fast.size:
+        return 0, 0
+    begin, end, way = int(fast[0]), int(fast[-1]) + span + 1, RUN_UP_SHARE * (theta_1[-1] - theta_1[0])
+    if theta_1[begin] - theta_1[moves[0]] > way:
+        begin = int(moves[0])
+    if theta_1[moves[-1] + span] - theta_1[end - 1] > way:
+        end = int(moves[-1]) + span + 1
+    return begin, end
 
 
 def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: IntArray, done: list[Deed]) -> None:
