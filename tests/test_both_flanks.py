@@ -13,7 +13,7 @@ from scipy.stats import multivariate_normal
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import AsBuilt, GearPrior, chain, make_as_built
-from gearpoly.diagnose.both_flanks import SHARED, surprise, told, turns_told
+from gearpoly.diagnose.both_flanks import SHARED, scattered, surprise, told, turns_told
 from gearpoly.diagnose.prepare import only_shaft_read, prepare
 from gearpoly.diagnose.system import System
 from gearpoly.physics.base import Claim, Place
@@ -200,3 +200,42 @@ def test_turns_are_open_where_one_shaft_alone_was_read(read: list[set[str]], tur
         for shafts in read
     ]
     assert only_shaft_read(recordings) == turns_of
+
+
+def inspected_teeth(own: float) -> AsBuilt:
+    """Two gears read to 0.3 um on their drive flanks, whose coast flanks follow but for ``own`` of that variance."""
+    one, two = (
+        GearPrior(
+            z=z, pitch=0.09 * np.eye(z), slope=0.3, mean_slope=0.0, crowning=1e-3, thickness=0.3, shared=(1.0, 1.0),
+            own=own, graded=False,
+        )
+        for z in Z
+    )  # fmt: skip
+    return make_as_built((one, two), ["drive", "coast"])
+
+
+@pytest.mark.parametrize(("own", "seed"), [(0.05, 1), (0.05, 2), (4.0, 3), (25.0, 4)])
+def test_coast_flanks_scatter_as_they_do(own: float, seed: int) -> None:
+    """Half of 18 and of 24 teeth, every five of which share neighbours, tell a variance to a half, one sigma."""
+    true = drawn(inspected_teeth(own), seed)
+    found = scattered(inspected_teeth(0.05), read(true, inspected_teeth(0.05)))
+    for gear in found.gears:
+        if own == 0.05:
+            assert gear.own == 0.05
+        else:
+            assert own / 3.0 < gear.own < 3.0 * own
+
+
+@pytest.mark.parametrize("what", ["tooth", "wave", "slope"])
+def test_what_is_to_be_found_is_no_scatter(what: str) -> None:
+    """One tooth out of its place, a pitch wave and a slope of all teeth stay for the search: the prior stays."""
+    known = inspected_teeth(0.05)
+    true = drawn(known, 1)
+    start = known.start("coast", 0)
+    if what == "tooth":
+        true[start + 4] += 8.0
+    elif what == "wave":
+        true[start : start + Z[0]] += 6.0 * np.cos(2.0 * np.pi * np.arange(Z[0]) / Z[0])
+    else:
+        true[start + Z[0] : start + 2 * Z[0]] += 5.0
+    assert scattered(known, read(true, known)).gears[0].own == 0.05

@@ -19,7 +19,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place
 from tests.pair_files import pair_file
-from tests.physics_cases import ZEROS, Condition, recorded
+from tests.physics_cases import ZEROS, Condition, declared, recorded, scope_of
 
 Z = 19, 24
 RELIEFS = (9.0, 1.0), (9.0, 1.0)
@@ -106,3 +106,10 @@ def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     search.settle()
     off = off_pitches(comparison.moved(model.offset).refined(model.shift, search.shift_std))
     assert abs(off) > 0.06 if held else abs(off) < 0.01
+
+
+def test_a_relief_as_short_as_a_corner_is_none() -> None:
+    """At a twentieth of a module it is a chamfer, a burr, or what a simulation lacks about corners."""
+    physics, scope = catalogue()["tip_relief"], scope_of(declared("tip_relief"))
+    assert not physics.sensible(scope, Place(gear=0), (5.0, 0.05))
+    assert physics.sensible(scope, Place(gear=0), (5.0, 0.2))

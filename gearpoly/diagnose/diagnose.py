@@ -29,7 +29,6 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
-from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
@@ -173,10 +172,7 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
     separation = None
     if rivals:
         watch.stage("next recording")(f"thinking of recordings that would decide on {claim.physics.name}")
-        try:
-            separation = would_separate(model, search.scenes, linear, k, [one.claim for one in rivals])
-        except GearpolyError:
-            separation = None  # the pair cannot run under any other condition
+        separation = would_separate(model, search.scenes, linear, k, [one.claim for one in rivals])
     weighed = Candidate(claim=claim, gain=judged.gain, freedoms=len(claim.values))
     chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(

@@ -11,6 +11,7 @@ import numpy as np
 from gearpoly.diagnose.as_built import make_as_built
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
+from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Samples, Scene, stage
 from gearpoly.units import NM, RPM, FloatArray
@@ -151,7 +152,8 @@ def would_separate(
     """The recording that would best tell claim ``k`` from all its ``rivals``, beside everything else that is open.
 
     Separability is the sine of the angle between the claim's signal and what its rivals span, over the present
-    recordings and the new one together, as-built teeth and nuisance fitted beside. None where none would help.
+    recordings and the new one together, as-built teeth and nuisance fitted beside. None where none would help, of those
+    that the pair can run.
     """
     leave = linear.layout.places(k) + linear.layout.form_places(model, k)
     keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
@@ -171,12 +173,15 @@ def would_separate(
     normal = precision + sum((a.T @ a for a in whites), np.zeros_like(precision))
     now = _least_sine(normal, [(whites, mine, theirs)])
     best: Separation | None = None
+    level = float(np.mean([noise.level for noise in linear.noises]))
     for made in options(model):
-        scene = imagined(model, made, number=len(scenes))
-        level = float(np.mean([noise.level for noise in linear.noises]))
-        back = [made.reversed]
-        c = [effects(others, [scene], claim, reverse=back)[0] / level]
-        r = [[effects(others, [scene], one, reverse=back)[0] / level] for one in rivals]
+        try:
+            scene = imagined(model, made, number=len(scenes))
+            back = [made.reversed]
+            c = [effects(others, [scene], claim, reverse=back)[0] / level]
+            r = [[effects(others, [scene], one, reverse=back)[0] / level] for one in rivals]
+        except GearpolyError:
+            continue  # the pair cannot run like that
         new, wider = _open_columns(model, scene, linear, keep, level)
         grown = np.zeros((wider.shape[0], wider.shape[0]))
         grown[: keep.size, : keep.size] = precision
