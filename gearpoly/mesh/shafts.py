@@ -12,7 +12,7 @@ from gearpoly.units import FloatArray
 
 UNEVEN = 0.05
 """Part of its mean by which a recording's speed may go up and down before it counts as a run-up: near a resonance of
-damping 0.05 that moves the gain by a few parts in a hundred of the largest."""
+damping 0.05 half of that moves the gain by a tenth at most."""
 
 PER_SWING, PER_PITCH = 24.0, 64.0
 """Steps in time per period of the resonance and of the mesh, at the fastest, in which a run-up is followed; straight
