@@ -69,3 +69,17 @@ def test_measured_flanks_err_each_by_itself() -> None:
     alone = make_as_built((prior(shared=0.0, own=0.0),) * 2, ["drive"])
     assert alone.size == 2 * 11
     assert np.linalg.inv(alone.precision)[0, 0] == pytest.approx(0.25)
+
+
+def test_a_tooth_that_leans_as_none_of_its_fellows_does_is_set_upright() -> None:
+    """Teeth that lean alike are left as they are, by how much ever; so is the other gear."""
+    made = make_as_built((prior(shared=0.0, own=0.0),) * 2, ["drive"])
+    values = np.zeros(made.size)
+    for gear in (0, 1):
+        made.slope(values, "drive", gear)[:] = [2.1, 1.9, 9.0, 2.0, 2.2]
+        made.pitch(values, "drive", gear)[:] = [1.0, -1.0, 5.0, 0.0, 0.5]
+    out = made.upright(values, [0])
+    np.testing.assert_allclose(made.slope(out, "drive", 0), [2.1, 1.9, 2.1, 2.0, 2.2])
+    np.testing.assert_array_equal(made.pitch(out, "drive", 0), made.pitch(values, "drive", 0))
+    np.testing.assert_array_equal(made.slope(out, "drive", 1), made.slope(values, "drive", 1))
+    np.testing.assert_array_equal(made.upright(out, [0]), out)

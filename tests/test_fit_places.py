@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.diagnose import placing
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
 from gearpoly.diagnose.placing import ENOUGH, first, off_by, opening, placed
@@ -100,7 +101,25 @@ def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitch
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved((pitches - aside) * TURN / Z[1])
     foreign = [np.zeros((model.observed[0].samples.size, 0))]
-    assert off_by(model, foreign, lambda _: None) == -pitches
+    assert off_by(Fit.begun(model, foreign, lambda _: None, trial=6)) == -pitches
+
+
+def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
+    model.moved(-aside * TURN / Z[1])
+    at = model.offset
+    told = []
+    monkeypatch.setattr(placing, "off_by", lambda fit: told.append(fit) or 1)
+    model.elsewhere = (TURN / Z[1],)
+    placed(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    assert len(told) == 1
+    assert model.offset == pytest.approx(at, abs=1e-12)
 
 
 def off_pitches_of(theta_2: FloatArray, one: Recording) -> float:

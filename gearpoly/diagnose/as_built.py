@@ -24,6 +24,10 @@ WITHIN = 2.0
 STRAINED = 3.0
 """Standard deviations from which teeth have in common what a gear of their grade hardly has."""
 
+LEANING, TO_SIGMA = 5.0, 1.4826
+"""Standard deviations of the teeth of its gear by which a tooth leans as none of them does, and that deviation over the
+median one, so that few such teeth do not count."""
+
 KEPT_IN, CROWDED = 0.435, 0.8
 """Waves of drawn gears that keep to F_p: each as if its standard deviation were at most ``KEPT_IN`` (z f_p^2 /
 F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/test_as_built.py)."""
@@ -91,6 +95,18 @@ class AsBuilt:
             for gear in gears:
                 self.slope(out, flank, gear)[:] = lean[gear] - both
                 out[self.start(flank, gear) + 2 * self.gears[gear].z] = 0.0
+        return out
+
+    def upright(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
+        """The parameters (m,) with the teeth of these ``gears`` that lean as none of their fellows does leaning as
+        their median tooth."""
+        out = values.copy()
+        for flank in self.flanks:
+            for gear in gears:
+                slope = self.slope(out, flank, gear)
+                apart = slope - np.median(slope)
+                leaning = np.abs(apart) > LEANING * TO_SIGMA * np.median(np.abs(apart))
+                slope[leaning] -= apart[leaning]
         return out
 
     def strained(self, values: FloatArray) -> bool:

@@ -17,7 +17,7 @@ from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
-from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, strangers, unexplained
+from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, slow_or_sudden, strangers, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
@@ -77,7 +77,7 @@ def diagnose(
         comparison = comparison.turned(model.turned_by)
     search.step = watch.stage("search")
     start_linear = search.linear
-    search.run()
+    looked_at = search.run()
     search.step = watch.stage("rivals")
     refitted = contest(search)
     model.ratio = search.declared_ratio()
@@ -90,7 +90,7 @@ def diagnose(
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     findings = tuple(_finding(search, comparison, k, judged[k], watch) for k in order)
     watch.stage("leftovers")("looking for what is left")
-    left_over = unexplained(search, comparison)
+    left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     status: Status = "nothing_missing"

@@ -156,24 +156,31 @@ class Fit:
         model.claims[at : len(model.claims) if instead is None else at + 1] = claims
 
     def relax(self) -> None:
-        """Begin once more with all slopes of a graded gear alike and no crowning, as long as that ends better.
+        """Begin once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that
+        lean as none of their fellows does, as long as that ends better.
 
         Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
         step was wrong: the fit rests with teeth that lean as none does. And what two crownings differ by is a slope and
         a late hand-over, so that fits creep along a bent valley in which both gears bulge as none of their grade does.
         """
-        graded = [gear for gear in (0, 1) if self.model.as_built.gears[gear].graded]
+        teeth = self.model.as_built
+        graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
         if not graded:
             return
-        if all(scene.bends for scene in self.scenes) and not self.model.as_built.strained(self.model.built):
-            return
-        for _ in range(RELAXED):
-            before, there = self.kept(), self.linear.system.misfit
-            self.model.built = self.model.as_built.alike(self.model.built, graded)
-            self.settle()
-            if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
-                self.restore(before)
-                return
+        ways = [teeth.upright]
+        if not all(scene.bends for scene in self.scenes) or teeth.strained(self.model.built):
+            ways.insert(0, teeth.alike)
+        for afresh in ways:
+            for _ in range(RELAXED):
+                begun = afresh(self.model.built, graded)
+                if np.array_equal(begun, self.model.built):
+                    break
+                before, there = self.kept(), self.linear.system.misfit
+                self.model.built = begun
+                self.settle()
+                if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
+                    self.restore(before)
+                    break
 
     def share(self) -> None:
         """Let both flanks of graded gears share what the recordings say they do."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import gammaincc
@@ -17,6 +18,7 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.units import UM, FloatArray
@@ -175,6 +177,31 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
+
+
+def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:
+    """What is too large for chance and slow, of the candidates last ``looked_at``, where a jump explains as much: no
+    physics of the catalogue jumps, so it has no name."""
+    for one in looked_at:
+        if not one.claim.physics.slow or not search.beyond_chance(one) or not search.sudden(one):
+            continue
+        curves = search.model.change(search.scenes, one.claim, one.claim.values)
+        amplitude = 0.5 * max(float(np.ptp(curve)) for curve in curves) / UM
+        return (
+            Entry(
+                kind="time",
+                hz=0.0,
+                amplitude_um=amplitude,
+                std_um=amplitude / math.sqrt(one.gain),
+                rms_um=search.size(one) / UM,
+                recordings=one.claim.place.recordings or tuple(range(len(curves))),
+                p_value=math.exp(min(0.0, one.log_chance(tests=search.looked.tests(one.claim)))),
+                label="slow",
+                rivals=("a jump",),
+                gain=one.gain,
+            ),
+        )
+    return ()
 
 
 def _found_alone(entries: list[tuple[int, Entry]], foreign: slice) -> list[list[int]]:

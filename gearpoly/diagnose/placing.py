@@ -80,23 +80,36 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
         _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
         return
-    for _ in range(MOVES):
-        by = off_by(model, foreign, step)
+    if not any(model.scope.section(gear).eccentricity for gear in (0, 1)):
+        return
+    before: Fit | None = None
+    by = 0
+    for _ in range(MOVES + 1):
+        trial, columns = _shortened(model, foreign)
+        fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+        # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
+        fit.share()
+        if before is not None and _misfit(fit, by=before) > _misfit(before, by=before) - BETTER[0]:
+            # It was told to first order, and eccentricities bend the curve.
+            model.moved(-by * pitch)
+            return
+        before, by = fit, off_by(fit)
         if by == 0:
             return
         model.moved(by * pitch)
 
 
-def off_by(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> int:
-    """Pitches by which the teeth stand elsewhere in the hunting cycle, told by the declared eccentricities of gears
-    that nobody inspected: at a wrong place each seems to lack what turning its eccentricity by so many teeth adds."""
+def _misfit(fit: Fit, *, by: Fit) -> float:
+    """Misfit of a ``fit`` under the noise and what is known of teeth of another one."""
+    return fit.linear.under(by.noises, by.model.as_built).system.misfit
+
+
+def off_by(fit: Fit) -> int:
+    """Pitches by which the teeth of a trial ``fit`` stand elsewhere in the hunting cycle, told by the declared
+    eccentricities of gears that nobody inspected: at a wrong place each seems to lack what turning its eccentricity by
+    so many teeth adds, to first order."""
+    model = fit.model
     declared = [model.scope.section(gear).eccentricity for gear in (0, 1)]
-    if not any(declared):
-        return 0
-    trial, columns = _shortened(model, foreign)
-    fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
-    # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
-    fit.share()
     scenes, pair = fit.scenes, fit.scenes[0].pair
     period = math.lcm(*(gear.z for gear in model.scope.gears))
     places = np.arange(period)

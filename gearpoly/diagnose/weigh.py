@@ -13,11 +13,12 @@ from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
-from gearpoly.diagnose.system import System
+from gearpoly.diagnose.system import Sums, System
 from gearpoly.units import FloatArray
 
-FAMILY = 0.025
-"""Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located."""
+FAMILY = 0.01
+"""Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located,
+which is no name."""
 
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
@@ -41,6 +42,10 @@ COINCIDENCE = 0.1
 STEPS = 48
 """Moments of a recording at which a step is tried."""
 
+SUDDEN = 4.0
+"""Gain by which what is slow must be better than the best step to be told from one: of steps at 5 to 8 standard
+deviations whose moment nobody knows, three slow terms gained more than that in 1 of 40."""
+
 POLISH = 1.6
 """Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
 
@@ -59,6 +64,10 @@ class Weigh(Fit):
 
     def significant(self, one: Candidate) -> bool:
         """Whether chance would hardly gain as much anywhere in the search, noise as it is left."""
+        return self.beyond_chance(one) and not self.sudden(one)
+
+    def beyond_chance(self, one: Candidate) -> bool:
+        """The same of a candidate that may stand for something sudden."""
         physics, place = one.claim.physics, one.claim.place
         if not physics.sensible(self.model.scope, place, one.claim.values):
             return False
@@ -67,9 +76,11 @@ class Weigh(Fit):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        if physics.slow and one.gain < self.stepped(place.recordings):
-            return False
         return self.size(one) > max(self.law_floor(one), self.reading_floor(one), self.least(one))
+
+    def sudden(self, one: Candidate) -> bool:
+        """Whether what a slow candidate explains may as well have happened at once."""
+        return one.claim.physics.slow and one.gain < self.stepped(one.claim.place.recordings) + SUDDEN
 
     def matters(self, one: Candidate) -> bool:
         """Whether a candidate explains enough of what is left beyond noise. Where much is left that it does not touch,
@@ -111,19 +122,14 @@ class Weigh(Fit):
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
         something slow, and is not. Every step but the first costs its freedom and the choice of its moment."""
-        gains = [0.0]
-        for k, observed in enumerate(self.model.observed):
-            if recordings and k not in recordings:
-                continue
-            n = observed.samples.size
-            moments = np.linspace(0, n, STEPS + 2)[1:-1]
-            steps = (np.arange(n)[:, None] >= moments).astype(np.float64)
-            score, information = self.linear.system.beside([self.linear.sums(k, steps)])
-            known = np.diag(information)
-            told = known > KNOWN * np.max(known, initial=0.0)
-            gains.append(float(np.max(score[told] ** 2 / known[told], initial=0.0)))
-        best, *others = sorted(gains, reverse=True)
-        return best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
+        n = [observed.samples.size for observed in self.model.observed]
+        moments = np.linspace(0.0, 1.0, STEPS + 2)[1:-1]
+        steps = [(np.arange(size)[:, None] >= size * moments).astype(np.float64) for size in n]
+        sums = [self.linear.sums(k, one) for k, one in enumerate(steps) if not recordings or k in recordings]
+        best, *others = sorted((_best(self.linear.system, [one]) for one in sums), reverse=True)
+        apart = best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
+        # Recordings that drift alike may jump alike.
+        return max(apart, _best(self.linear.system, sums))
 
     def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right, as far as that reaches it."""
@@ -239,6 +245,14 @@ class Weigh(Fit):
         """What claim ``k`` gains, all else fitted again without it."""
         system = self.linear.system
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
+
+
+def _best(system: System, sums: list[Sums]) -> float:
+    """Gain of the best of some columns beside all that is believed."""
+    score, information = system.beside(sums)
+    known = np.diag(information)
+    told = known > KNOWN * np.max(known, initial=0.0)
+    return float(np.max(score[told] ** 2 / known[told], initial=0.0))
 
 
 def participation(effect: FloatArray) -> float:
