@@ -279,8 +279,9 @@ def test_certificates_hold_on_whole_faces_of_all_teeth() -> None:
             assert shapely.intersects(lines(mine, at + slack), held)
 
 
-@pytest.mark.parametrize("near", [0.0, 1e-4, 5e-3])
+@pytest.mark.parametrize("near", [0.0, 1e-4, 5e-3, 0.025, 0.06])
 def test_near_pairs_are_all_there_and_no_others(near: float) -> None:
+    """Also where near is more than a search goes back before its guess: a soft pair under load reaches far."""
     turning, fixed, a = deviated(200)
     poses, guesses = settings(300, seed=4)
     found = run(turning, fixed, a=a, poses=poses, guesses=guesses, near=near)

@@ -93,13 +93,13 @@ def _solve(
     m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: FloatArray, *, near: float
 ) -> tuple[Jobs, BoolArray]:
     """Certified touches of all near pairs of a chunk; poses that touch far from their guess are searched around
-    again."""
-    jobs = coarse(m, _candidates(m, tree, poses, guesses, slack=2.0 * m.back_off), near=near)
+    again. The last of those that are near closes ``near`` after the first, wherever that is."""
+    jobs = coarse(m, _candidates(m, tree, poses, guesses, slack=m.back_off + max(m.back_off, near)), near=near)
     refine(m, jobs)
     first = _first_rotation(jobs, poses.size)
     far = np.flatnonzero(~(np.abs(first) <= m.back_off))
     if far.size:
-        again = coarse(m, _candidates(m, tree, poses[far], guesses[far], slack=m.wide), near=near)
+        again = coarse(m, _candidates(m, tree, poses[far], guesses[far], slack=m.wide + near), near=near)
         again.pose = far[again.pose]
         refine(m, again)
         jobs = jobs.take(~np.isin(jobs.pose, far)).joined(again)
