@@ -334,7 +334,7 @@ def test_a_bound_too_optimistic_is_found_out(shrunk: float, monkeypatch: pytest.
     monkeypatch.undo()
     right = r.fast()
     assert np.max(np.abs(wrong.rotation[wrong.first()] - right.rotation[right.first()])) > PROMISED
-    with pytest.raises(NotConvergedError, match="fault of the fast path"):
+    with pytest.raises(NotConvergedError, match="fault of one of them"):
         r.check(wrong, samples=80)
 
 
@@ -347,7 +347,7 @@ def test_a_lost_tip_corner_is_found_out(blunt: str) -> None:
         for name, body in (("turning", r.turning), ("fixed", r.fixed))
     }
     wrong = Run(cut["turning"], cut["fixed"], r.how).fast()
-    with pytest.raises(NotConvergedError, match="fault of the fast path"):
+    with pytest.raises(NotConvergedError, match="fault of one of them"):
         r.check(wrong, samples=120)
 
 
@@ -357,7 +357,7 @@ def test_a_pair_left_out_is_found_out() -> None:
     keep = fast.first()
     names = [name for name in Closings.__dataclass_fields__ if name != "positions"]
     fewer = Closings(positions=fast.positions, **{name: getattr(fast, name)[keep] for name in names})
-    with pytest.raises(NotConvergedError, match="fault of the fast path"):
+    with pytest.raises(NotConvergedError, match="fault of one of them"):
         r.check(fewer, samples=30)
 
 

@@ -122,7 +122,7 @@ def _worst(fast: Closings, at_fast: int, certified: Closings, at_certified: int,
         if not difference <= AGREEMENT:
             raise NotConvergedError(
                 f"the fast path and the certified polygons differ by {difference:.3g} rad at position {at_fast}, "
-                f"turning tooth {pair[0]} on fixed tooth {pair[1]}; this is a fault of the fast path"
+                f"turning tooth {pair[0]} on fixed tooth {pair[1]}; this is a fault of one of them"
             )
         worst = max(worst, difference)
     return worst
