@@ -21,10 +21,10 @@ from tests.physics_cases import Condition, recorded, samples_at
 Z, TOOTH = (30, 45), 7
 
 
-def pair(lag_um: float, *, spall_um: float = 0.0) -> PairFile:
-    """Small gears, unloaded and inspected; one driving tooth stands back, or is pitted in the middle of its flank."""
+def pair(lag_um: float, *, spall_um: float = 0.0, bends: bool = False) -> PairFile:
+    """Small inspected gears; one driving tooth stands back, or is pitted in the middle of its flank."""
     rng = np.random.default_rng(9)
-    gears: dict[str, Any] = {"model": {"tooth_deflection": False}}
+    gears: dict[str, Any] = {"model": {"tooth_deflection": bends}}
     for name, z in zip(("driving", "driven"), Z, strict=True):
         pitch = rng.normal(0.0, 1.0, z).round(2)
         pitch[TOOTH] += lag_um if name == "driving" else 0.0
@@ -77,6 +77,20 @@ def test_a_tooth_that_touches_keeps_its_size_and_error(lagging: dict[float, Reco
     # An inspection to 0.2 um on this tooth and on all others.
     assert std < 0.4
     assert not any("the least it can have" in remark for remark in diagnosis.remarks)
+
+
+def test_a_loaded_tooth_out_of_the_mesh_is_no_crack(tmp_path: Path) -> None:
+    """Bent by 1 and 2 um, pairs close over a tooth that stands 20 um back, as over one that gives ten times as much: to
+    first order a tooth out of the mesh has no place, only a softness."""
+    loads = tuple(Condition(torque_nm=torque) for torque in (0.8, 2.0))
+    recordings = recorded(pair(-20.0, bends=True), loads, np.random.default_rng(4), cycles=2.0)
+    diagnosis = diagnose(pair(0.0, bends=True), recordings, path=tmp_path / "pair.toml")
+    (one,) = diagnosis.findings
+    assert (one.claim.physics.name, one.claim.place.gear, one.tooth) == ("tooth_pitch", 0, TOOTH)
+    size, std = one.parameters["deviation_um"]
+    assert abs(size + 20.0) < 2.0 * std
+    assert size < -4.0
+    assert diagnosis.after.unseen == pytest.approx(diagnosis.noise, rel=0.02)
 
 
 def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: Path) -> None:

@@ -14,13 +14,19 @@ from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, togeth
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
+from gearpoly.physics.tooth_pitch import PHYSICS as PITCH
 from gearpoly.threads import each
+from gearpoly.units import UM
 
 ALIKE = 0.1
 """Part of its mean by which a value of twins may differ for both to be alike."""
 
 SWAPS = 4
 """Most exchanges after a claim."""
+
+LIGHT, FAR = 0.5, 4.0
+"""Part of what other teeth of its gear carry, in the mean, below which a tooth may have left the mesh; and how far back
+it is set for a trial, as a multiple of what its claim does and pairs are bent: well out of it."""
 
 LIKELY = 0.7
 """Part of a claim's gain that its substitute must reach by its coarse shapes to be polished, and that another first
@@ -133,6 +139,7 @@ class Search(Weigh):
             self.drop_idle()
             kept = {one.key for one in claims} <= {one.key for one in self.model.claims}
             self.swap()
+            self.set_back()
             self.even()
         except GearpolyError:
             return False
@@ -196,6 +203,38 @@ class Search(Weigh):
             if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER:
                 out.append((k, done.gain - gain, [done.claim]))
         return out
+
+    def set_back(self) -> None:
+        """Exchange a claim about a tooth that hardly carries for one that it stands back, where that fits better. Once
+        it has left the mesh no column tells so: to first order a tooth that gives way is all that is left of it."""
+        for k, claim in enumerate(self.model.claims):
+            for made in self._standing_back(claim):
+                begun = self.kept()
+                try:
+                    self.join([made], instead=k)
+                    self.settle()
+                except GearpolyError:
+                    self.restore(begun)
+                    continue
+                if self.gained(begun) > BETTER:
+                    return
+                self.restore(begun)
+
+    def _standing_back(self, claim: Claim) -> list[Claim]:
+        """Claims that the tooth of ``claim`` stands well out of the mesh, on any flank; none where it carries as others
+        do."""
+        gear, tooth = claim.place.gear, claim.place.tooth
+        if gear is None or tooth is None or claim.physics is PITCH:
+            return []
+        if all(scene.carried(gear, tooth) > LIGHT for scene in self.scenes):
+            return []
+        without = self.model.but(claim).scenes()
+        most = max(float(np.max(np.abs(here.te - gone.te))) for here, gone in zip(self.scenes, without, strict=True))
+        values = (-FAR * max(most, self.deflection) / UM,)
+        taken = {one.key for one in self.model.claims}
+        places = [p for p in PITCH.places(self.model.scope) if (p.gear, p.tooth) == (gear, tooth)]
+        made = [Claim(physics=PITCH, place=place, values=values) for place in places]
+        return [one for one in made if one.key not in taken]
 
     def even(self) -> None:
         """Begin once more with both gears alike, by the declared compliance law, where a shaped physics is claimed of

@@ -122,6 +122,13 @@ class Scene:
         """Tooth numbers (P, n) of gear 0 (driving) or 1."""
         return self.tooth_1 if gear == 0 else self.tooth_2
 
+    def carried(self, gear: int, tooth: int) -> float:
+        """What a tooth carries in the mean, over what the median tooth of its gear does; 1 where that is nothing."""
+        z = self.gear(gear).z
+        by_tooth = np.bincount(self.teeth(gear).ravel(), weights=self.weight.ravel(), minlength=z)
+        usual = float(np.median(by_tooth))
+        return float(by_tooth[tooth]) / usual if usual > 0.0 else 1.0
+
     def roll(self, gear: int) -> FloatArray:
         """Roll lengths (P, n) in mm at which the flanks of gear 0 (driving) or 1 hold what now is in contact.
 
