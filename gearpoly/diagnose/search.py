@@ -216,7 +216,8 @@ class Search(Weigh):
                 except GearpolyError:
                     self.restore(begun)
                     continue
-                if self.gained(begun) > BETTER:
+                # A pit over all of a flank does as much, with more to choose.
+                if self.gained(begun) > 0.0:
                     return
                 self.restore(begun)
 
