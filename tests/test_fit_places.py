@@ -104,6 +104,20 @@ def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitch
     assert off_by(Fit.begun(model, foreign, lambda _: None, trial=6)) == -pitches
 
 
+@pytest.mark.parametrize("pitches", [0.9, -7.0])
+def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float, tmp_path: Path) -> None:
+    """Also from beside a pitch: neither place is judged before its fit has come to rest."""
+    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
+    model.moved((pitches - aside) * TURN / Z[1])
+    model.elsewhere = (TURN / Z[1],)
+    placed(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    assert abs(off_pitches_of(model.observed[0].samples.theta_2, one)) < 0.2
+
+
 def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

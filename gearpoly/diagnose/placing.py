@@ -89,8 +89,10 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
         # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
         fit.share()
+        # Far from rest neither place is judged rightly, nor told.
+        fit.settle()
+        # It was told to first order, and eccentricities bend the curve.
         if before is not None and _misfit(fit, by=before) > _misfit(before, by=before) - BETTER[0]:
-            # It was told to first order, and eccentricities bend the curve.
             model.moved(-by * pitch)
             return
         before, by = fit, off_by(fit)
