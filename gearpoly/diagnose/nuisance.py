@@ -12,6 +12,7 @@ from itertools import product
 
 import numpy as np
 
+from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance import law_names
 from gearpoly.physics.scene import Scene
 from gearpoly.threads import each
@@ -159,6 +160,10 @@ class LawChange:
     parts: list[FloatArray]
 
 
+STIFFER = 0.25
+"""Part of its compliance by which a law is tried that bends teeth too far: the laws differ by less than four times."""
+
+
 def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, LawChange]:
     """What every other pair of laws, or ``only`` one, changes in all scenes; empty where nothing bends."""
     out: dict[Law, LawChange] = {}
@@ -171,9 +176,17 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
     for law, contact in asked:
         if (law, contact) == _law_of(loaded[0]):
             continue
-        there = each(partial(_under, law=law, contact=contact, ratio=1.0), loaded)
-        ratio = bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
-        there = each(partial(_under, law=law, contact=contact, ratio=ratio), scenes)
+        under = partial(_under, law=law, contact=contact)
+        try:
+            try:
+                ratio, there = 1.0, each(partial(under, ratio=1.0), loaded)
+            except OutOfRangeError:
+                ratio, there = STIFFER, each(partial(under, ratio=STIFFER), loaded)
+            ratio *= bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
+            there = each(partial(under, ratio=ratio), scenes)
+        except OutOfRangeError:
+            # Teeth that are bent nearly too far by the present law may be so somewhere by one as soft in the mean.
+            continue
         parts = [x - scene.te for x, scene in zip(there, scenes, strict=True)]
         out[law, contact] = LawChange(ratio=ratio, parts=parts)
     return out
