@@ -119,6 +119,21 @@ def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_sl
     assert not scales(recorded).sudden(Candidate(claim=drift_claim(), gain=gain, freedoms=3))
 
 
+def test_a_straight_ramp_is_a_wrong_count_and_no_drift_that_happens_to_be_straight() -> None:
+    """Of 100 um at 0.01 um of doubt a drift would have shown its bow. Of 7 standard deviations it would not."""
+    looked = Looked()
+    scale = Claim(physics=catalogue()["encoder_scale"], place=Place(gear=1), values=(1.0,))
+
+    def ahead(size: float, bow: float) -> float:
+        """Of the drift, whose bow and S say ``bow`` beyond the ramp."""
+        drift = Candidate(claim=drift_claim(), gain=size**2 + bow, freedoms=3)
+        return looked.worth(drift) - looked.worth(Candidate(claim=scale, gain=size**2, freedoms=1))
+
+    assert ahead(1e4, 9.0) < 0.0
+    assert ahead(1e4, 40.0) > 0.0
+    assert ahead(7.0, 9.0) > 0.0
+
+
 def drift_claim() -> Claim:
     return Claim(physics=catalogue()["thermal_drift"], place=Place(recordings=(0,)), values=(1.0, 0.0, 0.0))
 

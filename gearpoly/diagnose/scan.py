@@ -63,8 +63,10 @@ class Looked:
 
     def worth(self, one: Candidate) -> float:
         """Gain in misfit less what a candidate's freedoms and choice of a place are worth: what may be at fifty places
-        fits noise at one of them better than what has two."""
-        return one.gain - 2.0 * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
+        fits noise at one of them better than what has two. Slow changes lie within one another: a wrong count is a
+        drift whose bow and S are nothing, so freedoms cost as much as they might have told (Schwarz 1978)."""
+        cost = max(2.0, math.log(max(one.gain, 1.0))) if one.claim.physics.slow else 2.0
+        return one.gain - cost * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
 
 
 @dataclass(frozen=True, kw_only=True)
