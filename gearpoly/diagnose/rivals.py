@@ -21,10 +21,11 @@ LIKE = 0.05
 """Sine of the angle below which two signals differ by what only a perfect simulation could tell: corners, second
 order, the fourth figure of a shape."""
 
-CORNERS = 0.02
-"""Part of a claim's whole effect below which two signals differ by what no two models of corner contact agree on: a
-slope or a crowning of one gear and of the other, which are one on the path of contact, by 0.011 and 0.016 beside it.
-The effect counts with all that teeth as built might take of it."""
+CORNERS, FINE = 0.02, 0.01
+"""Parts of a claim's whole effect below which two signals differ by what no two models agree on, of all teeth in corner
+contact, and of anything else: a slope or a crowning of one gear and of the other, which are one on the path of contact,
+differ by 0.011 and 0.016 beside it, the stairs of a pitch wave from an encoder's by more than that. The effect counts
+with all that teeth as built might take of it."""
 
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
@@ -57,18 +58,20 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted
     rivals: list[Candidate] = []
     seen = {claim.key}
 
-    def like(reached: float, freedoms: int) -> bool:
+    def like(one: Candidate, reached: float) -> bool:
         # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
-        simpler = max(0.0, 2.0 * (len(claim.values) - freedoms))
+        simpler = max(0.0, 2.0 * (len(claim.values) - one.freedoms))
         told = reached <= gain - CLOSE - simpler
-        return not told or gain - reached < max(LIKE**2 * gain, CORNERS**2 * alone)
+        part = CORNERS if claim.physics.mean_tooth and one.claim.physics.mean_tooth else FINE
+        return not told or gain - reached < max(LIKE**2 * gain, part**2 * alone)
 
     for refit in refitted:
         seen.add(refit.claim.key)
         freedoms = len(refit.claim.values)
         reached = gain - refit.behind + 2.0 * (freedoms - len(claim.values))
-        if like(reached, freedoms):
-            rivals.append(Candidate(claim=refit.claim, gain=reached, freedoms=freedoms))
+        one = Candidate(claim=refit.claim, gain=reached, freedoms=freedoms)
+        if like(one, reached):
+            rivals.append(one)
     for one in [c for c in found if c.gain > POSSIBLE * gain][: 4 * LOOKED_AT]:
         if one.claim.key in seen or len(seen) > LOOKED_AT:
             continue
@@ -76,7 +79,7 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted
         better = polished(others, scenes, plain, one)
         columns = columns_of(others, scenes, plain, better)
         reached = bare.misfit - bare.with_columns(columns).misfit
-        if like(reached, better.freedoms):
+        if like(better, reached):
             rivals.append(better)
     return Judged(gain=gain, rivals=tuple(sorted(rivals, key=lambda one: -one.gain)))
 
