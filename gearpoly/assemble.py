@@ -144,7 +144,12 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     resonance = file.pair.resonance
     shafts = Shafts(windup=file.pair.windup_urad_per_nm * URAD / NM)
     if resonance is not None:
-        shafts = replace(shafts, frequency=resonance.frequency_hz, damping=resonance.damping_ratio)
+        shafts = replace(
+            shafts,
+            frequency=resonance.frequency_hz,
+            damping=resonance.damping_ratio,
+            in_mesh=resonance.damped_in_mesh,
+        )
     return Assembled(
         pair=pair,
         deviations=(made_of[0], made_of[1]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from gearpoly.mesh.transmission import (
     mean_count,
     mean_pairs,
 )
-from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, BoolArray, FloatArray, IntArray
+from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, BoolArray, FloatArray, IntArray, read_only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -225,6 +226,7 @@ def swings_at(
     return np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
 
 
+@lru_cache(maxsize=8)
 def cycle_te(assembled: Assembled, *, torque: float, flank: Flank) -> FloatArray:
     """Transmission error of the mesh alone in rad at even places of a hunting cycle, ``SWINGS_PER_MESH`` a pitch."""
     pair = assembled.pair
@@ -234,9 +236,8 @@ def cycle_te(assembled: Assembled, *, torque: float, flank: Flank) -> FloatArray
     compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
     near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
     found = contacts(pair, even, flank=flank, near=near, fast=True)
-    if compliance is None:
-        return found.te
-    return loaded(found, compliance, torque=torque, sharing=assembled.sharing).te
+    te = found.te if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing).te
+    return read_only(te)
 
 
 YIELD = 700.0

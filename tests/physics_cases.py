@@ -13,7 +13,8 @@ from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place, Scope, Values
-from gearpoly.physics.scene import Samples, stage
+from gearpoly.physics.samples import Samples
+from gearpoly.physics.scene import stage
 from gearpoly.recording.recording import Recording
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made, pair_file, unloaded_te
@@ -31,7 +32,7 @@ CASES: dict[str, tuple[Place, Values]] = {
     "encoder_interpolation": (Place(gear=0, order=64), (30.0, -12.0)),
     "encoder_scale": (Place(gear=0), (4.0,)),
     "friction": (Place(), (0.08,)),
-    "mesh_resonance": (Place(), (1.0, math.log(150.0), 0.08)),
+    "mesh_resonance": (Place(), (1.0, math.log(150.0), 0.08, 0.3)),
     "misalignment": (Place(), (12.0,)),
     "profile_crowning": (Place(gear=0), (6.0,)),
     "profile_slope": (Place(gear=1), (5.0,)),
@@ -96,6 +97,12 @@ def claim_of(name: str) -> Claim:
     physics = catalogue()[name]
     shape = values[physics.amplitudes :]
     return Claim(physics=physics, place=replace(place, shape=shape, probe=values[: physics.amplitudes]), values=values)
+
+
+def sized(claim: Claim, part: float) -> Values:
+    """A claim's values with a part of its amplitudes."""
+    a = claim.physics.amplitudes
+    return (*(part * v for v in claim.values[:a]), *claim.values[a:])
 
 
 def rough(z: tuple[int, int] = (12, 16), *, bends: bool = True, points: int = 800, seed: int = 5) -> PairFile:

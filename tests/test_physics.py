@@ -22,7 +22,8 @@ from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place, Values
-from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.physics.samples import Samples
+from gearpoly.physics.scene import Scene, stage
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
@@ -39,6 +40,7 @@ from tests.physics_cases import (
     rough,
     samples_at,
     scope_of,
+    sized,
 )
 
 ON_A_GEAR = {
@@ -79,11 +81,6 @@ def claims(name: str) -> list[Claim]:
             place = replace(one.place, gear=gear, flank=flank, shape=shape)
             out.append(replace(one, place=place, values=(*one.values[: one.physics.amplitudes], *shape)))
     return out
-
-
-def sized(claim: Claim, part: float) -> Values:
-    a = claim.physics.amplitudes
-    return (*(part * v for v in claim.values[:a]), *claim.values[a:])
 
 
 EVERY = [pytest.param(name, k, id=f"{name}-{k}") for name in NAMES for k in range(len(claims(name)))]

@@ -23,7 +23,7 @@ from gearpoly.diagnose.method import Method
 from gearpoly.errors import GearpolyError, InputFileError
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
-from gearpoly.physics.scene import Samples
+from gearpoly.physics.samples import Samples
 from gearpoly.prove import pool, work
 from gearpoly.prove import run as proving_run
 from gearpoly.prove.arms import arms

@@ -135,7 +135,7 @@ class AsBuilt:
                 out[rows, start + tooth] += weight[p]
                 out[rows, start + z + tooth] += weight[p] * (u[p] - 0.5)
                 out[:, start + 2 * z] -= weight[p] * (2.0 * u[p] - 1.0) ** 2
-        return out
+        return scene.swung(out)
 
     def written(self, file: PairFile, values: FloatArray) -> PairFile:
         """The pair file with these deviations on top of what it declares."""

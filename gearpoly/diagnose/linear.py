@@ -188,7 +188,7 @@ def _hats(scene: Scene, gear: int, tooth: int) -> FloatArray:
     place = np.clip(scene.spans[gear].u(scene.roll(gear)), 0.0, 1.0) * (KNOTS - 1)
     mine = scene.teeth(gear) == tooth
     hats = np.maximum(0.0, 1.0 - np.abs(place[:, :, None] - np.arange(KNOTS)))
-    return np.asarray(scene.samples.sense * np.einsum("pn,pnk->nk", scene.weight * mine, hats))
+    return scene.swung(scene.samples.sense * np.einsum("pn,pnk->nk", scene.weight * mine, hats))
 
 
 def linearise(

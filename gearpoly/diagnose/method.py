@@ -13,7 +13,9 @@ from gearpoly.compare.noise import Noise
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Physics, changed, on_gear
-from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.physics.samples import Samples
+from gearpoly.physics.scene import Scene, stage
+from gearpoly.simulate import cycle_te
 from gearpoly.threads import each
 
 FEW = 64.0
@@ -44,6 +46,10 @@ class Method:
         eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
         if self.exact or not eccentric:
             assembled = assemble(file, path=path, seed=0)
+            if assembled.shafts.frequency is not None:
+                # Recordings under the same load share the curve that swings.
+                loads = {(one.torque, one.flank) for one in samples}
+                each(lambda load: cycle_te(assembled, torque=load[0], flank=load[1]), sorted(loads))
             return each(lambda one: stage(assembled, one), samples)
         none, few = (assemble(_eccentric(file, part), path=path, seed=0) for part in (0.0, 1.0 / FEW))
         out = []

@@ -15,7 +15,8 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.method import Method
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Scope, Values, changed
-from gearpoly.physics.scene import Samples, Scene
+from gearpoly.physics.samples import Samples
+from gearpoly.physics.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
@@ -164,7 +165,11 @@ class Model:
         """
         physics, place = claim.physics, claim.place
         if physics.effect is not None:
-            return [physics.effect(scene, place, values) for scene in scenes]
+            by = physics.effect
+            told = each(lambda scene: by(scene, place, values), scenes)
+            if physics.measures or physics.reloads:
+                return told
+            return [scene.swung(one) for scene, one in zip(scenes, told, strict=True)]
         nothing = (*(0.0,) * physics.amplitudes, *values[physics.amplitudes :])
         others = self.file(but=but)
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))

@@ -133,9 +133,9 @@ def slope_of(scene: Scene) -> FloatArray:
     period = scene.pair.cycle
     place, unique = np.unique(np.mod(scene.samples.theta_2, period), return_index=True)
     h = max(scene.gear(1).tau / 64.0, float(np.median(np.diff(place))))
-    at, te = scene.samples.theta_2, scene.te[unique]
+    at, te = scene.samples.theta_2, scene.mesh_te[unique]
     there, here = (np.interp(at + by, place, te, period=period) for by in (h, -h))
-    return np.asarray((there - here) / (2.0 * h))
+    return scene.swung((there - here) / (2.0 * h))
 
 
 def softened(scene: Scene) -> FloatArray:

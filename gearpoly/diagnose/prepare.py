@@ -20,7 +20,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
 from gearpoly.physics.base import Scope
-from gearpoly.physics.scene import Samples
+from gearpoly.physics.samples import Samples
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, UM
 

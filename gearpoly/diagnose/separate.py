@@ -13,7 +13,8 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Samples, Scene, stage
+from gearpoly.physics.samples import Samples
+from gearpoly.physics.scene import Scene, stage
 from gearpoly.units import NM, RPM, FloatArray
 
 PER_MESH = 12

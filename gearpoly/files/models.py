@@ -58,6 +58,12 @@ class Resonance(Section):
 
     frequency_hz: float = Field(gt=0.0, le=1e6, description="natural frequency in Hz, above 0")
     damping_ratio: float = _field("damping over its critical value, above 0 to 1", 0.05, gt=0.0, le=1.0)
+    damped_in_mesh: float = _field(
+        "part of the damping that acts between the teeth, 0 (all in bearings and shafts) to 1",
+        0.0,
+        ge=0.0,
+        le=1.0,
+    )
 
 
 class PairSection(Section):

@@ -35,11 +35,13 @@ LEAST_STEP = 1e-7
 @dataclass(frozen=True, kw_only=True)
 class Shafts:
     """``windup`` in rad of driven rotation per N.mm of driven torque; natural ``frequency`` in Hz of the torsional
-    resonance (None: none) and its ``damping`` ratio."""
+    resonance (None: none), its ``damping`` ratio, and the part of the damping that acts ``in_mesh``: it is moved by
+    the teeth's own velocity too, the rest brakes against what stands still."""
 
     windup: float = 0.0
     frequency: float | None = None
     damping: float = 0.05
+    in_mesh: float = 0.0
 
     @property
     def rigid(self) -> bool:
@@ -52,10 +54,10 @@ class Shafts:
 
     def swings(self, te: FloatArray, *, period: float) -> FloatArray:
         """What the resonance adds to ``te`` (n,), even places over a ``period`` in s: every harmonic of frequency f
-        is magnified by 1/(1 - (f/f_n)^2 + 2 i D f/f_n).
+        is magnified by (1 + 2 i e D f/f_n)/(1 - (f/f_n)^2 + 2 i D f/f_n), e the part of the damping in the mesh.
 
-        The static transmission error excites a mass between mesh stiffness and nothing (Tuplin 1953); 0 where there is
-        no resonance.
+        The static transmission error excites a mass between mesh stiffness and nothing (Tuplin 1953), with e = 1 where
+        the mesh damps alone (Ozguven and Houser 1988); 0 where there is no resonance.
         """
         if self.frequency is None:
             return np.zeros(te.size)
@@ -69,20 +71,42 @@ class Shafts:
         if self.frequency is None:
             return np.ones(frequency.shape, dtype=np.complex128)
         r = frequency / self.frequency
-        return np.asarray(1.0 / (1.0 - r**2 + 2j * self.damping * r), dtype=np.complex128)
+        braked = 2j * self.damping * r
+        return np.asarray((1.0 + self.in_mesh * braked) / (1.0 - r**2 + braked), dtype=np.complex128)
 
     def follows(self, te: FloatArray, *, step: float) -> FloatArray:
-        """What the resonance adds to ``te`` (n,), ``step`` s apart, which has rested at its first value before.
+        """What the resonance adds to ``te`` (n,) or (n, m), ``step`` s apart, once at rest at its first value.
 
-        The equation of motion x'' + 2 D w x' + w^2 x = w^2 te, solved exactly for straight lines between the values.
+        The equation of motion x'' + 2 D w (x' - e te') + w^2 (x - te) = 0 with e the part of the damping in the mesh,
+        solved exactly for straight lines between the values.
         """
         if self.frequency is None:
-            return np.zeros(te.size)
+            return np.zeros(te.shape)
         w = 2.0 * math.pi * self.frequency
-        system = (np.array([w * w]), np.array([1.0, 2.0 * self.damping * w, w * w]))
+        braked = 2.0 * self.damping * w
+        # A leading zero would be refused.
+        upper = np.array([self.in_mesh * braked, w * w])[0 if self.in_mesh > 0.0 else 1 :]
+        system = (upper, np.array([1.0, braked, w * w]))
         numerator, denominator, _ = cont2discrete(system, step, method="foh")
         off = te - te[0]
-        return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), off) - off)
+        return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), off, axis=0) - off)
+
+    def magnified(self, changes: FloatArray, *, time: FloatArray) -> FloatArray:
+        """What ``changes`` (n,) or (n, m) of the excitation at ``time`` (n,) in s, in their unit, become, straight from
+        sample to sample: for derivatives, since curves may bend between samples."""
+        if self.frequency is None or time.size < 2:
+            return changes
+        step = max(float(time[-1] - time[0]) / (time.size - 1), LEAST_STEP)
+        steps = np.arange(time.size, dtype=np.float64)
+        even = _between(changes, np.interp(time[0] + step * steps, time, steps))
+        return changes + _between(self.follows(even, step=step), (time - time[0]) / step)
+
+
+def _between(values: FloatArray, place: FloatArray) -> FloatArray:
+    """Values (n,) or (n, m) at places (k,) among their rows, straight from row to row."""
+    before = np.clip(place.astype(np.int64), 0, len(values) - 2)
+    part = (place - before).reshape(-1, *(1,) * (values.ndim - 1))
+    return np.asarray((1.0 - part) * values[before] + part * values[before + 1])
 
 
 def runs_up(theta: FloatArray, time: FloatArray | None) -> tuple[float, float] | None:

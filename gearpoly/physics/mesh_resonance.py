@@ -19,6 +19,9 @@ gets through; above, it hardly swings."""
 
 DAMPINGS = (0.03, 0.1)
 
+HALF = 0.5
+"""Part of the damping in the mesh to begin with: nobody knows it, and near the resonance it hardly shows."""
+
 HIGHEST_DAMPING = 0.3
 """Shafts and gears of steel hardly reach a tenth; more is no resonance."""
 
@@ -33,27 +36,33 @@ def _places(scope: Scope) -> Iterable[Place]:
     mesh = max(speeds) * scope.gears[0].z / (2.0 * math.pi)
     for part in np.geomspace(LOWEST, HIGHEST, TRIED).tolist():
         for damping in DAMPINGS:
-            yield Place(shape=(math.log(part * mesh), damping), probe=(1.0,))
+            yield Place(shape=(math.log(part * mesh), damping, HALF), probe=(1.0,))
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     if scene.samples.speed is None or values[0] <= 0.0:
         return np.zeros(scene.samples.size)
-    shafts = Shafts(frequency=math.exp(values[1]), damping=min(1.0, max(values[2], 1e-3)))
+    shafts = Shafts(frequency=math.exp(values[1]), damping=min(1.0, max(values[2], 1e-3)), in_mesh=values[3])
     return np.asarray(scene.swings(shafts) * (scene.pair.r_b2 * values[0]))
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     if values[0] <= 0.0:
         return file
-    table = Resonance(frequency_hz=math.exp(values[1]), damping_ratio=min(1.0, max(values[2], 1e-3)))
+    table = Resonance(
+        frequency_hz=math.exp(values[1]), damping_ratio=min(1.0, max(values[2], 1e-3)), damped_in_mesh=values[3]
+    )
     return on_pair(file, resonance=table)
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    std = [math.sqrt(max(float(covariance[k, k]), 0.0)) for k in range(3)]
+    std = [math.sqrt(max(float(covariance[k, k]), 0.0)) for k in range(4)]
     hz = math.exp(values[1])
-    return {"frequency_hz": (hz, hz * std[1]), "damping_ratio": (float(values[2]), std[2])}
+    return {
+        "frequency_hz": (hz, hz * std[1]),
+        "damping_ratio": (float(values[2]), std[2]),
+        "damped_in_mesh": (float(values[3]), std[3]),
+    }
 
 
 PHYSICS = Physics(
@@ -62,6 +71,7 @@ PHYSICS = Physics(
         Quantity(name="present", low=0.0, high=1.0),
         Quantity(name="ln_frequency", low=-4.0, high=12.0, step=0.003),
         Quantity(name="damping_ratio", low=0.001, high=HIGHEST_DAMPING, step=0.01),
+        Quantity(name="damped_in_mesh", low=0.0, high=1.0, step=0.1),
     ),
     amplitudes=1,
     fixed_amplitudes=True,
@@ -74,5 +84,5 @@ PHYSICS = Physics(
     says=lambda place, v: (
         f"The mesh swings at {math.exp(v[1]):.0f} Hz (damping {v[2]:.3f}) and magnifies what comes near it."
     ),
-    equation="each harmonic times 1/(1 - (f/f_n)^2 + 2 i D f/f_n)",
+    equation="each harmonic times (1 + 2 i e D f/f_n)/(1 - (f/f_n)^2 + 2 i D f/f_n), e of the damping in the mesh",
 )

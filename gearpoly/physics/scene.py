@@ -8,7 +8,7 @@ of small changes need no further simulation.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -22,6 +22,7 @@ from gearpoly.mesh.loaded import LoadedContacts, levers, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.physics.samples import Samples
 from gearpoly.simulate import cycle_te, further_te, swings_at
 from gearpoly.units import UM, FloatArray, IntArray
 
@@ -34,54 +35,6 @@ Held = tuple[IntArray, FloatArray, FloatArray]
 
 DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 """Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Samples:
-    """Where and under what a recording was made, (n,) each: ``theta_1``, ``theta_2`` in rad from the contract's zero,
-    ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
-    ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
-    the others."""
-
-    number: int
-    flank: Flank
-    torque: float
-    speed: float | None
-    theta_1: FloatArray
-    theta_2: FloatArray
-    time: FloatArray | None
-    reading_1: FloatArray
-    reading_2: FloatArray
-    direction_1: int
-    direction_2: int
-    counted: bool
-
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return self.theta_2.size
-
-    def first(self, n: int) -> Samples:
-        """The first ``n`` samples."""
-        names = ("theta_1", "theta_2", "reading_1", "reading_2")
-        mine = {name: getattr(self, name)[:n] for name in names}
-        return replace(self, time=None if self.time is None else self.time[:n], **mine)
-
-    @property
-    def coast(self) -> bool:
-        """Whether the coast flank carries."""
-        return self.flank == "coast"
-
-    @property
-    def sense(self) -> float:
-        """Sign by which material moves the transmission error: +1 on the drive flank, -1 on the coast flank."""
-        return -1.0 if self.coast else 1.0
-
-    @cached_property
-    def along(self) -> FloatArray:
-        """Place (n,) in the recording, -1 at its beginning and 1 at its end, by time where it is known."""
-        x = self.theta_2 if self.time is None else self.time
-        return np.asarray(2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-300) - 1.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -221,16 +174,37 @@ class Scene:
 
     def under(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""
-        return self.te + (self._loaded_te(elasticity) - self._own_te) * self.pair.r_b2
+        return self.te + self.swung((self._loaded_te(elasticity) - self._own_te) * self.pair.r_b2)
 
     def with_load_of(self, assembled: Assembled) -> FloatArray:
         """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
         s, shafts = self.samples, assembled.shafts
         te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast)
         if shafts.frequency is not None and s.speed is not None:
-            # The curve that swings is this scene's: what load changes of it swings a second-order change along.
-            te = te + self.swings(shafts)
+            change = te - self._own_te
+            te = self._own_te + self.swings(shafts) + shafts.magnified(change, time=self.passed)
         return np.asarray(te * self.pair.r_b2)
+
+    def swung(self, changes: FloatArray) -> FloatArray:
+        """``changes`` (n,) or (n, m) of the mesh's own transmission error as a resonance, if there is one, magnifies
+        them."""
+        shafts = self.assembled.shafts
+        if shafts.frequency is None or self.samples.speed is None:
+            return changes
+        return shafts.magnified(changes, time=self.passed)
+
+    @cached_property
+    def passed(self) -> FloatArray:
+        """Time (n,) in s, by the speed where the recording has none."""
+        s = self.samples
+        if s.time is not None or s.speed is None:
+            return np.zeros(s.size) if s.time is None else s.time
+        return np.asarray(np.abs(s.theta_2 - s.theta_2[0]) / (s.speed * self.pair.ratio))
+
+    @property
+    def mesh_te(self) -> FloatArray:
+        """Transmission error (n,) in mm of the mesh alone: at one place always the same, whatever the speed."""
+        return self._own_te * self.pair.r_b2
 
     def swings(self, shafts: Shafts) -> FloatArray:
         """What a resonance of ``shafts`` adds (n,) in rad to the transmission error of the mesh."""

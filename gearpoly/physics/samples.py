@@ -1,0 +1,59 @@
+"""Where and under what one recording was made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from gearpoly.mesh.pair import Flank
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Samples:
+    """Where and under what a recording was made, (n,) each: ``theta_1``, ``theta_2`` in rad from the contract's zero,
+    ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
+    ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
+    the others."""
+
+    number: int
+    flank: Flank
+    torque: float
+    speed: float | None
+    theta_1: FloatArray
+    theta_2: FloatArray
+    time: FloatArray | None
+    reading_1: FloatArray
+    reading_2: FloatArray
+    direction_1: int
+    direction_2: int
+    counted: bool
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.theta_2.size
+
+    def first(self, n: int) -> Samples:
+        """The first ``n`` samples."""
+        names = ("theta_1", "theta_2", "reading_1", "reading_2")
+        mine = {name: getattr(self, name)[:n] for name in names}
+        return replace(self, time=None if self.time is None else self.time[:n], **mine)
+
+    @property
+    def coast(self) -> bool:
+        """Whether the coast flank carries."""
+        return self.flank == "coast"
+
+    @property
+    def sense(self) -> float:
+        """Sign by which material moves the transmission error: +1 on the drive flank, -1 on the coast flank."""
+        return -1.0 if self.coast else 1.0
+
+    @cached_property
+    def along(self) -> FloatArray:
+        """Place (n,) in the recording, -1 at its beginning and 1 at its end, by time where it is known."""
+        x = self.theta_2 if self.time is None else self.time
+        return np.asarray(2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-300) - 1.0)
