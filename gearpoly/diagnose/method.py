@@ -55,7 +55,11 @@ class Method:
         out = []
         for one in samples:
             plain = stage(none, one)
-            out.append(replace(plain, te=plain.te + FEW * (stage(few, one).te - plain.te)))
+            some = stage(few, one)
+            te, mesh_te = (
+                here + FEW * (there - here) for here, there in ((plain.te, some.te), (plain.mesh_te, some.mesh_te))
+            )
+            out.append(replace(plain, te=te, mesh_te=mesh_te))
         return out
 
 

@@ -41,16 +41,17 @@ DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 class Scene:
     """A set-up simulated at the samples of one recording.
 
-    ``te`` (n,) in mm; rows of touching pairs laid out (P, n): ``tooth_1``, ``tooth_2``, roll lengths ``l_1``, ``l_2``
-    in mm, ``weight`` in the transmission error (0: none), normal ``force`` in N, ``n_x``, ``n_y`` the normal from the
-    driving into the driven tooth; ``soft`` (n,) compliance in mm/N of all touching pairs together, 0 where nothing
-    bends.
+    ``te`` (n,) in mm, of the mesh alone ``mesh_te``, at one place always the same; rows of touching pairs laid out (P, n):
+    ``tooth_1``, ``tooth_2``, roll lengths ``l_1``, ``l_2`` in mm, ``weight`` in the transmission error (0: none), normal
+    ``force`` in N, ``n_x``, ``n_y`` the normal from the driving into the driven tooth; ``soft`` (n,) compliance in mm/N
+    of all touching pairs together, 0 where nothing bends.
     """
 
     samples: Samples
     assembled: Assembled
     rows: FlankContacts
     te: FloatArray
+    mesh_te: FloatArray
     tooth_1: IntArray
     tooth_2: IntArray
     l_1: FloatArray
@@ -174,16 +175,15 @@ class Scene:
 
     def under(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""
-        return self.te + self.swung((self._loaded_te(elasticity) - self._own_te) * self.pair.r_b2)
+        return self.te + self.swung(self._loaded_te(elasticity) - self.mesh_te)
 
     def with_load_of(self, assembled: Assembled) -> FloatArray:
         """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
-        s, shafts = self.samples, assembled.shafts
-        te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast)
+        s, shafts, r_b2 = self.samples, assembled.shafts, self.pair.r_b2
+        te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast) * r_b2
         if shafts.frequency is not None and s.speed is not None:
-            change = te - self._own_te
-            te = self._own_te + self.swings(shafts) + shafts.magnified(change, time=self.passed)
-        return np.asarray(te * self.pair.r_b2)
+            te = self.mesh_te + self.swings(shafts) * r_b2 + shafts.magnified(te - self.mesh_te, time=self.passed)
+        return te
 
     def swung(self, changes: FloatArray) -> FloatArray:
         """``changes`` (n,) or (n, m) of the mesh's own transmission error as a resonance, if there is one, magnifies
@@ -201,11 +201,6 @@ class Scene:
             return np.zeros(s.size) if s.time is None else s.time
         return np.asarray(np.abs(s.theta_2 - s.theta_2[0]) / (s.speed * self.pair.ratio))
 
-    @property
-    def mesh_te(self) -> FloatArray:
-        """Transmission error (n,) in mm of the mesh alone: at one place always the same, whatever the speed."""
-        return self._own_te * self.pair.r_b2
-
     def swings(self, shafts: Shafts) -> FloatArray:
         """What a resonance of ``shafts`` adds (n,) in rad to the transmission error of the mesh."""
         s = self.samples
@@ -218,29 +213,21 @@ class Scene:
         """Transmission error in rad of the mesh alone at even places of a hunting cycle."""
         return cycle_te(self.assembled, torque=self.samples.torque, flank=self.samples.flank)
 
-    @cached_property
-    def _own_te(self) -> FloatArray:
-        return self._loaded_te(self.assembled.elasticity)
-
     def _loaded_te(self, elasticity: Elasticity | None) -> FloatArray:
-        """Transmission error (n,) in rad of the mesh alone."""
+        """Transmission error (n,) in mm of the mesh alone."""
         if elasticity is None or self.samples.torque == 0.0:
-            return self.rows.te
+            return self.rows.te * self.pair.r_b2
         rows, torque = self.rows, self.samples.torque
         by = _compliance(self.pair, elasticity, self.samples.flank)
         if NEAR + load_reach(by, torque) > rows.near:
             rows = _rows(self.pair, self.samples, near=NEAR + load_reach(by, torque))
-        return loaded(rows, by, torque=torque, sharing=self.assembled.sharing).te
+        return loaded(rows, by, torque=torque, sharing=self.assembled.sharing).te * self.pair.r_b2
 
 
 @lru_cache(maxsize=64)
 def _compliance(pair: GearPair, elasticity: Elasticity, flank: Flank) -> PairCompliance:
     """Recordings of a set share their gears, and so their compliance."""
     return pair_compliance(pair, elasticity, flank=flank)
-
-
-def _mesh_te(rows: FlankContacts, load: LoadedContacts | None) -> FloatArray:
-    return rows.te if load is None else load.te
 
 
 def _rows(pair: GearPair, samples: Samples, *, near: float) -> FlankContacts:
@@ -281,6 +268,7 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     further = further_te(
         assembled, samples.theta_2, torque=torque, flank=samples.flank, speed=samples.speed, time=samples.time
     )
+    mesh_te = rows.te if load is None else load.te
     soft = np.zeros(samples.size)
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
@@ -289,7 +277,8 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
         samples=samples,
         assembled=assembled,
         rows=rows,
-        te=(_mesh_te(rows, load) + further) * pair.r_b2,
+        te=(mesh_te + further) * pair.r_b2,
+        mesh_te=mesh_te * pair.r_b2,
         tooth_1=numbered(rows.driving),
         tooth_2=numbered(rows.driven),
         l_1=laid(np.sqrt(np.maximum(r_1**2 - pair.r_b1**2, 0.0))),
