@@ -41,10 +41,10 @@ DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 class Scene:
     """A set-up simulated at the samples of one recording.
 
-    ``te`` (n,) in mm, of the mesh alone ``mesh_te``, at one place always the same; rows of touching pairs laid out (P, n):
-    ``tooth_1``, ``tooth_2``, roll lengths ``l_1``, ``l_2`` in mm, ``weight`` in the transmission error (0: none), normal
-    ``force`` in N, ``n_x``, ``n_y`` the normal from the driving into the driven tooth; ``soft`` (n,) compliance in mm/N
-    of all touching pairs together, 0 where nothing bends.
+    ``te`` (n,) in mm, of the mesh alone ``mesh_te``, at one place always the same; rows of touching pairs laid out
+    (P, n): ``tooth_1``, ``tooth_2``, roll lengths ``l_1``, ``l_2`` in mm, ``weight`` in the transmission error (0:
+    none), normal ``force`` in N, ``n_x``, ``n_y`` the normal from the driving into the driven tooth; ``soft`` (n,)
+    compliance in mm/N of all touching pairs together, 0 where nothing bends.
     """
 
     samples: Samples
