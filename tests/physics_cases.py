@@ -38,7 +38,7 @@ CASES: dict[str, tuple[Place, Values]] = {
     "profile_slope": (Place(gear=1), (5.0,)),
     "shaft_windup": (Place(), (9.0,)),
     "thermal_drift": (Place(recordings=(0,)), (2.0, -1.0, 0.4)),
-    "tip_relief": (Place(gear=0), (8.0, 0.6)),
+    "tip_relief": (Place(gear=0, form="linear"), (8.0, 0.6)),
     "tooth_crack": (Place(gear=0, tooth=3), (0.6,)),
     "tooth_deflection": (Place(), (1.2,)),
     "tooth_pitch": (Place(gear=1, tooth=5, flank="drive"), (4.0,)),

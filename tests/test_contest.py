@@ -145,6 +145,10 @@ class Ends:
         me: Any = self
         return Search._withdrawn(me, k)
 
+    def _settled_for(self, claim: Any) -> bool:
+        me: Any = self
+        return Search._settled_for(me, claim)
+
     def declared_law(self) -> None:
         self.asked.append("declared_law")
 
@@ -159,7 +163,7 @@ class Ends:
 
 
 def named(key: str) -> Any:
-    physics = SimpleNamespace(name=key, mean_tooth=True)
+    physics = SimpleNamespace(name=key, mean_tooth=True, shaped=False)
     return SimpleNamespace(key=key, physics=physics, place=SimpleNamespace(gear=0), values=(1.0,))
 
 
@@ -214,6 +218,16 @@ def test_a_claim_goes_where_teeth_of_a_grade_fit_without_it(
     assert [one.key for one in search.model.claims] == (["first"] if stands else [])
     # What was believed beside it only is asked for again.
     assert search.asked == ([] if stands else ["declared_law", "choose_law", "share", "drop_idle"])
+
+
+@pytest.mark.parametrize(("shaped", "stands"), [(True, False), (False, True)])
+def test_beside_a_relief_each_claim_of_all_teeth_is_fitted_without(shaped: bool, stands: bool) -> None:
+    """Teeth that were inspected do not wander off, but a relief's length does, and with it where pairs hand over."""
+    search: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 130.0})
+    search.model.claims = [named("second"), named("first")]
+    search.model.claims[0].physics.shaped = shaped
+    Search.withdraw(search)
+    assert [one.key for one in search.model.claims] == (["second", "first"] if stands else ["second"])
 
 
 def test_of_several_claims_each_is_fitted_without() -> None:

@@ -15,7 +15,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose import placing
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, first, off_by, opening, placed
+from gearpoly.diagnose.placing import ENOUGH, _best_of, first, off_by, opening, placed
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
@@ -228,3 +228,35 @@ def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
     monkeypatch.setattr("gearpoly.diagnose.placing._best_of", lambda m, f, s, ways, **how: tried.extend(ways))
     placed(model, [], lambda text: None)
     assert len(tried) == (8 if doubted else 0)
+    # The nearer way round, so that a zero that was read keeps its tooth; the stated place comes first.
+    assert all(abs(way) <= 0.2 for way in tried)
+    assert not doubted or tried[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("stated", "here", "there", "moves"),
+    [
+        (False, 9000.0, 8000.0, True),
+        (True, 9000.0, 8000.0, False),  # nothing fits: the reading counts
+        (True, 9000.0, 5900.0, True),  # unless half as much again is said against it
+        (True, 2900.0, 2800.0, True),  # noise of 1000: the place is what is wrong
+    ],
+)
+def test_where_nothing_fits_a_zero_that_was_read_stands(
+    stated: bool, here: float, there: float, moves: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tooth far out of its place fits nowhere, and a wrong place takes some of it."""
+    moved: list[float] = []
+
+    def begun(*given: Any, **how: Any) -> Any:
+        system = SimpleNamespace(misfit=here if round(sum(moved), 9) == 0.0 else there)
+        return SimpleNamespace(noises=[1], linear=SimpleNamespace(under=lambda noises: SimpleNamespace(system=system)))
+
+    observed = [SimpleNamespace(samples=SimpleNamespace(size=1000))]
+    model: Any = SimpleNamespace(
+        stated=stated, observed=observed, moved=moved.append, kept=dict, restore=lambda kept: None, claims=[]
+    )
+    monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))
+    monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", begun)
+    _best_of(model, [], lambda text: None, [0.0, 0.05], hopeful=1.15)
+    assert sum(moved) == pytest.approx(0.05 if moves else 0.0)

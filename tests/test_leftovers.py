@@ -11,7 +11,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.leftovers import STANDS, _stands
+from gearpoly.diagnose.foreign import STANDS, large
 from tests.made_recordings import Rig, inspected, record
 from tests.test_bumps import bumps
 
@@ -44,9 +44,9 @@ def test_a_train_of_which_no_line_stands_out_is_not_lost_in_the_fit(tmp_path: Pa
 
 def test_columns_stand_out_together_by_the_chance_of_one_wave() -> None:
     """The square of two columns in noise is exponential; of ten it is Gamma's, of mean 10."""
-    assert _stands(1.01 * STANDS**2, 2)
-    assert not _stands(0.99 * STANDS**2, 2)
+    assert large(1.01 * STANDS**2, 2)
+    assert not large(0.99 * STANDS**2, 2)
     draws = np.random.default_rng(1).chisquare(10, 200_000)
     level = np.quantile(draws, 1.0 - math.exp(-0.5 * STANDS**2))
-    assert _stands(1.05 * level, 10)
-    assert not _stands(0.95 * level, 10)
+    assert large(1.05 * level, 10)
+    assert not large(0.95 * level, 10)

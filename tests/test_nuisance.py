@@ -72,3 +72,17 @@ def test_laws_are_compared_where_some_would_bend_the_teeth_too_far(tmp_path: Pat
     assert len(changes) > len(usual) / 2
     like = "cantilever_published", "palmgren"
     assert changes[like].ratio == pytest.approx(usual[like].ratio, rel=0.01)
+
+
+def test_what_wanders_in_some_recordings_opens_the_means_of_all(tmp_path: Path) -> None:
+    """A column for each, flat there and nothing elsewhere, as doubtful as the wandering is large; none without."""
+    scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=0.0)
+    plain = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
+    apart = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True, apart=7.0 * UM)
+    assert apart.std.size == plain.std.size + len(scenes)
+    for k in range(len(scenes)):
+        at = 1 + k
+        assert apart.std[at] == pytest.approx(7.0 * UM)
+        for j, columns in enumerate(apart.columns):
+            assert np.all(columns[:, at] == (1.0 if j == k else 0.0))
+    assert apart.shift == plain.shift + len(scenes)

@@ -11,6 +11,7 @@ import pytest
 from gearpoly.assemble import assemble
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.prepare import prepare
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import further_te
@@ -51,6 +52,21 @@ def recorded_at(true: PairFile, theta_1: FloatArray, time: FloatArray, rng: np.r
         source=Path(f"{speed:.0f}.csv"), time_s=time, driving_angle_rad=(theta_2 - te) / made.pair.ratio,
         driven_angle_rad=theta_2, torque_nm=0.0, driving_zero_rad=0.0, driven_zero_rad=0.0,
     )  # fmt: skip
+
+
+def test_what_is_held_out_of_a_run_up_lies_between_what_is_seen(run_up: tuple[PairFile, PairFile, Recording]) -> None:
+    """It meets each speed once, so half of it says nothing of a resonance in the other half: every other turn does."""
+    known, _, recording = run_up
+    path = Path("pair.toml")
+    (observed,) = prepare(known, compare(known, [recording], path=path), path=path).observed
+    assert observed.samples.time is not None
+    speed = np.gradient(observed.samples.theta_1, observed.samples.time)
+    turns = np.ptp(observed.samples.theta_1) / (2.0 * math.pi)
+    assert np.count_nonzero(np.diff(observed.fit.astype(int))) == pytest.approx(turns, abs=2.0)
+    for part in (observed.fit, ~observed.fit):
+        quarters = np.quantile(speed[part], (0.25, 0.5, 0.75)) / np.quantile(speed, (0.25, 0.5, 0.75))
+        # From a turn of the slow quarter to the next the speed grows by a twentieth.
+        assert quarters == pytest.approx(1.0, abs=0.05)
 
 
 def _resonance(file: PairFile) -> object:

@@ -274,10 +274,18 @@ def test_where_many_waves_are_foreign_one_at_an_order_may_be_another(strangers: 
     weigh = scales(np.zeros(N))
     turns = 2.0 * math.pi * np.linspace(0.0, 1.0, N)
     weigh.scenes = [SimpleNamespace(samples=SimpleNamespace(theta_1=50.0 * turns, theta_2=36.0 * turns))]
-    weigh.model.strangers = strangers
+    weigh.model.strangers = tuple((2 * k, 2 * k + 1) for k in range(strangers))
+    sizes = np.tile([0.6 * UM, 0.8 * UM], strangers)
+    weigh.linear = SimpleNamespace(
+        system=SimpleNamespace(solution=sizes), layout=SimpleNamespace(foreign=slice(0, sizes.size))
+    )
     wave = Candidate(claim=claim_of("undulation", Place(gear=0, order=61)), gain=100.0, freedoms=2)
     crack = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=100.0, freedoms=1)
+    # Strangers of 1 um beside a wave of 1.9 um, and beside one that is more than twice as large as they are.
+    weigh.model.change = lambda *given, **more: [1.9 * UM * np.cos(61.0 * turns)]
     assert weigh.by_coincidence(wave) is not named
+    weigh.model.change = lambda *given, **more: [2.1 * UM * np.cos(61.0 * turns)]
+    assert not weigh.by_coincidence(wave)
     assert not weigh.by_coincidence(crack)
 
 

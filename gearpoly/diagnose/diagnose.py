@@ -16,8 +16,9 @@ from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
+from gearpoly.diagnose.foreign import foreign, jumps, strangers
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
-from gearpoly.diagnose.leftovers import foreign, jumps, not_excluded, slow_or_sudden, strangers, unexplained
+from gearpoly.diagnose.leftovers import not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
@@ -230,6 +231,8 @@ def _held_out_by(model: Model, *, jumped: bool) -> str:
         return "nothing could be held out"
     if jumped:
         return "every other block between jumps, and of recordings without any, whole hunting cycles"
+    if model.scope.run_ups:
+        return "every other turn of what runs up or down, and of other recordings whole hunting cycles"
     if all(one.whole for one in model.observed):
         return "whole hunting cycles"
     return "every other of eight blocks, since a recording holds less than two hunting cycles"

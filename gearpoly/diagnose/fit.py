@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -11,6 +12,7 @@ import numpy as np
 
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.both_flanks import told
+from gearpoly.diagnose.foreign import faded
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
@@ -27,9 +29,6 @@ SETTLED = 0.004 * UM
 
 STEADY = 0.1
 """Part of the noise level by which the simulation must have moved for the noise to be estimated anew."""
-
-WIDER, WIDEST = 1.2, 5.0
-"""Factors on the doubt about laws: below the first nothing is fitted again, above the second no law is believed."""
 
 MOST_SHIFT = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
@@ -189,9 +188,22 @@ class Fit:
             self.model.as_built = made
             self.settle()
 
+    def forget(self) -> None:
+        """Let go of waves of unknown make that are now explained: they tell nothing any more, and where two of them are
+        nearly one, half of a recording says any size of both."""
+        waves = self.model.strangers
+        gone = {waves[k] for k in faded(self.linear.system, waves, self.linear.layout.foreign)}
+        if not gone:
+            return
+        columns = sorted(column for wave in gone for column in wave)
+        self.foreign = [np.delete(one, columns, axis=1) for one in self.foreign]
+        stay = [wave for wave in waves if wave not in gone]
+        self.model.strangers = tuple(tuple(c - bisect_left(columns, c) for c in wave) for wave in stay)
+        self.linear = self.linearised()
+
     def kept(self) -> Kept:
         """What ``restore`` needs to come back to this state: nothing is changed in place."""
-        names = ("scenes", "noises", "nuisance", "linear", "laws", "largest", "deflections", "of_teeth")
+        names = ("foreign", "scenes", "noises", "nuisance", "linear", "laws", "largest", "deflections", "of_teeth")
         return self.model.kept(), {name: getattr(self, name) for name in names}
 
     def restore(self, kept: Kept) -> None:
@@ -276,46 +288,6 @@ class Fit:
         self.laws = None
         self.settle()
 
-    def declared_law(self) -> None:
-        """Come back to the declared compliance law, unless another still fits clearly better: one that was taken for
-        want of a physics is in the way once that is found."""
-        if self.model.law is None:
-            return
-        before, there = self.kept(), self.linear.system.misfit
-        self.take_declared_law()
-        self.settle()
-        if self.linear.under(before[1]["noises"]).system.misfit > there + CLEARLY:
-            self.restore(before)
-
-    def take_declared_law(self) -> None:
-        """Take the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
-        if self.model.law is not None:
-            self.model.soften(self.declared_ratio())
-            self.model.law = None
-            self.laws = None
-
-    def declared_ratio(self) -> float:
-        """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
-        named = self.model.declared.model
-        law = named.compliance, named.contact
-        back = law_changes(self.scenes, only=law).get(law)
-        return 1.0 if back is None else back.ratio
-
-    def widen(self) -> None:
-        """Fit once more with as much doubt about the compliance law as it turned out to be wrong.
-
-        The search holds laws to what is known of them, or a relief would be taken for a law; sizes and their errors
-        are to be honest about the law that was met.
-        """
-        if self.laws is None:
-            return
-        modes = self.laws[0].shape[1]
-        met = self.linear.system.solution[self.linear.layout.nuisance][-modes:]
-        wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
-        if wider > WIDER:
-            self.laws = [wider * law for law in self.laws]
-            self.settle()
-
     def measure(self) -> None:
         """Measure once what candidates are compared with: the largest effect of a claim, what laws may leave of claims
         about single teeth, and the mean deflections."""
@@ -342,4 +314,11 @@ def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None
     scaled = model.declared.model.tooth_deflection
     meshes_otherwise = any(one.physics.mean_tooth for one in model.claims)
     shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if meshes_otherwise else 0.0)
-    return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled)
+    return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled, apart=_apart(model, scenes))
+
+
+def _apart(model: Model, scenes: list[Scene]) -> float:
+    """How far in mm the means of recordings may be apart, one sigma, since some of them wandered and others did not:
+    what wanders goes on between recordings too."""
+    some = [one for one in model.claims if 0 < len(one.place.recordings) < len(scenes)]
+    return math.hypot(*(float(np.ptp(c)) for one in some for c in model.change(scenes, one, one.values, but=one)))

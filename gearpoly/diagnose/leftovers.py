@@ -1,4 +1,4 @@
-"""What no claim explains: waves that are fitted beside everything, and what stands out of the rest at the end."""
+"""What no claim explains: what stands out of the rest at the end."""
 
 from __future__ import annotations
 
@@ -6,122 +6,20 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import gammaincc
 
-from gearpoly.compare.beside import Aligned, Comparison
+from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
-from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
+from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
-from gearpoly.units import UM, FloatArray
-
-STANDS = 3.5
-"""Standard errors by which a foreign wave stands out beside everything else, to be looked for again; most are located
-at more only."""
-
-ONE_WAVE = 0.5
-"""Independent lines within which waves of two recordings are one."""
-
-
-def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
-    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: waves, jumps, and the wandering of
-    recordings of which nobody knows better."""
-    waves = foreign_waves(comparison)
-    slow = [
-        slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
-        for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
-    ]
-    columns = sum(one.shape[1] for one in slow)
-    out, at = [], 0
-    for wave, own in zip(waves, slow, strict=True):
-        mine = np.zeros((wave.shape[0], columns))
-        mine[:, at : at + own.shape[1]] = own
-        at += own.shape[1]
-        out.append(np.concatenate((wave, mine), axis=1))
-    return out
-
-
-def foreign_waves(comparison: Comparison) -> list[FloatArray]:
-    """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, no integer order, or jumps.
-
-    They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
-    """
-    out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
-    for k, entry in _foreign_entries(comparison):
-        for j, mine in enumerate(out):
-            size = mine[0].shape[0]
-            mine.append(_columns(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
-    return [np.concatenate(mine, axis=1) for mine in out]
-
-
-def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
-    """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once."""
-    out: list[tuple[int, Entry]] = []
-    orders: list[float] = []
-    z_1, z_2 = (gear.z for gear in comparison.gears)
-    turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
-    for entry in comparison.located.entries:
-        if not _is_foreign(entry):
-            continue
-        if entry.kind == "time":
-            out += [(k, entry) for k in entry.recordings]
-            continue
-        driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
-        if all(abs(driving - other) * turns >= ONE_WAVE for other in orders):
-            orders.append(driving)
-            out += [(k, entry) for k in range(len(comparison.aligned))]
-    return out
-
-
-def strangers(comparison: Comparison) -> int:
-    """How many waves were found that no gear pair and no encoder makes, those of one train counted once."""
-    waves = [entry for entry in comparison.located.entries if _is_foreign(entry) and entry.moment is None]
-    return sum(not one.together for one in waves) + any(one.together for one in waves)
-
-
-def _width(entry: Entry) -> int:
-    """Columns of a foreign entry: a step, or cosine and sine."""
-    return 1 if entry.moment is not None else 2
-
-
-def _columns(entry: Entry, one: Aligned) -> FloatArray:
-    """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording."""
-    if entry.moment is not None:
-        at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
-        return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
-    if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
-        angle = 2.0 * math.pi * entry.hz * one.time_s
-    else:
-        angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
-    return np.column_stack((np.cos(angle), np.sin(angle)))
-
-
-def jumps(comparison: Comparison) -> list[list[int]]:
-    """Samples at which every recording jumps."""
-    return [
-        [
-            sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
-            for entry in comparison.located.entries
-            if entry.moment and k in entry.recordings
-        ]
-        for k, one in enumerate(comparison.aligned)
-    ]
-
-
-def _is_foreign(entry: Entry) -> bool:
-    if entry.companion_of is not None:
-        return False
-    if entry.kind == "time":
-        return bool(entry.hz) or entry.moment is not None
-    return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
+from gearpoly.units import UM
 
 
 def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
@@ -133,9 +31,8 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
     # teeth as they were built: their size is whatever the teeth leave open.
     x = linear.system.solution.copy()
-    for places in _found_alone(_foreign_entries(comparison), layout.foreign):
-        within = linear.system.covariance[np.ix_(places, places)]
-        if _stands(float(x[places] @ np.linalg.solve(within, x[places])), len(places)):
+    for places in found_alone(model.strangers, layout.foreign):
+        if stands(linear.system, places):
             x[places] = 0.0
     residuals = []
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
@@ -204,35 +101,10 @@ def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entr
     return ()
 
 
-def _found_alone(entries: list[tuple[int, Entry]], foreign: slice) -> list[list[int]]:
-    """Parameters of the ``foreign`` columns by what was found of itself: those of waves that stood out together only,
-    as a train of pulses does, are one."""
-    alone: list[list[int]] = []
-    together: list[int] = []
-    at = foreign.start
-    for _, entry in entries:
-        here = list(range(at, at + _width(entry)))
-        at = here[-1] + 1
-        if entry.together:
-            together += here
-        else:
-            alone.append(here)
-    alone += [[place] for place in range(at, foreign.stop)]
-    return [*alone, together] if together else alone
-
-
-def _stands(square: float, count: int) -> bool:
-    """Whether ``count`` columns stand out whose sizes have this ``square`` over their covariance, with the chance of a
-    single wave beyond ``STANDS``."""
-    if count <= 2:
-        return square > STANDS**2
-    return bool(gammaincc(0.5 * count, 0.5 * square) < math.exp(-0.5 * STANDS**2))
-
-
 def _by_law(entry: Entry, deflection: float) -> bool:
     """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent:
     that repeats with the pair."""
-    if _is_foreign(entry):
+    if is_foreign(entry):
         return False
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
     part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)

@@ -41,11 +41,12 @@ class Model:
 
     ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
-    ``phased``: the alignment placed the teeth within their pitch; ``elsewhere`` in rad of driven rotation is how far on
-    in the hunting cycle it may be as well; ``offset`` how far all was moved since.
+    ``phased``: the alignment placed the teeth within their pitch, ``stated``: it took the zeros that were read;
+    ``elsewhere`` in rad of driven rotation is how far on in the hunting cycle it may be as well; ``offset`` how far all
+    was moved since.
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
     which the declared ones give as much in the mean;
-    ``strangers`` is how many waves the recordings hold that no gear pair makes;
+    ``strangers`` are the waves that the recordings hold and no gear pair makes, each by its foreign columns;
     ``claims`` the physics accepted so far; ``method`` what of the method is in use.
     """
 
@@ -61,11 +62,12 @@ class Model:
     law: tuple[str, str] | None = None
     ratio: float = 1.0
     phased: bool = True
+    stated: bool = False
     elsewhere: tuple[float, ...] = ()
     turns_of: Literal["driving", "driven"] | None = None
     turned_by: float = 0.0
     offset: float = 0.0
-    strangers: int = 0
+    strangers: tuple[tuple[int, ...], ...] = ()
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
 
@@ -90,6 +92,7 @@ class Model:
             "shift": self.shift,
             "law": self.law,
             "claims": list(self.claims),
+            "strangers": self.strangers,
         }
 
     def restore(self, kept: dict[str, object]) -> None:

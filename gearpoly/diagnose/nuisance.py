@@ -63,10 +63,12 @@ class Nuisance:
         return replace(self, columns=columns)
 
 
-def make_nuisance(scenes: list[Scene], *, shift_std: float, laws: list[FloatArray] | None, scaled: bool) -> Nuisance:
+def make_nuisance(
+    scenes: list[Scene], *, shift_std: float, laws: list[FloatArray] | None, scaled: bool, apart: float = 0.0
+) -> Nuisance:
     """The nuisance of all scenes; ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in
     mm in which compliance laws differ; ``scaled``: the compliance is declared, so its scale is open (else it is
-    claimed, and no nuisance).
+    claimed, and no nuisance); ``apart`` in mm, one sigma, how far the means of recordings may be apart.
     """
     sizes = [scene.samples.size for scene in scenes]
     counted = [scene.samples.counted for scene in scenes]
@@ -75,6 +77,11 @@ def make_nuisance(scenes: list[Scene], *, shift_std: float, laws: list[FloatArra
     means += [np.eye(len(scenes))[k] for k, c in enumerate(counted) if not c]
     columns = [[np.full(size, mean[k]) for mean in means] for k, size in enumerate(sizes)]
     std = [1e3] * len(means)
+    if apart > 0.0 and sum(counted) > 1:
+        for k in (k for k, c in enumerate(counted) if c):
+            for j, mine in enumerate(columns):
+                mine.append(np.full(sizes[j], 1.0 if j == k else 0.0))
+            std.append(apart)
     at_shift = len(std)
     for mine, scene in zip(columns, scenes, strict=True):
         mine.append(slope_of(scene))

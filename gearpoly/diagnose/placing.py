@@ -53,8 +53,8 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     pitch = model.scope.gears[1].tau
     if not model.phased or _lost(model, foreign, step):
         step("placing the teeth within their pitch")
-        # Every tooth hands over at the same place of its pitch, also beside a wrong one.
-        ways = [k * pitch / PHASES for k in range(PHASES)]
+        # Every tooth hands over at the same place of its pitch, also beside a wrong one: the nearer way round.
+        ways = sorted(((k - PHASES // 2 + 1) * pitch / PHASES for k in range(PHASES)), key=abs)
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
         _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
     _turned(model, foreign, step)
@@ -188,7 +188,9 @@ def _best_of(
             trial.moved(-way)
     best, _ = min(tried, key=lambda one: tried[one])
     least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
-    if least < stated - BETTER[0] - BETTER[1] * stated:
+    # Where no place fits, what is missing says more than the place does, and a reading of the zero counts.
+    blind = model.stated and least > (1.0 + LOST) * sum(one.samples.size for one in trial.observed)
+    if least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated):
         model.moved(best)
 
 

@@ -82,6 +82,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), MOST_SHIFT * pair.driven.gear.tau),
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
+        stated=beside.alignment.numbering == "stated",
         elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
         turns_of=only_shaft_read(recordings),
     )
@@ -203,6 +204,9 @@ def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Ob
     period = float(pair.meshes_per_cycle)
     cycles = whole_cycles(u, period)
     along = u - u[0]
-    blocks = np.floor(along * (BLOCKS / along[-1])) % 2 == 0
-    fit = along < period * ((cycles + 1) // 2) if cycles >= 2 else blocks
+    # A run-up meets a speed once: every other turn of it tells what lies between them, one half nothing of the other.
+    running = runs_up(one.theta_1, one.time_s) is not None
+    parts = max(BLOCKS, int(along[-1] / pair.driving.gear.z)) if running else BLOCKS
+    blocks = np.floor(along * (parts / along[-1])) % 2 == 0
+    fit = along < period * ((cycles + 1) // 2) if cycles >= 2 and not running else blocks
     return Observed(samples=samples, recorded=one.recorded, fit=fit, whole=cycles >= 2, estimator=estimator)

@@ -67,6 +67,7 @@ class Search(Weigh):
         show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
         tried together, and the other steps are gone too, and the end that fits best is kept.
         """
+        self.forget()
         start = without_columns(self.kept())
         found, roads = self.forward()
         ways = [(road.state, [road.claim]) for road in sorted(roads, key=lambda one: -one.part)[:ROADS]]
@@ -133,6 +134,8 @@ class Search(Weigh):
             self.join(claims)
             self.settle()
             self.relax()
+            self.reshape()
+            self.declared_softness()
             self.declared_law()
             self.choose_law()
             self.share()
@@ -141,6 +144,7 @@ class Search(Weigh):
             self.swap()
             self.set_back()
             self.even()
+            self.forget()
         except GearpolyError:
             return False
         return kept
@@ -204,6 +208,21 @@ class Search(Weigh):
                 out.append((k, done.gain - gain, [done.claim]))
         return out
 
+    def reshape(self) -> None:
+        """Exchange claims for the same in another form, where that fits better: else other physics draw the rest."""
+        for k, claim in enumerate(self.model.claims):
+            for one in claim.otherwise(self.model.scope):
+                begun = self.kept()
+                try:
+                    self.join([one], instead=k)
+                    self.settle()
+                except GearpolyError:
+                    self.restore(begun)
+                    continue
+                if self.gained(begun) > BETTER:
+                    break
+                self.restore(begun)
+
     def set_back(self) -> None:
         """Exchange a claim about a tooth that hardly carries for one that it stands back, where that fits better. Once
         it has left the mesh no column tells so: to first order a tooth that gives way is all that is left of it."""
@@ -260,14 +279,13 @@ class Search(Weigh):
             return
 
     def withdraw(self) -> None:
-        """Take back claims about all teeth of a gear without which teeth of a grade fit hardly worse, and what was
-        believed beside them only.
+        """Take back claims about all teeth without which the rest fits hardly worse, and what was believed beside them
+        only.
 
-        Teeth had settled for the claim, and where unloaded ones touch had moved with it: to first order nothing can
-        stand in its place, and a fit that had come to rest too early is taken for a claim.
+        Teeth of a grade had settled for the claim, and where unloaded ones touch had moved with it: to first order
+        nothing can stand in its place, and a fit that had come to rest too early is taken for a claim. So it is beside
+        a relief, whose length the claim has moved and with it the place where pairs hand over.
         """
-        if not any(gear.graded for gear in self.model.as_built.gears):
-            return
         gone = [self._withdrawn(k) for k in reversed(range(len(self.model.claims)))]
         if any(gone):
             self.declared_law()
@@ -278,7 +296,7 @@ class Search(Weigh):
     def _withdrawn(self, k: int) -> bool:
         """Whether claim ``k`` was taken back, all fitted again without it."""
         claim, begun = self.model.claims[k], self.kept()
-        if not claim.physics.mean_tooth or claim.place.gear is None:
+        if not claim.physics.mean_tooth or not self._settled_for(claim):
             return False
         self.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
         try:
@@ -295,19 +313,35 @@ class Search(Weigh):
             return False
         return True
 
+    def _settled_for(self, claim: Claim) -> bool:
+        """Whether what stands beside a claim about all teeth may have come to rest in another valley for it."""
+        graded = any(gear.graded for gear in self.model.as_built.gears)
+        beside = [one.physics for one in self.model.claims if one is not claim]
+        return (graded and claim.place.gear is not None) or any(one.mean_tooth and one.shaped for one in beside)
+
     def drop_idle(self) -> None:
-        """Take back claims that no longer gain more than chance would, weakest first."""
-        while self.model.claims:
-            gains = [self.gain_without(k) for k in range(len(self.model.claims))]
-            ones = [
-                Candidate(claim=claim, gain=gain, freedoms=len(claim.values))
-                for claim, gain in zip(self.model.claims, gains, strict=True)
-            ]
-            weak = [k for k, one in enumerate(ones) if not self.significant(one)]
-            if not weak:
+        """Take back claims that no longer gain more than chance would, weakest first.
+
+        What no column tells but as the set-up with it is simulated bends with its size: of a gap that has closed the
+        next micrometre is like softer teeth, the whole of it is not. Such a claim goes only if all fits well without.
+        """
+        needed: set[tuple[object, ...]] = set()
+        while True:
+            claims = [(k, claim) for k, claim in enumerate(self.model.claims) if claim.key not in needed]
+            gains = {k: self.gain_without(k) for k, _ in claims}
+            ones = {k: Candidate(claim=one, gain=gains[k], freedoms=len(one.values)) for k, one in claims}
+            weakest = min(
+                (k for k, one in ones.items() if not self.significant(one)), key=gains.__getitem__, default=None
+            )
+            if weakest is None:
                 return
-            del self.model.claims[min(weak, key=lambda k: gains[k])]
+            gone, begun = self.model.claims[weakest], self.kept()
+            del self.model.claims[weakest]
             self.settle()
+            lost = 2.0 * len(gone.values) - self.gained(begun)
+            if gone.physics.effect is None and self.significant(replace(ones[weakest], gain=lost)):
+                self.restore(begun)
+                needed.add(gone.key)
 
 
 def freedoms(claims: Sequence[Claim]) -> int:
@@ -321,6 +355,6 @@ def without_columns(kept: Kept) -> Kept:
 
 
 def _are_twins(one: Claim, other: Claim) -> bool:
-    """Whether two claims are the same shaped physics of the mean tooth, one of each gear."""
+    """Whether two claims are the same shaped physics of the mean tooth in the same form, one of each gear."""
     alike = one.physics.shaped and one.physics.mean_tooth and other.physics is one.physics
-    return alike and one.place.gear == 0 and other.place.gear == 1
+    return alike and one.place.form == other.place.form and one.place.gear == 0 and other.place.gear == 1

@@ -10,9 +10,9 @@ import numpy as np
 
 from gearpoly.compare.lines import SNAP
 from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
-from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
+from gearpoly.diagnose.softness import Softness
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.units import FloatArray
 
@@ -36,6 +36,9 @@ IN_STEP = 4.0
 """Size of a wave over what a reading's noise can make of it to first order: what is left of a wave beside the mean is
 less than the wave, and several harmonics of the sampling make more together."""
 
+SIMILAR = 0.5
+"""Part of a wave's size from which on another may be of its kind."""
+
 COINCIDENCE = 0.1
 """Waves of unknown make that may be expected to lie at an order of a shaft by chance, beyond which none is named."""
 
@@ -51,7 +54,7 @@ POLISH = 1.6
 
 
 @dataclass(kw_only=True, eq=False)
-class Weigh(Fit):
+class Weigh(Softness):
     """The fit with the scales on which candidates are weighed; ``looked`` says at how many places."""
 
     looked: Looked = field(default_factory=Looked)
@@ -109,15 +112,26 @@ class Weigh(Fit):
         return abs(one.claim.values[0]) < self.model.scope.form[gear]
 
     def by_coincidence(self, one: Candidate) -> bool:
-        """Whether a wave may as well be one of those that no gear pair makes, where the recordings hold many of them:
-        in so many turns each is at an order of either shaft by chance now and then."""
+        """Whether a wave may as well be one of those that no gear pair makes, where the recordings hold many of them
+        that are as large: in so many turns each is at an order of either shaft by chance now and then."""
         if one.claim.place.order is None:
             return False
         turns = [
             max(float(np.ptp(angle)) for angle in angles) / (2.0 * math.pi)
             for angles in zip(*((s.samples.theta_1, s.samples.theta_2) for s in self.scenes), strict=True)
         ]
-        return self.model.strangers * 2.0 * SNAP * sum(1.0 / turn for turn in turns) > COINCIDENCE
+        chance = 2.0 * SNAP * sum(1.0 / turn for turn in turns)
+        if len(self.model.strangers) * chance <= COINCIDENCE:
+            return False
+        effect = self.model.change(self.scenes, one.claim, one.claim.values)
+        return self.as_large(max(float(np.std(part)) for part in effect)) * chance > COINCIDENCE
+
+    def as_large(self, rms: float) -> int:
+        """How many waves of unknown make are still fitted that have at least half of an ``rms`` in mm: large claims
+        that nobody has made yet leave small ones at all places."""
+        fitted = self.linear.system.solution[self.linear.layout.foreign] / math.sqrt(2.0)
+        sizes = [max(math.hypot(fitted[at], fitted[at + 1]) for at in one[::2]) for one in self.model.strangers]
+        return sum(size > SIMILAR * rms for size in sizes)
 
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
@@ -242,8 +256,12 @@ class Weigh(Fit):
         return gained > 0.0
 
     def gain_without(self, k: int) -> float:
-        """What claim ``k`` gains, all else fitted again without it."""
-        system = self.linear.system
+        """What claim ``k`` gains, all else fitted again without it; nothing where it would have to be less than none: a
+        pit that wants to be a bump gains as such."""
+        system, claim = self.linear.system, self.model.claims[k]
+        sizes = system.solution[self.linear.layout.places(k)[: claim.physics.amplitudes]]
+        if any(size <= one.low for size, one in zip(sizes, claim.physics.coordinates, strict=False)):
+            return 0.0
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
 
 

@@ -67,8 +67,8 @@ class Scope:
 @dataclass(frozen=True, kw_only=True)
 class Place:
     """Where a physics might be: ``gear`` 0 (driving) or 1, ``tooth``, ``order``, ``flank``, ``recordings`` (none: in
-    all); ``shape`` the values of its shape to start from; ``probe`` the amplitudes at which its effect is looked at (0:
-    by steps of one unit).
+    all), ``form`` (none: as declared, or the plainest); ``shape`` the values of its shape to start from; ``probe`` the
+    amplitudes at which its effect is looked at (0: by steps of one unit).
     """
 
     gear: int | None = None
@@ -76,6 +76,7 @@ class Place:
     order: int | None = None
     flank: str | None = None
     recordings: tuple[int, ...] = ()
+    form: str | None = None
     shape: Values = ()
     probe: Values = ()
 
@@ -122,6 +123,9 @@ class Physics:
     effect: Callable[[Scene, Place, Values], FloatArray] | None = None
     instead: Callable[[Scope, Place], Iterable[Place]] = lambda scope, place: ()
     """Where it is too unlikely to be looked for, yet could stand for what another physics does at a place."""
+
+    otherwise: Callable[[Scope, Place, Values], Iterable[tuple[Place, Values]]] = lambda scope, place, values: ()
+    """The same in its other forms, too like it to be looked for apart: each is fitted in its stead once it is found."""
 
     sensible: Callable[[Scope, Place, Values], bool] = lambda scope, place, values: True
     """Whether it is still itself with such values, and not the nearest it has to something else."""
@@ -170,6 +174,14 @@ class Claim:
     def written(self, file: PairFile) -> PairFile:
         """The pair file with this in it."""
         return self.physics.write(file, self.place, self.values)
+
+    def otherwise(self, scope: Scope) -> list[Claim]:
+        """The same claim in its other forms, with values to start from."""
+        physics = self.physics
+        return [
+            Claim(physics=physics, place=place, values=values)
+            for place, values in physics.otherwise(scope, self.place, self.values)
+        ]
 
     @property
     def says(self) -> str:

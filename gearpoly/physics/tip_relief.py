@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from gearpoly.physics.base import (
     Physics,
     Place,
     Quantity,
+    Reported,
     Scope,
     Values,
     changed,
@@ -22,6 +24,12 @@ from gearpoly.physics.base import (
 )
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
+
+POWERS = {None: 1, "linear": 1, "parabolic": 2}
+"""Exponent p of -C t^p by the contract's shapes, a straight line where none is stated."""
+
+AS_CURVE = 1.1, 1.4
+"""Amount and length of the parabola that comes nearest to a line, over those of the line."""
 
 LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Modules. Reliefs begin between the very tip and about the highest point of single contact."""
@@ -36,12 +44,12 @@ def _places(scope: Scope) -> Iterable[Place]:
         declared = scope.section(gear).tip_relief
         if declared is not None:
             # How much is off, not where it begins: the drawing's length stays.
-            yield Place(gear=gear, shape=(declared.length_mm,))
+            yield Place(gear=gear, form=declared.shape, shape=(declared.length_mm,))
             continue
         m, room = scope.gears[gear].m, scope.gears[gear].r_a - scope.gears[gear].r_b
         for length in LENGTHS:
             if length * m < 0.95 * room:
-                yield Place(gear=gear, shape=(length * m,))
+                yield Place(gear=gear, form="linear", shape=(length * m,))
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -49,11 +57,12 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     ideal = scene.gear(gear)
     made = scene.assembled.deviations[gear]
     mine, other = (made.coast, made.drive) if scene.samples.coast else (made.drive, made.coast)
-    # What the drawing says of shape and flank stays; without a drawing both flanks are relieved on a straight line.
+    # What the drawing says of the flank stays; without a drawing both flanks are relieved.
     held = next((shape for shape in mine if isinstance(shape, Relief)), None)
     if held is None and any(isinstance(shape, Relief) for shape in other):
         return np.zeros(scene.samples.size)
-    relief = Relief(values[0] * UM, ideal.roll_length(ideal.r_a - values[1]), 1 if held is None else held.power)
+    power = POWERS[place.form] if place.form or held is None else held.power
+    relief = Relief(values[0] * UM, ideal.roll_length(ideal.r_a - values[1]), power)
     return scene.deviated(gear, lambda tooth, l: relief(l, scene.spans[gear]))
 
 
@@ -62,7 +71,28 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     amount = values[0] + (declared.amount_um if declared is not None else 0.0)
     plain = TipRelief.model_construct(amount_um=0.0, length_mm=values[1])
     table = changed(declared or plain, amount_um=max(amount, 0.0), length_mm=values[1])
+    if place.form:
+        table = changed(table, shape=place.form)
     return on_gear(file, place.gear, tip_relief=table)
+
+
+def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Place, Values]]:
+    if scope.section(place.gear or 0).tip_relief is None:
+        more, longer = AS_CURVE
+        if place.form == "parabolic":
+            yield replace(place, form="linear"), (values[0] / more, values[1] / longer)
+        else:
+            yield replace(place, form="parabolic"), (values[0] * more, values[1] * longer)
+
+
+def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
+    found = plain("amount_um", "length_mm")(place, values, covariance)
+    return {**found, "exponent": (float(POWERS[place.form]), 0.0)}
+
+
+def _says(place: Place, values: Values) -> str:
+    curve = ", on a parabola" if place.form == "parabolic" else ""
+    return f"The tips of the {own_of(place)} are relieved by {values[0]:.1f} um over {values[1]:.2f} mm{curve}."
 
 
 def _sensible(scope: Scope, place: Place, values: Values) -> bool:
@@ -77,9 +107,10 @@ PHYSICS = Physics(
     mean_tooth=True,
     law_doubt=0.05,
     effect=_effect,
+    otherwise=_otherwise,
     sensible=_sensible,
     write=_write,
-    report=plain("amount_um", "length_mm"),
-    says=lambda place, v: f"The tips of the {own_of(place)} are relieved by {v[0]:.1f} um over {v[1]:.2f} mm.",
-    equation="d = -C t, t from 0 where the relief begins to 1 at the tip, in roll length",
+    report=_report,
+    says=_says,
+    equation="d = -C t^p, t from 0 where the relief begins to 1 at the tip, in roll length; p 1 (line), 2 (parabola)",
 )

@@ -1,0 +1,160 @@
+"""Waves that no gear pair and no encoder makes: fitted beside everything, so that nothing is claimed in their place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import gammaincc
+
+from gearpoly.compare.beside import Aligned, Comparison
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.long_jumps import sample_of
+from gearpoly.compare.slow import slow_curves
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.system import System
+from gearpoly.units import FloatArray
+
+STANDS = 3.5
+"""Standard errors by which a foreign wave stands out beside everything else, to be looked for again; most are located
+at more only."""
+
+ONE_WAVE = 0.5
+"""Independent lines within which waves of two recordings are one."""
+
+FREE = 10.0
+"""Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
+
+
+def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
+    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: waves, jumps, and the wandering of
+    recordings of which nobody knows better."""
+    waves = foreign_waves(comparison)
+    slow = [
+        slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
+        for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
+    ]
+    columns = sum(one.shape[1] for one in slow)
+    out, at = [], 0
+    for wave, own in zip(waves, slow, strict=True):
+        mine = np.zeros((wave.shape[0], columns))
+        mine[:, at : at + own.shape[1]] = own
+        at += own.shape[1]
+        out.append(np.concatenate((wave, mine), axis=1))
+    return out
+
+
+def foreign_waves(comparison: Comparison) -> list[FloatArray]:
+    """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, no integer order, or jumps.
+
+    They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
+    """
+    out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
+    for k, entry in _foreign_entries(comparison):
+        for j, mine in enumerate(out):
+            size = mine[0].shape[0]
+            mine.append(_columns(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
+    return [np.concatenate(mine, axis=1) for mine in out]
+
+
+def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
+    """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once."""
+    out: list[tuple[int, Entry]] = []
+    orders: list[float] = []
+    z_1, z_2 = (gear.z for gear in comparison.gears)
+    turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
+    for entry in comparison.located.entries:
+        if not is_foreign(entry):
+            continue
+        if entry.kind == "time":
+            out += [(k, entry) for k in entry.recordings]
+            continue
+        driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
+        if all(abs(driving - other) * turns >= ONE_WAVE for other in orders):
+            orders.append(driving)
+            out += [(k, entry) for k in range(len(comparison.aligned))]
+    return out
+
+
+def strangers(comparison: Comparison) -> tuple[tuple[int, ...], ...]:
+    """The columns of `foreign_waves` of each wave that no gear pair and no encoder makes, a cosine and a sine for every
+    recording; those of one train are one."""
+    found: dict[int, list[int]] = {}
+    at = 0
+    for _, entry in _foreign_entries(comparison):
+        if entry.moment is None:
+            found.setdefault(-1 if entry.together else id(entry), []).extend((at, at + 1))
+        at += _width(entry)
+    return tuple(tuple(one) for one in found.values())
+
+
+def _width(entry: Entry) -> int:
+    """Columns of a foreign entry: a step, or cosine and sine."""
+    return 1 if entry.moment is not None else 2
+
+
+def _columns(entry: Entry, one: Aligned) -> FloatArray:
+    """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording."""
+    if entry.moment is not None:
+        at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+        return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
+    if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
+        angle = 2.0 * math.pi * entry.hz * one.time_s
+    else:
+        angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
+    return np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+def jumps(comparison: Comparison) -> list[list[int]]:
+    """Samples at which every recording jumps."""
+    return [
+        [
+            sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+            for entry in comparison.located.entries
+            if entry.moment and k in entry.recordings
+        ]
+        for k, one in enumerate(comparison.aligned)
+    ]
+
+
+def is_foreign(entry: Entry) -> bool:
+    if entry.companion_of is not None:
+        return False
+    if entry.kind == "time":
+        return bool(entry.hz) or entry.moment is not None
+    return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
+
+
+def found_alone(waves: Sequence[Sequence[int]], foreign: slice) -> list[list[int]]:
+    """Parameters of the ``foreign`` columns by what was found of itself: one wave each, and all that is no wave."""
+    known = {column for wave in waves for column in wave}
+    rest = [[place] for place in range(foreign.start, foreign.stop) if place - foreign.start not in known]
+    return [*([foreign.start + column for column in wave] for wave in waves), *rest]
+
+
+def stands(system: System, places: list[int]) -> bool:
+    """Whether parameters stand out together."""
+    x = system.solution[places]
+    return large(float(x @ np.linalg.solve(system.covariance[np.ix_(places, places)], x)), len(places))
+
+
+def large(square: float, count: int) -> bool:
+    """Whether ``count`` columns stand out whose sizes have this ``square`` over their covariance, with the chance of a
+    single wave beyond ``STANDS``."""
+    if count <= 2:
+        return square > STANDS**2
+    return bool(gammaincc(0.5 * count, 0.5 * square) < math.exp(-0.5 * STANDS**2))
+
+
+def faded(system: System, waves: Sequence[Sequence[int]], foreign: slice) -> list[int]:
+    """Those of ``waves`` that no longer stand out beside all that is believed, and whose loss costs next to nothing:
+    what is now claimed had made them."""
+    weak = [k for k, wave in enumerate(waves) if not stands(system, [foreign.start + column for column in wave])]
+    while weak:
+        gone = [foreign.start + column for k in weak for column in waves[k]]
+        if system.without(gone).misfit - system.misfit < 2.0 * len(gone) + FREE:
+            return weak
+        # Waves so near each other that either could go are weak one by one, and not together.
+        weak = weak[: len(weak) // 2]
+    return []
