@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 
-from gearpoly.diagnose.foreign import faded, found_alone
+from gearpoly.diagnose.foreign import _images, faded, found_alone
 from gearpoly.diagnose.system import System
+from gearpoly.units import FloatArray
 
 N = 4000
 
@@ -46,3 +51,28 @@ def test_of_waves_so_near_that_either_would_do_not_all_go() -> None:
 def test_what_is_no_wave_is_asked_for_column_by_column() -> None:
     """Two waves, the second in two recordings, and a jump between them."""
     assert found_alone([(0, 1), (3, 4, 5, 6)], slice(10, 18)) == [[10, 11], [13, 14, 15, 16], [12], [17]]
+
+
+def at_turns(recorded: Callable[[FloatArray], FloatArray], orders: list[float]) -> tuple[Any, list[tuple[int, Any]]]:
+    """What an alignment leaves of 40 turns at 200 samples a turn, taken unevenly by a third of their distance, and
+    waves of the driven shaft that were located there."""
+    turns = 40.0 * np.arange(8000) / 8000
+    turns += np.sin(2.0 * np.pi * turns * 0.7) * 0.3 / 200.0
+    theta = 2.0 * np.pi * turns
+    aligned = SimpleNamespace(residual=recorded(theta), theta_1=theta * 7.0 / 5.0, theta_2=theta, time_s=None)
+    waves = [SimpleNamespace(kind="shaft_order", gear="driven", order=order, hz=None, moment=None) for order in orders]
+    return SimpleNamespace(aligned=[aligned]), [(0, one) for one in waves]
+
+
+def test_lines_of_an_encoder_above_half_the_sampling_rate_leave_no_foreign_waves() -> None:
+    """Order 470 shows at 70 and beside it; a bearing's 33.3 is its own."""
+    lines = [70.0, 69.3, 70.7, 33.3]
+    beside, waves = at_turns(lambda theta: np.cos(470.0 * theta) + 0.4 * np.cos(33.3 * theta), lines)
+    images = _images(beside, waves)
+    assert [one.order for _, one in waves if id(one) not in images] == [33.3]
+
+
+def test_a_wave_is_no_image_of_what_would_be_its_own_image() -> None:
+    """At order 70 itself, samples that come so unevenly show less of it anywhere else."""
+    beside, waves = at_turns(lambda theta: np.cos(70.0 * theta), [70.0, 33.3])
+    assert not _images(beside, waves)

@@ -12,8 +12,10 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.physics.encoder_interpolation import HIGHEST
 from gearpoly.units import FloatArray
 
 STANDS = 3.5
@@ -22,6 +24,10 @@ at more only."""
 
 ONE_WAVE = 0.5
 """Independent lines within which waves of two recordings are one."""
+
+LARGER, LITTLE = 1.5, 0.25
+"""How much more an order above half the sampling rate must explain than any wave, for waves to be its images; and the
+part of a wave's power that may be left of an image without it."""
 
 FREE = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
@@ -60,6 +66,61 @@ def foreign_waves(comparison: Comparison) -> list[FloatArray]:
 
 def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
     """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once."""
+    entries = _all_foreign(comparison)
+    images = _images(comparison, entries)
+    return [(k, entry) for k, entry in entries if id(entry) not in images]
+
+
+def _images(comparison: Comparison, entries: list[tuple[int, Entry]]) -> set[int]:
+    """The waves, by `id`, that are the image of an order of a shaft above half the sampling rate.
+
+    Samples that come unevenly smear the image of an encoder's lines over many orders, of which none is as large as the
+    lines are at their own order: a single wave would be larger than any image of itself.
+    """
+    left = [one.residual - float(np.mean(one.residual)) for one in comparison.aligned]
+    waves = [(k, entry) for k, entry in entries if entry.moment is None]
+    gone: set[int] = set()
+    while stay := [(k, entry) for k, entry in waves if id(entry) not in gone]:
+        before = _powers(comparison, stay, left)
+        gains = [_orders_above(comparison, left, gear) for gear in (0, 1)]
+        gear = int(np.argmax([np.max(one) for one in gains]))
+        if np.max(gains[gear]) < LARGER * max(before.values()):
+            break
+        order = int(np.argmax(gains[gear]))
+        for k, one in enumerate(comparison.aligned):
+            angle = order * (one.theta_1, one.theta_2)[gear]
+            columns = np.column_stack((np.cos(angle), np.sin(angle)))
+            left[k] = left[k] - columns @ np.linalg.lstsq(columns, left[k])[0]
+        after = _powers(comparison, stay, left)
+        made = {which for which, power in before.items() if after[which] < LITTLE * power}
+        if not made:
+            break
+        gone |= made
+    return gone
+
+
+def _powers(comparison: Comparison, waves: list[tuple[int, Entry]], left: list[FloatArray]) -> dict[int, float]:
+    """What waves, by `id`, explain of what is ``left`` (n_k,) of all recordings, in its unit squared."""
+    out: dict[int, float] = {}
+    for k, entry in waves:
+        told = _columns(entry, comparison.aligned[k]).T @ left[k]
+        out[id(entry)] = out.get(id(entry), 0.0) + 2.0 * float(told @ told) / left[k].size
+    return out
+
+
+def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> FloatArray:
+    """The same (``HIGHEST`` + 1,) of the orders of a shaft above half the sampling rate of any recording."""
+    out = np.zeros(HIGHEST + 1)
+    slowest = 0.0
+    for one, rest in zip(comparison.aligned, left, strict=True):
+        turns = (one.theta_1, one.theta_2)[gear] / (2.0 * math.pi)
+        out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST + 1).transform(rest)) ** 2 / rest.size
+        slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
+    out[: math.ceil(slowest)] = 0.0
+    return out
+
+
+def _all_foreign(comparison: Comparison) -> list[tuple[int, Entry]]:
     out: list[tuple[int, Entry]] = []
     orders: list[float] = []
     z_1, z_2 = (gear.z for gear in comparison.gears)
