@@ -74,6 +74,9 @@ class Walk(Search):
     def widen(self) -> None:
         pass
 
+    def forget(self) -> None:
+        pass
+
     def declared_ratio(self) -> float:
         return 1.0
 
