@@ -17,6 +17,7 @@ from gearpoly.diagnose.as_built import AsBuilt, make_as_built
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.mesh.pair import Flank
 from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.scene import Scene
@@ -91,8 +92,9 @@ def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
         own = [one.own]
         for part, sign in ((0, 1.0), (1, -1.0)):
             against = np.zeros((one.z, under.size))
-            for flank, way in (("coast", 1.0), ("drive", sign)):
-                start = as_built.start(flank, gear) + part * one.z  # type: ignore[arg-type]
+            ways: tuple[tuple[Flank, float], ...] = (("coast", 1.0), ("drive", sign))
+            for flank, way in ways:
+                start = as_built.start(flank, gear) + part * one.z
                 for shift, weight in enumerate(NEIGHBOURS, start=-(len(NEIGHBOURS) // 2)):
                     against[np.arange(one.z), start + (np.arange(one.z) + shift) % one.z] += way * weight
             off = float(np.median(np.abs(against @ under.solution))) / WITHIN_HALF

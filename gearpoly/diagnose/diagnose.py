@@ -16,7 +16,7 @@ from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
-from gearpoly.diagnose.foreign import foreign, jumps, strangers
+from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.leftovers import not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
@@ -67,9 +67,10 @@ def diagnose(
     watch = _Watch(step)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = prepare(file, comparison, path=Path(path))
-    model = replace(model, method=method or Method(), strangers=strangers(comparison))
+    entries = foreign_entries(comparison)
+    model = replace(model, method=method or Method(), strangers=strangers(entries))
     model.observed = beside_jumps(model.observed, jumps(comparison))
-    waves, preparing = foreign(comparison, model), watch.stage("prepare")
+    waves, preparing = foreign(comparison, model, entries), watch.stage("prepare")
     placed(model, waves, preparing)
     search = Search.begun(model, waves, preparing)
     if model.offset:

@@ -33,10 +33,14 @@ FREE = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
 
 
-def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
-    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: waves, jumps, and the wandering of
+Found = list[tuple[int, Entry]]
+"""Recordings and what is fitted in each."""
+
+
+def foreign(comparison: Comparison, model: Model, entries: Found) -> list[FloatArray]:
+    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: the ``entries``, then the wandering of
     recordings of which nobody knows better."""
-    waves = foreign_waves(comparison)
+    waves = foreign_waves(comparison, entries)
     slow = [
         slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
         for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
@@ -51,27 +55,27 @@ def foreign(comparison: Comparison, model: Model) -> list[FloatArray]:
     return out
 
 
-def foreign_waves(comparison: Comparison) -> list[FloatArray]:
+def foreign_waves(comparison: Comparison, entries: Found) -> list[FloatArray]:
     """Waves (n_k, q) of unit size that no gear pair and no encoder makes: fixed in time, no integer order, or jumps.
 
     They are fitted beside everything, so that nothing is claimed in their place; what they are is not asked.
     """
     out: list[list[FloatArray]] = [[np.zeros((one.theta_2.size, 0))] for one in comparison.aligned]
-    for k, entry in _foreign_entries(comparison):
+    for k, entry in entries:
         for j, mine in enumerate(out):
             size = mine[0].shape[0]
             mine.append(_columns(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
     return [np.concatenate(mine, axis=1) for mine in out]
 
 
-def _foreign_entries(comparison: Comparison) -> list[tuple[int, Entry]]:
+def foreign_entries(comparison: Comparison) -> Found:
     """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once."""
     entries = _all_foreign(comparison)
     images = _images(comparison, entries)
     return [(k, entry) for k, entry in entries if id(entry) not in images]
 
 
-def _images(comparison: Comparison, entries: list[tuple[int, Entry]]) -> set[int]:
+def _images(comparison: Comparison, entries: Found) -> set[int]:
     """The waves, by `id`, that are the image of an order of a shaft above half the sampling rate.
 
     Samples that come unevenly smear the image of an encoder's lines over many orders, of which none is as large as the
@@ -99,7 +103,7 @@ def _images(comparison: Comparison, entries: list[tuple[int, Entry]]) -> set[int
     return gone
 
 
-def _powers(comparison: Comparison, waves: list[tuple[int, Entry]], left: list[FloatArray]) -> dict[int, float]:
+def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dict[int, float]:
     """What waves, by `id`, explain of what is ``left`` (n_k,) of all recordings, in its unit squared."""
     out: dict[int, float] = {}
     for k, entry in waves:
@@ -120,8 +124,8 @@ def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> 
     return out
 
 
-def _all_foreign(comparison: Comparison) -> list[tuple[int, Entry]]:
-    out: list[tuple[int, Entry]] = []
+def _all_foreign(comparison: Comparison) -> Found:
+    out: Found = []
     orders: list[float] = []
     z_1, z_2 = (gear.z for gear in comparison.gears)
     turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
@@ -138,12 +142,12 @@ def _all_foreign(comparison: Comparison) -> list[tuple[int, Entry]]:
     return out
 
 
-def strangers(comparison: Comparison) -> tuple[tuple[int, ...], ...]:
+def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
     """The columns of `foreign_waves` of each wave that no gear pair and no encoder makes, a cosine and a sine for every
     recording; those of one train are one."""
     found: dict[int, list[int]] = {}
     at = 0
-    for _, entry in _foreign_entries(comparison):
+    for _, entry in entries:
         if entry.moment is None:
             found.setdefault(-1 if entry.together else id(entry), []).extend((at, at + 1))
         at += _width(entry)

@@ -211,34 +211,28 @@ class Search(Weigh):
     def reshape(self) -> None:
         """Exchange claims for the same in another form, where that fits better: else other physics draw the rest."""
         for k, claim in enumerate(self.model.claims):
-            for one in claim.otherwise(self.model.scope):
-                begun = self.kept()
-                try:
-                    self.join([one], instead=k)
-                    self.settle()
-                except GearpolyError:
-                    self.restore(begun)
-                    continue
-                if self.gained(begun) > BETTER:
-                    break
-                self.restore(begun)
+            any(self._exchanged(k, one, by=BETTER) for one in claim.otherwise(self.model.scope))
 
     def set_back(self) -> None:
         """Exchange a claim about a tooth that hardly carries for one that it stands back, where that fits better. Once
         it has left the mesh no column tells so: to first order a tooth that gives way is all that is left of it."""
         for k, claim in enumerate(self.model.claims):
-            for made in self._standing_back(claim):
-                begun = self.kept()
-                try:
-                    self.join([made], instead=k)
-                    self.settle()
-                except GearpolyError:
-                    self.restore(begun)
-                    continue
-                # A pit over all of a flank does as much, with more to choose.
-                if self.gained(begun) > 0.0:
-                    return
-                self.restore(begun)
+            # A pit over all of a flank does as much, with more to choose.
+            if any(self._exchanged(k, made, by=0.0) for made in self._standing_back(claim)):
+                return
+
+    def _exchanged(self, k: int, made: Claim, *, by: float) -> bool:
+        """Whether ``made`` has taken the place of claim ``k``: where that fits better by more than ``by`` in misfit."""
+        begun = self.kept()
+        try:
+            self.join([made], instead=k)
+            self.settle()
+            better = self.gained(begun) > by
+        except GearpolyError:
+            better = False
+        if not better:
+            self.restore(begun)
+        return better
 
     def _standing_back(self, claim: Claim) -> list[Claim]:
         """Claims that the tooth of ``claim`` stands well out of the mesh, on any flank; none where it carries as others

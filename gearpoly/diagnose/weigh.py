@@ -256,11 +256,12 @@ class Weigh(Softness):
         return gained > 0.0
 
     def gain_without(self, k: int) -> float:
-        """What claim ``k`` gains, all else fitted again without it; nothing where it would have to be less than none: a
-        pit that wants to be a bump gains as such."""
+        """What claim ``k`` gains, all else fitted again without it; nothing where the fit would have less
+        of it than none, as of a pit where it wants a bump."""
         system, claim = self.linear.system, self.model.claims[k]
-        sizes = system.solution[self.linear.layout.places(k)[: claim.physics.amplitudes]]
-        if any(size <= one.low for size, one in zip(sizes, claim.physics.coordinates, strict=False)):
+        a = claim.physics.amplitudes
+        sizes = system.solution[self.linear.layout.places(k)[:a]]
+        if any(size <= one.low for size, one in zip(sizes, claim.physics.coordinates[:a], strict=True)):
             return 0.0
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
 
