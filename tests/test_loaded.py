@@ -9,7 +9,7 @@ from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.compliance import ContactPair, contact_deflection
 from gearpoly.mesh.contact import Feature
-from gearpoly.mesh.deflection import Elasticity, PairCompliance, pair_compliance
+from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
 from gearpoly.mesh.pair import Flank, mount
 from gearpoly.units import NM, UM
@@ -73,6 +73,31 @@ def test_forces_on_error_gears_are_those_of_nested_root_finding(contact: str) ->
         np.testing.assert_allclose(
             result.force[found.position == n], forces, atol=BALANCE * torque / pair.r_b2, rtol=0.0
         )
+
+
+@pytest.mark.parametrize("contact", ["palmgren", "linear", "weber_banaschek"])
+@pytest.mark.parametrize("gap_um", [0.0, 0.5, 15.0])
+@pytest.mark.parametrize("torque_nm", [1e-3, 1.0, 60.0])
+def test_every_pair_gives_as_its_law_has_it(contact: str, gap_um: float, torque_nm: float) -> None:
+    """The compiled balance writes the laws a second time; here its forces are put into the first."""
+    rng = np.random.default_rng(11)
+    pair = wrong()
+    by = pair_compliance(pair, Elasticity(contact=contact, misalignment=gap_um * UM))
+    found = random_contacts(pair, rng, positions=200, spread=(5.0 if torque_nm > 0.1 else 1e-3) * UM)
+    result = loaded(found, by, torque=torque_nm * NM)
+    closed = (result.approach[found.position] - found.gap) / pair.r_b1 * levers(pair, found)[0]
+    carries = result.force > 0.0
+    teeth = by.teeth(found.driving, found.driven, found.point)
+    least = np.maximum(result.force, LEAST_LOAD * torque_nm * NM / pair.r_b2)
+    gives = result.force * by.secant(least, teeth, found.point)
+    # Roundings of closings of some um, against what the pair that carries most gives.
+    np.testing.assert_allclose(gives[carries], closed[carries], atol=1e-10 * np.max(gives), rtol=0.0)
+    assert np.max(closed[~carries], initial=-1.0) <= 1e-10 * np.max(gives)
+    np.testing.assert_allclose(
+        per_position(result, result.force * levers(pair, found)[1]), torque_nm * NM, rtol=BALANCE
+    )
+    # The trial holds positions of one and of several carrying pairs.
+    assert np.min(result.pairs) == 1 < np.max(result.pairs)
 
 
 # Balance and compression.

@@ -10,7 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.mesh.compliance import ContactPair, contact_deflection, find_law, tooth_compliance, tooth_section
+from gearpoly.mesh.compliance import (
+    ContactPair,
+    Flattening,
+    find_flattening,
+    find_law,
+    tooth_compliance,
+    tooth_section,
+)
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.units import FloatArray, IntArray, read_only
 
@@ -83,8 +90,7 @@ class PairCompliance:
 
     def contact(self, force: FloatArray, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Flattening in mm and its slope in mm/N under ``force`` (...) in N of contacts at ``point`` (..., 2) in mm."""
-        flattening, slope = self._flattening(force, point)
-        return self.elasticity.scale * flattening, self.elasticity.scale * slope
+        return self.flattening(point).under(force)
 
     def secant(self, force: FloatArray, teeth: FloatArray, point: FloatArray) -> FloatArray:
         """How far pairs give per unit of their ``force`` (...), mm/N; ``teeth`` (...) as ``teeth`` gives it.
@@ -109,14 +115,18 @@ class PairCompliance:
         straight = np.maximum(force * teeth + flattening, 1e-300)
         return np.where(straight < 0.5 * g, c * np.sqrt(0.5 * g / straight), c)
 
-    def _flattening(self, force: FloatArray, point: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def flattening(self, point: FloatArray) -> Flattening:
+        """How the flanks flatten at ``point`` (..., 2) in mm, whatever the load."""
+        made, scale = self._unscaled(point), self.elasticity.scale
+        return Flattening(level=scale * made.level, power=scale * made.power, logarithm=scale * made.logarithm)
+
+    def _unscaled(self, point: FloatArray) -> Flattening:
         if find_law(self.elasticity.law).includes_contact:
-            return np.zeros(force.shape), np.zeros(force.shape)
+            return Flattening(level=np.zeros(()))
         E, nu = self.elasticity.E, self.elasticity.nu
         if self.elasticity.contact != "weber_banaschek":
-            return contact_deflection(
-                force, ContactPair(b=self.b, E_1=E, E_2=E, nu_1=nu, nu_2=nu), law=self.elasticity.contact
-            )
+            flat = ContactPair(b=self.b, E_1=E, E_2=E, nu_1=nu, nu_2=nu)
+            return find_flattening(flat, law=self.elasticity.contact)
         radii = self._radii(point)
         gears = self.pair.driving.gear, self.pair.driven.gear
         # A contact inside the base circle has no involute; the curvature of its first 5 per cent of roll stands in
@@ -130,7 +140,7 @@ class PairCompliance:
         both = ContactPair(
             b=self.b, E_1=E, E_2=E, nu_1=nu, nu_2=nu, rho_1=rho[0], rho_2=rho[1], depth_1=depth[0], depth_2=depth[1]
         )
-        return contact_deflection(force, both, law="weber_banaschek")
+        return find_flattening(both, law="weber_banaschek")
 
     def _radii(self, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Distances of ``point`` from both axes. Eccentricity moves them by microns, compliance by 1e-5 of itself."""

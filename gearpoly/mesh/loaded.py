@@ -18,17 +18,17 @@ import numpy as np
 from gearpoly.errors import NotConvergedError, OutOfRangeError
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
 from gearpoly.mesh.transmission import FlankContacts
-from gearpoly.units import NM, UM, BoolArray, FloatArray, IntArray
+from gearpoly.units import NM, UM, FloatArray, IntArray
 
 Sharing = Literal["equilibrium", "paper"]
 
 BALANCED = 1e-12
-"""Relative change of every force at which the iteration for the contact law stops; moments then balance to 1e-9 of
-the torque with room to spare, since each step balances them anew."""
+"""Part of the whole force by which no force moves any more where the iteration for the contact law stops; moments then
+balance to 1e-9 of the torque with room to spare, since each step balances them anew."""
 
 ROUNDS = 200
-"""Iterations allowed. The load enters its own stiffness only by its tenth power, so each gains a digit and 13 are
-usual; across a gap it enters by its square root, and each gains only a factor of two."""
+"""Iterations allowed for the study's procedure. The load enters its own stiffness only by its tenth power, so each
+gains a digit and 13 are usual; across a gap it enters by its square root, and each gains only a factor of two."""
 
 SMALL = 0.05
 """Of the module. Deflections above it are no longer small against the teeth, and the outline that was used has
@@ -88,18 +88,17 @@ def loaded(
             f"torque {torque / NM:g} N.m: a torque is a finite magnitude, 0 or more; the flank says which way"
         )
     pair = compliance.pair
-    grid = _Grid.of(contacts)
     point = contacts.point
     lever_1, lever_2 = levers(contacts, compliance)
     problem = _Problem(
-        closing=grid.fill(contacts.gap / pair.r_b1, np.inf),
-        lever_1=grid.fill(lever_1, 1.0),
-        lever_2=grid.fill(lever_2, 1.0),
-        teeth=grid.fill(compliance.teeth(contacts.driving, contacts.driven, point), 1.0),
-        point=np.stack([grid.fill(point[:, k], 0.0) for k in (0, 1)], axis=-1),
+        closing=contacts.gap / pair.r_b1,
+        lever_1=lever_1,
+        lever_2=lever_2,
+        teeth=compliance.teeth(contacts.driving, contacts.driven, point),
+        point=point,
         torque=torque,
     )
-    phi, force = _equilibrium(problem, compliance, keep=sharing == "paper")
+    phi, force = (_studys if sharing == "paper" else _equilibrium)(problem, compliance, contacts)
     worst = int(np.argmax(phi))
     if phi[worst] * pair.r_b1 > SMALL * pair.driving.gear.m:
         raise OutOfRangeError(
@@ -113,22 +112,22 @@ def loaded(
             f"torque {torque / NM:g} N.m closes "
             f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near=load_reach(...)"
         )
+    position, positions = contacts.position, contacts.theta_2.size
     least = np.maximum(force, LEAST_LOAD * torque / pair.r_b2)
     touches = force != 0.0
-    softness = compliance.tangent(least, problem.teeth, problem.point)
-    tangent = np.where(touches, problem.lever_1 * problem.lever_2 / softness, 0.0)
+    softness = compliance.tangent(least, problem.teeth, point)
+    tangent = np.where(touches, lever_1 * lever_2 / softness, 0.0)
     sense = 1.0 if contacts.flank == "drive" else -1.0
-    rows = force[grid.position, grid.place]
-    total = np.sum(force, axis=1)
+    total = np.bincount(position, weights=force, minlength=positions)
     return LoadedContacts(
         contacts=contacts,
         torque=torque,
         te=contacts.te - sense * pair.ratio * phi,
         approach=phi * pair.r_b1,
-        force=rows,
-        share=rows / np.where(total > 0.0, total, 1.0)[grid.position],
-        pairs=contacts.pairs if torque == 0.0 else np.count_nonzero(touches, axis=1),
-        stiffness=np.sum(tangent, axis=1) / (pair.r_b1 * pair.r_b2),
+        force=force,
+        share=force / np.where(total > 0.0, total, 1.0)[position],
+        pairs=contacts.pairs if torque == 0.0 else np.bincount(position[touches], minlength=positions),
+        stiffness=np.bincount(position, weights=tangent, minlength=positions) / (pair.r_b1 * pair.r_b2),
     )
 
 
@@ -179,6 +178,80 @@ def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> Floa
     return np.asarray(mu * turns * np.sign(pushes))
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Problem:
+    """Near pairs, row by row: closing rotations (rad), levers (mm), tooth compliance (mm/N), contact points."""
+
+    closing: FloatArray
+    lever_1: FloatArray
+    lever_2: FloatArray
+    teeth: FloatArray
+    point: FloatArray
+    torque: float
+
+
+def _equilibrium(
+    problem: _Problem, compliance: PairCompliance, contacts: FlankContacts
+) -> tuple[FloatArray, FloatArray]:
+    """Rotation phi (N,) in rad beyond the first touch and forces (rows,) in N that balance the torque."""
+    start = np.searchsorted(contacts.position, np.arange(contacts.theta_2.size + 1))
+    if problem.torque == 0.0:
+        return np.zeros(start.size - 1), np.zeros(problem.closing.size)
+    # numba is imported at the first load.
+    from gearpoly.mesh.balance import balance
+
+    law = compliance.flattening(problem.point)
+    whole = problem.torque / compliance.pair.r_b2
+    phi, force, restless = balance(
+        start, problem.closing, problem.lever_1, problem.lever_2, problem.teeth,
+        np.ascontiguousarray(np.broadcast_to(law.level, problem.closing.shape)), law.power, law.logarithm,
+        compliance.elasticity.misalignment, problem.torque, whole, LEAST_LOAD * whole, BALANCED * whole,
+    )  # fmt: skip
+    if restless:
+        raise NotConvergedError(UNSETTLED)
+    return phi, force
+
+
+UNSETTLED = "the forces between the teeth do not settle; check the compliance laws and the material"
+
+
+def _studys(problem: _Problem, compliance: PairCompliance, contacts: FlankContacts) -> tuple[FloatArray, FloatArray]:
+    """As ``_equilibrium`` by the study's procedure: each turn brings in every pair that it reaches, and none leaves
+    when the others' help makes the turn smaller.
+
+    With secant contact stiffness the problem is linear for a given set of touching pairs; the stiffness is brought up
+    to date until the forces stand still.
+    """
+    whole = problem.torque / compliance.pair.r_b2
+    grid = _Grid.of(contacts)
+    closing, lever_1, lever_2, teeth = (
+        grid.fill(rows, empty)
+        for rows, empty in (
+            (problem.closing, np.inf), (problem.lever_1, 1.0), (problem.lever_2, 1.0), (problem.teeth, 1.0)
+        )
+    )  # fmt: skip
+    point = np.stack([grid.fill(problem.point[:, k], 0.0) for k in (0, 1)], axis=-1)
+    there = np.isfinite(closing)
+    phi, force = np.zeros(closing.shape[0]), np.full(closing.shape, whole)
+    if problem.torque == 0.0:
+        return phi, np.zeros(problem.closing.size)
+    at = np.arange(phi.size)
+    for _ in range(ROUNDS):
+        k = 1.0 / compliance.secant(np.maximum(force, LEAST_LOAD * whole), teeth, point)
+        # Pairs are sorted by closing rotation, so those that touch are the first few.
+        weight = np.where(there, k * lever_1 * lever_2, 0.0)
+        moment = problem.torque + np.cumsum(weight * np.where(there, closing, 0.0), axis=1)
+        turns, m = moment / np.cumsum(weight, axis=1), np.zeros(phi.size, dtype=np.int64)
+        for _ in range(closing.shape[1]):
+            m = np.maximum(m, np.count_nonzero(closing < turns[at, m][:, None], axis=1) - 1)
+        phi = turns[at, m]
+        touches = there & (np.arange(closing.shape[1]) <= m[:, None])
+        before, force = force, k * lever_1 * np.where(touches, phi[:, None] - np.where(there, closing, 0.0), 0.0)
+        if np.max(np.abs(force - before)) <= BALANCED * whole:
+            return phi, force[grid.position, grid.place]
+    raise NotConvergedError(UNSETTLED)
+
+
 @dataclass(frozen=True)
 class _Grid:
     """Rows of contacts laid out as positions by near pairs, first touch first."""
@@ -199,60 +272,3 @@ class _Grid:
         out = np.full(self.shape, empty)
         out[self.position, self.place] = rows
         return out
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Problem:
-    """All positions by near pairs: closing rotations (rad, inf: none), levers (mm), tooth compliance (mm/N), contact
-    points."""
-
-    closing: FloatArray
-    lever_1: FloatArray
-    lever_2: FloatArray
-    teeth: FloatArray
-    point: FloatArray
-    torque: float
-
-
-def _equilibrium(problem: _Problem, compliance: PairCompliance, *, keep: bool) -> tuple[FloatArray, FloatArray]:
-    """Rotation phi (N,) in rad beyond the first touch and forces (N, K) in N that balance the torque.
-
-    With secant contact stiffness the problem is linear for a given set of touching pairs; the set is found exactly
-    and the stiffness brought up to date until the forces stand still. ``keep``: a pair once in touch stays, the
-    study's procedure.
-    """
-    force = np.full(problem.closing.shape, problem.torque / compliance.pair.r_b2)
-    least = LEAST_LOAD * problem.torque / compliance.pair.r_b2
-    if problem.torque == 0.0:
-        return np.zeros(problem.closing.shape[0]), np.zeros(problem.closing.shape)
-    for _ in range(ROUNDS):
-        load = np.maximum(force, least)
-        k = 1.0 / compliance.secant(load, problem.teeth, problem.point)
-        phi, touches = _turn(problem, k, keep=keep)
-        pressed = np.where(touches, phi[:, None] - np.where(touches, problem.closing, 0.0), 0.0)
-        before, force = force, k * problem.lever_1 * pressed
-        if np.max(np.abs(force - before)) <= BALANCED * problem.torque / compliance.pair.r_b2:
-            return phi, force
-    raise NotConvergedError("the forces between the teeth do not settle; check the compliance laws and the material")
-
-
-def _turn(problem: _Problem, k: FloatArray, *, keep: bool) -> tuple[FloatArray, BoolArray]:
-    """For given stiffness k (N, K) in N/mm: the rotation (N,) that balances the torque, and which pairs (N, K) touch.
-
-    Pairs are sorted by closing rotation, so the touching set is the first m for some m: m is enough as soon as the
-    next pair closes later than the rotation that m pairs give.
-    """
-    weight = np.where(np.isfinite(problem.closing), k * problem.lever_1 * problem.lever_2, 0.0)
-    closing = np.where(np.isfinite(problem.closing), problem.closing, 0.0)
-    phi = (problem.torque + np.cumsum(weight * closing, axis=1)) / np.cumsum(weight, axis=1)
-    following = np.concatenate((problem.closing[:, 1:], np.full((phi.shape[0], 1), np.inf)), axis=1)
-    m = np.zeros(phi.shape[0], dtype=np.int64)
-    if keep:
-        # Each turn brings in every pair that it reaches, and none leaves when the others' help makes the turn smaller.
-        for _ in range(phi.shape[1]):
-            turn = phi[np.arange(phi.shape[0]), m]
-            m = np.maximum(m, np.count_nonzero(problem.closing < turn[:, None], axis=1) - 1)
-    else:
-        m = np.argmax(phi <= following, axis=1)
-    touches = np.arange(phi.shape[1]) <= m[:, None]
-    return phi[np.arange(phi.shape[0]), m], touches & np.isfinite(problem.closing)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance.beam import LoadPoints, load_points
-from gearpoly.mesh.compliance.contact import ContactPair, contact_deflection
+from gearpoly.mesh.compliance.contact import ContactPair, Flattening, contact_deflection, find_flattening
 from gearpoly.mesh.compliance.law import Blank, ComplianceLaw
 from gearpoly.mesh.compliance.outline import ToothSection, tooth_section
 from gearpoly.units import FloatArray
@@ -25,9 +25,11 @@ __all__ = [
     "Blank",
     "ComplianceLaw",
     "ContactPair",
+    "Flattening",
     "LoadPoints",
     "ToothSection",
     "contact_deflection",
+    "find_flattening",
     "find_law",
     "law_names",
     "load_points",

@@ -43,9 +43,35 @@ def _softness(pair: ContactPair) -> float:
     return (1.0 - pair.nu_1**2) / pair.E_1 + (1.0 - pair.nu_2**2) / pair.E_2
 
 
-def palmgren(load: FloatArray, pair: ContactPair) -> tuple[FloatArray, FloatArray]:
-    """Deflection Q_h W, mm, and its slope, mm/N: Q_h = 1.275/(E_12^0.9 b^0.8 W^0.1), E_12 = 2 E_1
-    E_2/(E_1 + E_2).
+@dataclass(frozen=True, kw_only=True)
+class Flattening:
+    """How far two flanks give per unit of their load W in N: level + power W^-0.1 + logarithm ln W, mm/N.
+
+    Every law of flattening is of this form, so what shares a load knows no law by name. Numbers, or ``level`` an array
+    over contacts.
+    """
+
+    level: FloatArray
+    power: float = 0.0
+    logarithm: float = 0.0
+
+    def under(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Deflection in mm and its slope in mm/N under ``load`` in N.
+
+        Unloaded, flanks touch in a line: the deflection is 0 and its slope unbounded but for a linear law.
+        """
+        if self.power == 0.0 and self.logarithm == 0.0:
+            return self.level * load, np.broadcast_to(self.level, load.shape).copy()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            power = self.power * load**-0.1 if self.power != 0.0 else 0.0
+            log = self.logarithm * np.log(load) if self.logarithm != 0.0 else 0.0
+            secant = self.level + power + log
+            slope = self.level + 0.9 * power + log + self.logarithm
+            return np.where(load > 0.0, secant * load, 0.0), np.where(load > 0.0, slope, np.inf)
+
+
+def palmgren(pair: ContactPair) -> Flattening:
+    """Deflection Q_h W, mm: Q_h = 1.275/(E_12^0.9 b^0.8 W^0.1), E_12 = 2 E_1 E_2/(E_1 + E_2).
 
     The slope grows without bound as the load goes to nought; the deflection does not. Palmgren's
     own roller on a flat raceway (3.84e-5 W^0.9/b^0.8 mm for steel) comes out with E_1 E_2/(E_1 +
@@ -53,51 +79,54 @@ def palmgren(load: FloatArray, pair: ContactPair) -> tuple[FloatArray, FloatArra
     docs/paper.md; Palmgren (1959).
     """
     E_12 = 2.0 * pair.E_1 * pair.E_2 / (pair.E_1 + pair.E_2)
-    factor = 1.275 / (E_12**0.9 * pair.b**0.8)
-    with np.errstate(divide="ignore"):
-        return factor * load**0.9, 0.9 * factor * load**-0.1
+    return Flattening(level=np.zeros(()), power=1.275 / (E_12**0.9 * pair.b**0.8))
 
 
-def linear(load: FloatArray, pair: ContactPair) -> tuple[FloatArray, FloatArray]:
+def linear(pair: ContactPair) -> Flattening:
     """Deflection in proportion to the load, 2/(pi b) [(1-nu_1^2)/E_1 + (1-nu_2^2)/E_2] W.
 
     Source: Yang and Sun (1985); for equal gears 4(1-nu^2)/(pi E b).
     """
-    slope = 2.0 / (math.pi * pair.b) * _softness(pair)
-    return slope * load, np.full_like(load, slope)
+    return Flattening(level=np.asarray(2.0 / (math.pi * pair.b) * _softness(pair)))
 
 
-def weber_banaschek(load: FloatArray, pair: ContactPair) -> tuple[FloatArray, FloatArray]:
+def weber_banaschek(pair: ContactPair) -> Flattening:
     """Each flank's surface moves towards a point at ``depth`` under a Hertz pressure, as in a half
     plane.
 
     Sum over both of 2 W (1-nu^2)/(pi E b) [ln(2 depth/a) - nu/(2(1-nu))], a the half width of the
-    contact. Source: Weber and Banaschek (1953); the same as Johnson (1985), Eq. 5.57, from Hertz's
-    pressure on a half plane.
+    contact, which grows with the root of the load. Source: Weber and Banaschek (1953); the same as
+    Johnson (1985), Eq. 5.57, from Hertz's pressure on a half plane.
     """
     given = (pair.rho_1, pair.rho_2, pair.depth_1, pair.depth_2)
     if any(value is None for value in given):
         raise OutOfRangeError("the contact law weber_banaschek needs rho_1, rho_2, depth_1 and depth_2")
     rho_1, rho_2, depth_1, depth_2 = (np.asarray(value, dtype=np.float64) for value in given)
     curvature = 1.0 / rho_1 + 1.0 / rho_2
-    a = np.sqrt(4.0 * load / (math.pi * pair.b * curvature) * _softness(pair))
-    deflection, slope = np.zeros(a.shape), np.zeros(a.shape)
-    # Unloaded, the line has no width: the deflection is 0 (W ln W goes to 0) and its slope is
-    # unbounded.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for depth, E, nu in ((depth_1, pair.E_1, pair.nu_1), (depth_2, pair.E_2, pair.nu_2)):
-            unit = 2.0 * (1.0 - nu**2) / (math.pi * E * pair.b)
-            secant = unit * (np.log(2.0 * depth / a) - nu / (2.0 * (1.0 - nu)))
-            deflection = deflection + np.where(load > 0.0, secant * load, 0.0)
-            slope = slope + np.where(load > 0.0, secant - 0.5 * unit, np.inf)
-    return deflection, slope
+    a = np.sqrt(4.0 / (math.pi * pair.b * curvature) * _softness(pair))  # half width under 1 N
+    level, logarithm = np.zeros(a.shape), 0.0
+    for depth, E, nu in ((depth_1, pair.E_1, pair.nu_1), (depth_2, pair.E_2, pair.nu_2)):
+        unit = 2.0 * (1.0 - nu**2) / (math.pi * E * pair.b)
+        level = level + unit * (np.log(2.0 * depth / a) - nu / (2.0 * (1.0 - nu)))
+        logarithm -= 0.5 * unit
+    return Flattening(level=level, logarithm=logarithm)
 
 
-LAWS: dict[str, Callable[[FloatArray, ContactPair], tuple[FloatArray, FloatArray]]] = {
+LAWS: dict[str, Callable[[ContactPair], Flattening]] = {
     "palmgren": palmgren,
     "linear": linear,
     "weber_banaschek": weber_banaschek,
 }
+
+
+def find_flattening(pair: ContactPair, *, law: str) -> Flattening:
+    """How the flanks of ``pair`` flatten by the ``law`` of that name.
+
+    Raises ``OutOfRangeError`` for a law that does not exist, or that asks for more than ``pair`` holds.
+    """
+    if law not in LAWS:
+        raise OutOfRangeError(f"no contact law {law!r}; there are {', '.join(sorted(LAWS))}")
+    return LAWS[law](pair)
 
 
 def contact_deflection(
@@ -114,6 +143,4 @@ def contact_deflection(
     W = np.asarray(load, dtype=np.float64)
     if not (W >= 0.0).all():
         raise OutOfRangeError("a contact only pushes: every load must be a number from 0 upwards")
-    if law not in LAWS:
-        raise OutOfRangeError(f"no contact law {law!r}; there are {', '.join(sorted(LAWS))}")
-    return LAWS[law](W, pair)
+    return find_flattening(pair, law=law).under(W)
