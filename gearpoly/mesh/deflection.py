@@ -7,6 +7,7 @@ softer.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -156,7 +157,7 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
     b = pair.common_face_width
     tables = []
     for which, mounted in enumerate((pair.driving, pair.driven)):
-        table = _tooth_table(mounted, elasticity, b=b, flank=flank)
+        table = _tooth_table(mounted, elasticity.law, elasticity.E, elasticity.nu, b, flank)
         factor = np.full(mounted.gear.z, elasticity.scale)
         for gear, tooth, more in elasticity.cracks:
             # A crack at the root of the drive flank opens under drive load and closes under coast load.
@@ -166,7 +167,9 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
     return PairCompliance(pair=pair, elasticity=elasticity, b=b, driving=tables[0], driven=tables[1])
 
 
-def _tooth_table(mounted: Mounted, elasticity: Elasticity, *, b: float, flank: Flank) -> ToothTable:
+@lru_cache(maxsize=64)
+def _tooth_table(mounted: Mounted, law: str, E: float, nu: float, b: float, flank: Flank) -> ToothTable:
+    """Compliance of sound teeth; what load and contact do to them is not in it, so a fit asks for the same again."""
     flanks, gear = mounted.flanks, mounted.gear
     section = tooth_section(
         radius=flanks.r,
@@ -184,9 +187,9 @@ def _tooth_table(mounted: Mounted, elasticity: Elasticity, *, b: float, flank: F
         section,
         radius=r,
         face_width=b,
-        youngs_modulus=elasticity.E,
-        poisson_ratio=elasticity.nu,
-        law=elasticity.law,
+        youngs_modulus=E,
+        poisson_ratio=nu,
+        law=law,
         flank=flank,
     )
     return ToothTable(r=read_only(r), c=read_only(c))
