@@ -45,7 +45,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
         likenesses = list(_likenesses(search, k)) if search.model.claims[k].physics.mean_tooth else []
         if not likenesses:
             continue
-        _rest(search)
+        rest(search)
         begun = search.kept()
         best, most, stands = begun, 0.0, search.model.claims[k]
         others: list[tuple[Claim, float]] = []
@@ -55,7 +55,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
                 search.join([one.claim], instead=k)
                 search.settle()
                 search.relax()
-                _rest(search)
+                rest(search)
             except GearpolyError:
                 pass
             else:
@@ -70,7 +70,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     return out
 
 
-def _rest(search: Search) -> None:
+def rest(search: Search) -> None:
     """Fit on until that gains nothing more."""
     for _ in range(RESTS):
         before = search.kept()

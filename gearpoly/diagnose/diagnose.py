@@ -17,6 +17,7 @@ from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
+from gearpoly.diagnose.forms import Form, forms, in_doubt
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.leftovers import not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
@@ -82,6 +83,7 @@ def diagnose(
     looked_at = search.run()
     search.step = watch.stage("rivals")
     refitted = contest(search)
+    shapes = forms(search)
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
     search.step("weighing rivals")
@@ -90,7 +92,9 @@ def diagnose(
         for k, claim in enumerate(model.claims)
     ]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
-    findings = tuple(_finding(search, comparison, k, judged[k], watch) for k in order)
+    findings = tuple(
+        _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), watch) for k in order
+    )
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     masks = [one.fit for one in model.observed]
@@ -156,7 +160,9 @@ def slow_places(search: Search) -> list[int]:
     return [*range(layout.foreign.stop - wandering, layout.foreign.stop), *slow]
 
 
-def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, watch: _Watch) -> Finding:
+def _finding(
+    search: Search, comparison: Comparison, k: int, judged: Judged, shapes: Sequence[Form], watch: _Watch
+) -> Finding:
     model, linear = search.model, search.linear
     claim = model.claims[k]
     at = linear.layout.claims[k]
@@ -179,7 +185,10 @@ def _finding(search: Search, comparison: Comparison, k: int, judged: Judged, wat
     chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(
         claim=claim,
-        parameters=parameters(model, claim, covariance),
+        parameters=in_doubt(
+            parameters(model, claim, covariance),
+            ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes),
+        ),
         tooth=claim.place.tooth if comparison.alignment.numbered else None,
         encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,

@@ -1,0 +1,67 @@
+"""The forms of a claim, each fitted to its end: what they differ by is in doubt where recordings hardly tell them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from gearpoly.diagnose.contest import Key, rest
+from gearpoly.diagnose.search import Search
+from gearpoly.errors import GearpolyError
+from gearpoly.physics.base import Claim, Reported
+
+
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """The ``claim`` in another form than it stands in, and the ``chance`` that this is the true one."""
+
+    claim: Claim
+    chance: float
+
+
+def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
+    """Fit every claim in its other forms, keep the best there, and return the others by the claim's key.
+
+    Of forms with as many parameters, equally likely beforehand, one that is behind by d in misfit has exp(-d/2) of the
+    best one's chance.
+    """
+    out: dict[Key, tuple[Form, ...]] = {}
+    for k in range(len(search.model.claims)):
+        others = search.model.claims[k].otherwise(search.model.scope)
+        if not others:
+            continue
+        rest(search)
+        stands, most, best, begun = search.model.claims[k], 0.0, search.kept(), search.kept()
+        fitted: list[tuple[Claim, float]] = [(stands, 0.0)]
+        for one in others:
+            search.step(f"fitting {one.physics.name.replace('_', ' ')} in another form")
+            try:
+                search.join([one], instead=k)
+                rest(search)
+            except GearpolyError:
+                pass
+            else:
+                made, gained = search.model.claims[k], search.gained(begun)
+                fitted.append((made, gained))
+                if gained > most:
+                    stands, most, best = made, gained, search.kept()
+            search.restore(begun)
+        search.restore(best)
+        odds = [math.exp(0.5 * (gained - most)) for _, gained in fitted]
+        out[stands.key] = tuple(
+            Form(claim=claim, chance=one / sum(odds))
+            for (claim, _), one in zip(fitted, odds, strict=True)
+            if claim is not stands
+        )
+    return out
+
+
+def in_doubt(found: Reported, others: Iterable[tuple[Reported, float]]) -> Reported:
+    """Parameters whose standard errors hold that another form may be the true one: of each, what is ``found`` in it and
+    its chance."""
+    listed = list(others)
+    return {
+        name: (value, math.hypot(std, *(math.sqrt(chance) * (one[name][0] - value) for one, chance in listed)))
+        for name, (value, std) in found.items()
+    }
