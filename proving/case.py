@@ -216,10 +216,12 @@ def _items(
 
 
 def numbered(made: Recipe, gear: int) -> bool:
-    """Whether anything tells the teeth of gear 1 or 2 apart: a zero, an inspection, a declared eccentricity, or at
-    least an encoder on their shaft. The driving shaft is not read where the rig computes the transmission error."""
+    """Whether anything tells the teeth of gear 1 or 2 apart: an inspection, a declared eccentricity, or an encoder on
+    their shaft. Where the rig computes the transmission error the driving shaft is not read. Its zero is stated up to
+    whole turns of both shafts then, and a turn of the driven gear moves it by z_2 teeth: the numbers stay open, as no
+    pair of the ground has a z_2 that is a multiple of z_1."""
     read = gear == 2 or made.chain.column == "angles"
-    return read or made.chain.known or made.inspected or made.eccentric[gear - 1] is not None
+    return read or made.inspected or made.eccentric[gear - 1] is not None
 
 
 def _depth(made: Recipe, base: Rig, rig: Rig, limit: Limit, over: float) -> dict[str, Any]:

@@ -406,17 +406,22 @@ def test_index_deviation_is_normal_while_the_grade_is_an_arc() -> None:
 
 @pytest.mark.parametrize(
     ("gear", "more", "told"),
-    [(1, {}, False), (2, {}, True), (1, {"column": "angles"}, True), (1, {"known": True}, True),
+    [(1, {}, False), (2, {}, True), (1, {"column": "angles"}, True), (1, {"known": True}, False),
      (1, {"inspected": True}, True), (1, {"eccentric": ((20.0, 30.0), None)}, True),
      (1, {"eccentric": (None, (20.0, 30.0))}, False)],
 )  # fmt: skip
 def test_a_tooth_has_no_number_where_nothing_gives_it_one(gear: int, more: dict[str, Any], told: bool) -> None:
-    """The driving shaft of a rig that computes the transmission error is not read: its teeth are told apart by a zero,
-    a sheet or an eccentricity, or not at all."""
+    """The driving shaft of a rig that computes the transmission error is not read: its teeth are told apart by a sheet
+    or an eccentricity, or not at all. Its stated zero holds up to whole turns, which no reading tells."""
     facts = {"column": "te_um", "known": False, "inspected": False, "eccentric": (None, None)} | more
     chain = Chain(column=facts["column"], known=facts["known"])
     made: Any = SimpleNamespace(chain=chain, inspected=facts["inspected"], eccentric=facts["eccentric"])
     assert numbered(made, gear) is told
+
+
+def test_a_turn_of_the_driven_gear_moves_the_driving_teeth() -> None:
+    """Why a zero alone gives no number to a shaft that is not read: no z_2 of the ground is a multiple of z_1."""
+    assert all(z_2 % z_1 for z_1, z_2, *_ in PAIRS.values())
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.6])

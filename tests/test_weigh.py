@@ -59,6 +59,19 @@ def gain_of_slope(recorded: FloatArray) -> float:
     return float((along @ (recorded - recorded.mean())) ** 2 / (along @ along))
 
 
+@pytest.mark.parametrize(
+    ("physics", "values", "left_open"),
+    [("profile_crowning", (0.3,), True), ("profile_crowning", (1.5,), False), ("tip_relief", (0.3, 0.5), False)],
+)
+def test_a_grade_leaves_a_bulge_open_but_no_relief(physics: str, values: tuple[float, ...], left_open: bool) -> None:
+    """Of 1 um of form: a bulge of 0.3 um may be how the gear was made. A relief only sets in on the way up the flank;
+    that is ground on purpose, and seven spalls were claimed where one of 1.2 um was taken for the gear as built."""
+    weigh = Weigh.__new__(Weigh)
+    weigh.model = SimpleNamespace(scope=SimpleNamespace(form=(1.0, 1.0)))  # type: ignore[assignment]
+    claim = Claim(physics=catalogue()[physics], place=Place(gear=1), values=values)
+    assert weigh.graded(Candidate(claim=claim, gain=100.0, freedoms=1)) is left_open
+
+
 @pytest.mark.parametrize("at", [0.2, 0.36, 0.5])
 def test_a_step_explains_more_than_a_line_where_there_is_one(at: float) -> None:
     """A line takes 3 p (1 - p) of a step at part p, at most three quarters; 48 moments miss its place by a hundredth of

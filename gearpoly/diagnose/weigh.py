@@ -105,9 +105,10 @@ class Weigh(Softness):
         return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
 
     def graded(self, one: Candidate) -> bool:
-        """Whether what all teeth of a gear have is no more than its grade leaves open."""
-        gear = one.claim.place.gear
-        if gear is None or not one.claim.physics.mean_tooth:
+        """Whether what all teeth of a gear have is no more than its grade leaves open: a slope, a bulge. What only sets
+        in on the way up the flank, as a relief does, is ground on purpose, however little of it there is."""
+        gear, physics = one.claim.place.gear, one.claim.physics
+        if gear is None or not physics.mean_tooth or physics.shaped:
             return False
         return abs(one.claim.values[0]) < self.model.scope.form[gear]
 
