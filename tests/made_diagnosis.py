@@ -56,11 +56,12 @@ def left_of(comparison: Comparison) -> tuple[FloatArray, ...]:
 
 
 def findings() -> tuple[Finding, ...]:
-    """Three: one with a rival and what would decide, one tooth without a number, one in the measuring chain."""
+    """Three: with a rival and what would decide; a tooth and its rival, without numbers; in the measuring chain."""
     known = catalogue()
     off = Claim(physics=known["eccentricity"], place=Place(gear=0), values=(4.6, 3.86))
     rival = Claim(physics=known["encoder_eccentricity"], place=Place(gear=0), values=(100.0, 80.0))
     tooth = Claim(physics=known["tooth_pitch"], place=Place(gear=1, tooth=7, flank="drive"), values=(3.5,))
+    mate = Claim(physics=known["tooth_pitch"], place=Place(gear=0, tooth=4, flank="coast"), values=(-3.4,))
     chain = Claim(physics=known["encoder_eccentricity"], place=Place(gear=1), values=(10.0, 8.0))
     without, with_ = Rms(seen=4.31 * UM, unseen=4.56 * UM), Rms(seen=0.300 * UM, unseen=0.321 * UM)
     decides = Separation(recording=NextRecording(flank="coast", torque=1.0 * NM), separability=0.68, now=0.031)
@@ -72,7 +73,8 @@ def findings() -> tuple[Finding, ...]:
         ),
         Finding(
             claim=tooth, parameters={"deviation_um": (3.5, 0.21)}, tooth=None, encoder_deg=203.14, gain=271.8,
-            p_value=3.2e-9, without=Rms(seen=0.7 * UM, unseen=0.71 * UM), with_=with_, rivals=(), separation=None,
+            p_value=3.2e-9, without=Rms(seen=0.7 * UM, unseen=0.71 * UM), with_=with_, separation=None,
+            rivals=(Rival(claim=mate, parameters={"deviation_um": (-3.4, 0.0)}, encoder_deg=17.2),),
         ),
         Finding(
             claim=chain, parameters={"amplitude_urad": (12.8, 1.4)}, tooth=None, encoder_deg=None, gain=31.0,

@@ -17,6 +17,7 @@ from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import filled, page
+from gearpoly.report.diagnosis_report import verdict_json
 from gearpoly.report.diagnosis_words import MINUS, chance, measured, number, parameter, typeset
 from gearpoly.units import DEG, UM, FloatArray
 from gearpoly.view.pack import unpacked
@@ -146,7 +147,7 @@ def test_every_finding_says_where_what_how_sure_what_else_and_what_next(diagnosi
     assert "128.1 µrad" in words(first)
     assert "Record the coast flank at 1 N·m. Separability would be 0.68, and is 0.03 now" in words(first)
     assert "one tooth whose number is open" in words(tooth) and "203.1°" in words(tooth)
-    assert "Nothing else in the catalogue does the same" in words(tooth)
+    assert "Nothing else in the catalogue does the same" in words(chain)
     assert "Measuring chain, driven shaft" in words(chain)
 
 
@@ -428,3 +429,14 @@ def test_what_must_be_told_apart_is_whatever_the_eye(sight: str) -> None:
         ):  # fmt: skip
             a, b = (lab(np.array(SIGHT[sight]) @ linear(colours[name])) for name in group)
             assert np.linalg.norm(a - b) > 20.0, group
+
+
+def test_where_the_numbering_is_open_no_rival_has_a_number(diagnosis: Diagnosis, text: str) -> None:
+    """A rival on the coast flank says so, with the angle at which its tooth passes and without a number."""
+    (rival,) = verdict_json(diagnosis)["missing"][1]["indistinguishable_from"]
+    assert rival == {
+        "physics": "tooth_pitch", "gear": "driving", "tooth": None, "encoder_deg": 17.2, "flank": "coast",
+        "parameters": {"deviation_um": {"value": -3.4}},
+    }  # fmt: skip
+    assert "(driving, coast flank)" in text
+    assert not re.search(r"[Tt]ooth 4\b", text)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
+from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
@@ -91,6 +92,10 @@ def test_a_loaded_tooth_out_of_the_mesh_is_no_crack(tmp_path: Path) -> None:
     assert abs(size + 20.0) < 2.0 * std
     assert size < -4.0
     assert diagnosis.after.unseen == pytest.approx(diagnosis.noise, rel=0.02)
+    # A control that strikes it from the catalogue must not get it by the back door.
+    struck = Method(without=frozenset({"tooth_pitch"}))
+    without = diagnose(pair(0.0, bends=True), recordings, path=tmp_path / "pair.toml", method=struck)
+    assert "tooth_pitch" not in {other.claim.physics.name for other in without.findings}
 
 
 def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: Path) -> None:

@@ -316,6 +316,12 @@ def test_the_ground_is_written_apart_from_its_truths(tmp_path: Path) -> None:
     again = prove_ground(3, out=tmp_path, quick=True, indices=[0], diagnoser=silent, say=quiet)
     assert {p: p.stat().st_mtime_ns for p in (tmp_path / "cases").rglob("*.csv")} == first
     assert again.sealed == proof.sealed
+    # A truth that somebody changed between two runs is the sealed one again.
+    (changed,) = (tmp_path / "truths").glob("*.truth.json")
+    sealed = changed.read_bytes()
+    changed.write_text('{"kind": "none", "truth": [], "noise_um": 1.0}')
+    assert prove_ground(3, out=tmp_path, quick=True, indices=[0], diagnoser=silent, say=quiet).sealed == proof.sealed
+    assert changed.read_bytes() == sealed
 
 
 @pytest.mark.parametrize(
@@ -367,6 +373,7 @@ def test_the_command_refuses_what_it_cannot_do(tmp_path: Path, bench: Path) -> N
     for arguments, words in (
         (["--on", str(tmp_path / "none")], "no such folder"),
         (["--on", str(bench), "--quick"], "scored as it is"),
+        (["--on", str(bench), "--seed", "4"], "--seed is for the seeded ground"),
         (["--seed", "-1"], "want 0 or a positive"),
         (["--json", str(tmp_path / "no" / "x.json")], "no folder"),
     ):

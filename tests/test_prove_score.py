@@ -308,3 +308,18 @@ def test_thresholds_are_read_by_the_scorer_only() -> None:
     readers = [p for p in (root / "gearpoly").rglob("*.py") if "thresholds.toml" in p.read_text()]
     assert {p.parent.name for p in readers} == {"prove"}
     assert not [p for p in (root / "proving").rglob("*.py") if "thresholds" in p.read_text()]
+
+
+def test_a_truth_that_no_physics_has_is_refused(tmp_path: Path) -> None:
+    """It would count as never named; what lies outside the catalogue is told by its shape."""
+    with pytest.raises(InputFileError, match=r"truth\.physics: 'tooth_pich'; want one of eccentricity"):
+        truth(tmp_path, {"physics": "tooth_pich", "gear": 1})
+    assert truth(tmp_path, {"shape": "line", "order": 3.3}, kind="unknown").items[0].label == "line order 3.3"
+
+
+@pytest.mark.parametrize("text", ["teeth = ", "[driving]\nteeth = 18\n[driven]\nmodule_mm = 2.0\n"])
+def test_a_truth_of_no_pair_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "x.truth.json").write_text('{"kind": "none", "truth": [], "noise_um": 1.0}')
+    (tmp_path / "pair.toml").write_text(text)
+    with pytest.raises(InputFileError, match=r"pair\.toml.*want a pair file"):
+        read_truth(tmp_path / "x.truth.json", pair=tmp_path / "pair.toml")

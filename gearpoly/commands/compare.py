@@ -26,6 +26,7 @@ def compare(
     from rich.console import Console
 
     from gearpoly.compare.compare import compare as run
+    from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.recording.read import read_recording
@@ -39,7 +40,7 @@ def compare(
 
         check_format(plot)
     file = read_pair(pair)
-    with steps() as step:
+    with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
         comparison = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
     if json is not None:

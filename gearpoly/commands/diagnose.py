@@ -27,6 +27,7 @@ def diagnose(
     from rich.console import Console
 
     from gearpoly.diagnose.diagnose import diagnose as run
+    from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, write_text
     from gearpoly.files.pairfile import dump_pair, moved, read_pair
     from gearpoly.recording.read import read_recording
@@ -36,9 +37,10 @@ def diagnose(
 
     check_targets([json, html, fitted], inputs=[pair, *recordings])
     file = read_pair(pair)
-    with steps() as step:
+    with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        diagnosis = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+        read = [read_recording(recording) for recording in recordings]
+        diagnosis = run(file, read, path=pair, step=step, reached=step.reached)
     # All are made before any is written.
     made: list[tuple[Path, str]] = []
     if fitted is not None:

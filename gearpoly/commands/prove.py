@@ -12,7 +12,9 @@ ORDER = 70
 
 def prove(
     quick: Annotated[bool, typer.Option("--quick", help="16 cases instead of 454, without controls.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the ground; another one makes cases that nobody has seen.")] = 1,
+    seed: Annotated[
+        int | None, typer.Option(help="Seed of the ground (default: 1); another one makes cases that nobody has seen.")
+    ] = None,
     json: Annotated[
         Path | None, typer.Option(help="Write every figure of the scoreboard (JSON; - for standard output).")
     ] = None,
@@ -39,6 +41,9 @@ def prove(
         check_target(json)
     if on is not None and quick:
         raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
+    if on is not None and seed is not None:
+        raise OutOfRangeError("--seed is for the seeded ground; a folder given with --on is scored as it is")
+    seed = 1 if seed is None else seed
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
     stream = sys.stderr if str(json) == "-" else sys.stdout

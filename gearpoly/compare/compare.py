@@ -20,6 +20,7 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.stated import refuse_twins, speed_remarks
 from gearpoly.compare.template import Template, templates_of
+from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
@@ -134,7 +135,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         aligned=aligned,
         alignment=alignment,
         gears=gears,
-        remarks=tuple(_remarks(file, aligned, alignment, base)),
+        remarks=(*jam_remarks(pair), *_remarks(file, aligned, alignment, base)),
     )
 
 

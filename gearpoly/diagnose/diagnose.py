@@ -50,6 +50,12 @@ noise."""
 
 Step = Callable[[str], None]
 
+Reached = Callable[[int, int], None]
+"""Called with the stages that are done, and with how many there are."""
+
+STAGES = ("compare", "prepare", "search", "rivals", "leftovers")
+"""The stages of every diagnosis; between rivals, the next recording is thought of."""
+
 
 def diagnose(
     file: PairFile,
@@ -57,15 +63,17 @@ def diagnose(
     *,
     path: Path | str,
     step: Step = lambda _: None,
+    reached: Reached = lambda done, of: None,
     method: Method | None = None,
 ) -> Diagnosis:
     """Locate where ``recordings`` of one set differ from the pair of ``file`` (read from ``path``), name the physics
-    that was left out, and fit it; ``method`` leaves parts of the method out, to show what they are worth.
+    that was left out, and fit it; ``step`` is told what is done next, ``reached`` the stages; ``method`` leaves
+    parts of the method out, to show what they are worth.
 
     Raises what ``compare`` does: ``InputFileError`` for recordings that are not of this pair, too short, or contradict
     each other; ``GeometryError`` and ``OutOfRangeError`` where the declared pair cannot run under their conditions.
     """
-    watch = _Watch(step)
+    watch = _Watch(step, reached)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = prepare(file, comparison, path=Path(path))
     entries = foreign_entries(comparison)
@@ -130,7 +138,8 @@ def diagnose(
 class _Watch:
     """Tells the user what is done, and remembers how long each stage took."""
 
-    def __init__(self, step: Step) -> None:
+    def __init__(self, step: Step, reached: Reached) -> None:
+        self._reached = reached
         self._step, self._stage, self._since = step, "", time.perf_counter()
         self._spent: dict[str, float] = {}
 
@@ -138,6 +147,8 @@ class _Watch:
         """A step function for the stage ``name``, which begins now."""
         self._close()
         self._stage = name
+        if name in STAGES:
+            self._reached(STAGES.index(name), len(STAGES))
         return self._step
 
     def _close(self) -> None:
@@ -174,7 +185,12 @@ def _finding(
     mine = linear.layout.places(k) + linear.layout.form_places(model, k)
     slow = slow_places(search)
     rivals = tuple(
-        Rival(claim=one.claim, parameters=parameters(model, one.claim, np.zeros((len(one.claim.values),) * 2)))
+        Rival(
+            claim=one.claim,
+            parameters=parameters(model, one.claim, np.zeros((len(one.claim.values),) * 2)),
+            tooth=_numbered(comparison, one.claim),
+            encoder_deg=encoder_deg(comparison, one.claim),
+        )
         for one in judged.rivals
     )
     separation = None
@@ -189,7 +205,7 @@ def _finding(
             parameters(model, claim, covariance),
             ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes),
         ),
-        tooth=claim.place.tooth if comparison.alignment.numbered else None,
+        tooth=_numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
@@ -216,6 +232,11 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
         unit = pitch_point_compliance(model)
         found = {"compliance_um_per_n": (scale[0] * unit, scale[1] * unit), "compliance_scale": scale, **found}
     return found
+
+
+def _numbered(comparison: Comparison, claim: Claim) -> int | None:
+    """The number of a claimed tooth, None where the numbering is open."""
+    return claim.place.tooth if comparison.alignment.numbered else None
 
 
 def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:

@@ -238,7 +238,7 @@ class Search(Weigh):
         """Claims that the tooth of ``claim`` stands well out of the mesh, on any flank; none where it carries as others
         do."""
         gear, tooth = claim.place.gear, claim.place.tooth
-        if gear is None or tooth is None or claim.physics is PITCH:
+        if gear is None or tooth is None or claim.physics is PITCH or PITCH not in self.model.method.physics:
             return []
         if all(scene.carried(gear, tooth) > LIGHT for scene in self.scenes):
             return []

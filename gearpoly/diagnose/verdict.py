@@ -16,12 +16,25 @@ from gearpoly.units import FloatArray
 Status = Literal["nothing_missing", "explained", "partly_explained", "unexplained"]
 
 
+def _said(claim: Claim, tooth: int | None) -> str:
+    """A claim as a sentence about ``tooth``."""
+    return claim.physics.says(replace(claim.place, tooth=tooth), claim.values)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Rival:
-    """What else a claim could be, with the parameters that it would have."""
+    """What else a claim could be, with the parameters that it would have; ``tooth`` (None where the numbering is open)
+    and where that passes on the encoder."""
 
     claim: Claim
     parameters: Reported
+    tooth: int | None = None
+    encoder_deg: float | None = None
+
+    @property
+    def says(self) -> str:
+        """The rival as a sentence; it names no tooth where the numbering is open."""
+        return _said(self.claim, self.tooth)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +59,7 @@ class Finding:
     @property
     def says(self) -> str:
         """The finding as a sentence; it names no tooth where the numbering is open."""
-        place = replace(self.claim.place, tooth=self.tooth)
-        return self.claim.physics.says(place, self.claim.values)
+        return _said(self.claim, self.tooth)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

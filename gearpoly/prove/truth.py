@@ -140,14 +140,24 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         ) from None
     if kind not in ("none", "missing", "unknown"):
         raise InputFileError(path, where="kind", found=repr(kind), wish="want none, missing or unknown")
-    declared = tomllib.loads(pair.read_text(encoding="utf-8"))
+    for one in items:
+        if kind == "missing" and one.physics and one.physics not in SIZES:
+            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
+            raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+    try:
+        declared = tomllib.loads(pair.read_text(encoding="utf-8"))
+        z = (int(declared["driving"]["teeth"]), int(declared["driven"]["teeth"]))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputFileError(
+            pair, found=f"{type(error).__name__}: {error}", wish="want a pair file with driving.teeth and driven.teeth"
+        ) from None
     return Truth(
         kind=kind,
         items=items,
         klass=raw.get("class", kind),
         pair=raw.get("pair", declared.get("name", "")),
         noise_um=noise,
-        z=(int(declared["driving"]["teeth"]), int(declared["driven"]["teeth"])),
+        z=z,
         hunting_cycles=raw.get("hunting_cycles"),
         depth=raw.get("depth", {}),
         concealed_by=raw.get("concealed_by", ""),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import signal
 import threading
@@ -65,8 +66,13 @@ class Writing:
     code: str
 
     def done(self) -> bool:
-        """Whether it was written by this very bench."""
-        return self.sealed.is_file() and self.sealed.read_text(encoding="utf-8").split()[1:] == [self.code]
+        """Whether it was written by this very bench, and its truth is as it was sealed then."""
+        name = self.sealed.name
+        truth, pair = self.truths / f"{name}.truth.json", self.folder / name / "pair.toml"
+        if not (self.sealed.is_file() and truth.is_file() and pair.is_file()):
+            return False
+        sealed = hashlib.sha256(truth.read_bytes()).hexdigest()
+        return self.sealed.read_text(encoding="utf-8").split() == [sealed, self.code]
 
 
 def write(job: Writing) -> None:

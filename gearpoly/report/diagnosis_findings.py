@@ -8,7 +8,7 @@ from html import escape
 
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
-from gearpoly.physics.base import Claim, Reported
+from gearpoly.physics.base import Reported
 from gearpoly.report.diagnosis_report import STATUS
 from gearpoly.report.diagnosis_words import MINUS, capital, chance, number, parameter, physics_words, typeset
 from gearpoly.units import UM
@@ -171,17 +171,19 @@ def rivals(found: Sequence[Rival]) -> str:
     for one in found:
         values = ", ".join(" ".join(parameter(name, value, 0.0)) for name, (value, _) in one.parameters.items())
         items.append(
-            f"<li>{escape(typeset(one.claim.says))} <code>{escape(physics_words(one.claim.physics.name))}</code>"
-            f"{_rival_place(one.claim)}<br><small>{escape(values)}</small></li>"
+            f"<li>{escape(typeset(one.says))} <code>{escape(physics_words(one.claim.physics.name))}</code>"
+            f"{_rival_place(one)}<br><small>{escape(values)}</small></li>"
         )
     return f"<p>These recordings cannot tell it from:</p><ul>{''.join(items)}</ul>"
 
 
-def _rival_place(claim: Claim) -> str:
-    place = claim.place
+def _rival_place(one: Rival) -> str:
+    place = one.claim.place
     words = [] if place.gear_name is None else [place.gear_name]
-    if place.tooth is not None:
-        words.append(f"tooth {place.tooth}")
+    if one.tooth is not None:
+        words.append(f"tooth {one.tooth}")
+    if place.flank is not None and place.flank != "drive":
+        words.append(f"{place.flank} flank")
     return f" <small>({escape(', '.join(words))})</small>" if words else ""
 
 

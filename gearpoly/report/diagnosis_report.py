@@ -87,7 +87,7 @@ def _finding_json(one: Finding) -> dict[str, Any]:
     return out
 
 
-def _place_json(one: Finding) -> dict[str, Any]:
+def _place_json(one: Finding | Rival) -> dict[str, Any]:
     place = one.claim.place
     out: dict[str, Any] = {}
     if place.gear_name is not None:
@@ -102,14 +102,7 @@ def _place_json(one: Finding) -> dict[str, Any]:
 
 
 def _rival_json(rival: Rival) -> dict[str, Any]:
-    out: dict[str, Any] = {"physics": rival.claim.physics.name}
-    place = rival.claim.place
-    if place.gear_name is not None:
-        out["gear"] = place.gear_name
-    if place.tooth is not None:
-        out["tooth"] = place.tooth
-    if place.recordings:
-        out["recordings"] = list(place.recordings)
+    out: dict[str, Any] = {"physics": rival.claim.physics.name} | _place_json(rival)
     out["parameters"] = {name: {"value": value} for name, (value, _) in rival.parameters.items()}
     return out
 
@@ -198,7 +191,7 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
         soft_wrap=True,
     )
     for rival in one.rivals:
-        console.print(f"   or else: {rival.claim.says}", highlight=False, soft_wrap=True)
+        console.print(f"   or else: {rival.says}", highlight=False, soft_wrap=True)
     if one.separation is not None:
         console.print(
             f"   to decide: {one.separation.recording.says} (separability {one.separation.separability:.2f}, now "

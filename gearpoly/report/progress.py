@@ -5,6 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 LONG = 4000
 """Positions below which a run is over before a bar could be read."""
@@ -36,13 +40,33 @@ def watched(total: int, what: str) -> Iterator[Callable[[int], None]]:
         yield lambda done: bar.advance(task, done)
 
 
+class Steps:
+    """What is done next, and how many stages are behind; nothing shows where standard error is no terminal."""
+
+    def __init__(self, bar: Progress | None = None) -> None:
+        self._bar, self._task = bar, bar.add_task("", total=None) if bar is not None else None
+
+    def __call__(self, what: str) -> None:
+        """Say what is done next."""
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, description=f"{what} ...")
+
+    def reached(self, done: int, of: int) -> None:
+        """So many stages are ``done`` ``of`` all."""
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, completed=done, total=of)
+
+
 @contextmanager
-def steps() -> Iterator[Callable[[str], None]]:
-    """A function to call with what is done next; it shows on standard error where that is a terminal."""
+def steps() -> Iterator[Steps]:
+    """A function to call with what is done next; it shows on standard error where that is a terminal, with a bar of
+    the stages where somebody counts them."""
     if not sys.stderr.isatty():
-        yield lambda what: None
+        yield Steps()
         return
     from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    with Console(stderr=True).status("") as status:
-        yield lambda what: status.update(f"{what} ...")
+    columns = (SpinnerColumn(), BarColumn(bar_width=24), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        yield Steps(bar)
