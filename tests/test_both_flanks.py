@@ -239,3 +239,10 @@ def test_what_is_to_be_found_is_no_scatter(what: str) -> None:
     else:
         true[start + Z[0] : start + 2 * Z[0]] += 5.0
     assert scattered(known, read(true, known)).gears[0].own == 0.05
+
+
+def test_teeth_that_meet_every_turn_leave_no_turn_to_count() -> None:
+    """20 teeth on 40: after a turn of the driven shaft every pair is the same again, so there is one place only."""
+    one, two = graded(20), graded(40)
+    start = make_as_built((one, two), ["drive", "coast"])
+    assert turns_told(*asked(start, read(drawn(start, 1), start), turns_of="driven")) == 0

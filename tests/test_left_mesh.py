@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
+from gearpoly.diagnose.linear import derivatives
 from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.separate import NextRecording, imagined
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Place
+from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.scene import stage
 from gearpoly.recording.recording import Recording
 from tests.pair_files import made
@@ -124,3 +128,17 @@ def test_edges_of_a_pit_that_a_fit_has_moved_past_each_other_are_told_in_order()
     one, other = (physics.effect(scene, place, (3.0, *edges, 0.03)) for edges in ((7.4, 7.5), (7.5, 7.4)))
     assert np.max(np.abs(one)) > 1e-4
     assert np.array_equal(one, other)
+
+
+def test_an_imagined_recording_has_its_own_samples_beside_a_tooth_out_of_the_mesh(tmp_path: Path) -> None:
+    """What a claimed tooth changes is asked of the scenes given, which need not be the recordings'."""
+    diagnosed = pair(0.0)
+    (one,) = recorded(pair(-24.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0)
+    model = prepare(diagnosed, compare(diagnosed, [one], path=tmp_path / "pair.toml"), path=tmp_path / "pair.toml")
+    claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=TOOTH, flank="drive"), values=(-24.0,))
+    model.claims = [claim]
+    scene = imagined(model, NextRecording(flank="drive", torque=1000.0), number=1)
+    assert scene.samples.size != model.observed[0].samples.size
+    (column,) = derivatives(model, [scene], claim)
+    assert column.shape == (scene.samples.size, 1)
+    assert np.any(column)

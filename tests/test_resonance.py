@@ -11,9 +11,11 @@ from scipy.integrate import solve_ivp
 
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.shafts import Shafts, runs_up, swings_along
+from gearpoly.physics import catalogue
 from gearpoly.simulate import SWINGS_PER_MESH, cycle_te, simulate
 from gearpoly.units import NM, RPM, FloatArray
 from tests.pair_files import made, pair_file
+from tests.physics_cases import Condition, rough, scope_of
 
 FLANKS: tuple[Flank, ...] = ("drive", "coast")
 
@@ -192,3 +194,11 @@ def test_speed_that_wobbles_is_no_run_up(wobble: float, told: bool) -> None:
     theta = 30.0 * (time + wobble * (1.0 - np.cos(0.5 * time)))
     assert (runs_up(theta, time) is not None) is told
     assert (runs_up(-theta, time) is not None) is told
+
+
+@pytest.mark.parametrize(("rpm", "several"), [((30.0, 30.03), False), ((30.0, 60.0), True)])
+def test_one_speed_measured_twice_is_one_speed(rpm: tuple[float, float], several: bool) -> None:
+    """Means of measured speeds differ in the third figure; a resonance is not met at another speed by that."""
+    scope = scope_of(rough(), tuple(Condition(speed_rpm=speed) for speed in rpm))
+    assert scope.several_speeds is several
+    assert bool(list(catalogue()["mesh_resonance"].places(scope))) is several

@@ -115,11 +115,14 @@ def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
     as_built = model.as_built
     mate = 0 if model.turns_of == "driven" else 1
     z, turn = as_built.gears[mate].z, as_built.gears[1 - mate].z
+    places = z // math.gcd(turn, z)
+    if places == 1:
+        return 0  # after a turn of the one shaft the same teeth of both meet again: nothing tells, and nothing need
     system = _beside_eccentricities(model, scenes, linear, (0, 1), apart=True)
     alike = _sharing(as_built, mate, 0, TOLD_BY)
     start = as_built.start("coast", mate)
     found = []
-    for n in range(z // math.gcd(turn, z)):
+    for n in range(places):
         index = np.arange(as_built.size)
         for first in (start, start + z):
             # Parameters stand by the tooth that they were taken to be of.
@@ -129,7 +132,7 @@ def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
     best, *others = np.argsort(found, kind="stable").tolist()
     # Flanks that have nothing in common look alike somewhere by chance.
     least = min(surprise(as_built, system), *(found[one] for one in others))
-    return int(best) if others and found[best] < least - CLEARLY else 0
+    return int(best) if found[best] < least - CLEARLY else 0
 
 
 def _beside_eccentricities(

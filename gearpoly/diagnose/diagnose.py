@@ -12,6 +12,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
+from gearpoly.compare.noise import pooled_level
 from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.contest import contest
@@ -121,7 +122,7 @@ def diagnose(
         unexplained=left_over,
         built=built,
         compliance_scale=scale,
-        noise=math.sqrt(float(np.mean([noise.level**2 for noise in search.noises]))),
+        noise=pooled_level(search.noises, [scene.samples.size for scene in search.scenes]),
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison, model),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
@@ -196,7 +197,9 @@ def _finding(
     separation = None
     if rivals:
         watch.stage("next recording")(f"thinking of recordings that would decide on {claim.physics.name}")
-        separation = would_separate(model, search.scenes, linear, k, [one.claim for one in rivals])
+        separation = would_separate(
+            model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance
+        )
     weighed = Candidate(claim=claim, gain=judged.gain, freedoms=len(claim.values))
     chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(

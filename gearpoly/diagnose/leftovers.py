@@ -148,7 +148,7 @@ def not_excluded(search: Search, findings: tuple[Finding, ...]) -> tuple[str, ..
     if len(set(scope.flanks)) == 1:
         other = "coast" if scope.flanks[0] == "drive" else "drive"
         out.append(f"anything that shows on the {other} flank only (thickness, its pitch)")
-    if len({round(s, 3) for s in scope.speeds if s is not None}) < 2 and not scope.run_ups:
+    if not scope.several_speeds:
         out.append("resonances: all recordings were made at one speed")
     if not scope.counted or len(scope.torques) == 1:
         out.append("offsets (wind-up, centre distance, wear of all flanks): a single mean compares with nothing")

@@ -133,7 +133,8 @@ def _left_mesh(model: Model, scenes: list[Scene], claim: Claim, columns: list[Fl
     carrying = [np.bincount(s.teeth(gear)[s.weight > 0.0], minlength=s.gear(gear).z) for s in scenes]
     if all(one[tooth] > SELDOM * np.median(one) for one in carrying):
         return []
-    without = model.but(claim).scenes()
+    others = model.but(claim)
+    without = others.method.scenes(others.file(), [scene.samples for scene in scenes], path=others.path)
     whole = [here.te - gone.te for here, gone in zip(scenes, without, strict=True)]
     told = sum(float(np.sum((claim.values[0] * c[:, 0]) ** 2)) for c in columns)
     return whole if told < IDLE**2 * sum(float(np.sum(effect**2)) for effect in whole) else []

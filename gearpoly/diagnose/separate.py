@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.diagnose.as_built import make_as_built
-from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.nuisance import Nuisance, slope_of, softened
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.samples import Samples
@@ -147,14 +148,19 @@ def _as_recorded(model: Model, scene: Scene, claim: Claim) -> Scene:
     return replace(scene, samples=replace(scene.samples, number=every[0]))
 
 
+Part = tuple[list[FloatArray], list[list[FloatArray]]]
+"""Of some recordings, in sigmas: a claim's signal (n_k,), and of each rival what it can make (n_k, a)."""
+
+
 def would_separate(
-    model: Model, scenes: list[Scene], linear: Linear, k: int, rivals: Sequence[Claim]
+    model: Model, scenes: list[Scene], linear: Linear, k: int, rivals: Sequence[Claim], *, nuisance: Nuisance
 ) -> Separation | None:
     """The recording that would best tell claim ``k`` from all its ``rivals``, beside everything else that is open.
 
-    Separability is the sine of the angle between the claim's signal and what its rivals span, over the present
-    recordings and the new one together, as-built teeth and nuisance fitted beside. None where none would help, of those
-    that the pair can run.
+    Separability is the sine of the angle between the claim's signal and what its rivals span, each with its amplitudes
+    free, over the present recordings and the new one together; as-built teeth, the compliance's scale, zeros and the
+    other claims are fitted beside. How laws of compliance differ under the new condition is left out. None where none
+    would help, of those that the pair can run.
     """
     leave = linear.layout.places(k) + linear.layout.form_places(model, k)
     keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
@@ -162,34 +168,35 @@ def would_separate(
     precision = linear.system.precision[np.ix_(keep, keep)]
     claim = model.claims[k]
     others = model.but(claim)
-    forward = [False] * len(scenes)
+    spans = [_span(one) for one in rivals]
 
-    def white(columns: list[FloatArray]) -> list[FloatArray]:
-        return [noise.whitened(c) for noise, c in zip(linear.noises, columns, strict=True)]
+    def signals(here: Sequence[Scene], white: Callable[[int, FloatArray], FloatArray], back: bool) -> Part:
+        reverse = [back] * len(here)
+        mine = effects(others, here, claim, reverse=reverse)
+        theirs = [[effects(others, here, one, reverse=reverse) for one in span] for span in spans]
+        return (
+            [white(n, one) for n, one in enumerate(mine)],
+            [[white(n, np.column_stack([one[n] for one in span])) for n in range(len(here))] for span in theirs],
+        )
 
-    def signal(one: Claim) -> list[FloatArray]:
-        return white(effects(others, scenes, one, reverse=forward))
-
-    mine, theirs = signal(claim), [signal(one) for one in rivals]
+    told = signals(scenes, lambda n, c: linear.noises[n].whitened(c), False)
     normal = precision + sum((a.T @ a for a in whites), np.zeros_like(precision))
-    now = _least_sine(normal, [(whites, mine, theirs)])
+    now = least_sine(normal, [(whites, *told)])
     best: Separation | None = None
     level = float(np.mean([noise.level for noise in linear.noises]))
     for made in options(model):
         try:
             scene = imagined(model, made, number=len(scenes))
-            back = [made.reversed]
-            c = [effects(others, [scene], claim, reverse=back)[0] / level]
-            r = [[effects(others, [scene], one, reverse=back)[0] / level] for one in rivals]
+            more = signals([scene], lambda n, c: c / level, made.reversed)
+            new, wider = _open_columns(model, scene, linear, keep, level, nuisance=nuisance, beside=others.claims)
         except GearpolyError:
             continue  # the pair cannot run like that
-        new, wider = _open_columns(model, scene, linear, keep, level)
         grown = np.zeros((wider.shape[0], wider.shape[0]))
         grown[: keep.size, : keep.size] = precision
         grown += wider
         padded = [np.pad(a, ((0, 0), (0, grown.shape[0] - keep.size))) for a in whites]
         total = grown + sum((a.T @ a for a in padded), np.zeros_like(grown)) + new.T @ new
-        sine = _least_sine(total, [(padded, mine, theirs), ([new], c, r)])
+        sine = least_sine(total, [(padded, *told), ([new], *more)])
         if best is None or sine > best.separability + 0.01:
             best = Separation(recording=made, separability=sine, now=now)
     if best is None or best.separability < now + 0.02:
@@ -197,16 +204,32 @@ def would_separate(
     return best
 
 
+def _span(rival: Claim) -> list[Claim]:
+    """Claims that span what a rival can make: one of each of its amplitudes, as large as all of them."""
+    a = rival.physics.amplitudes
+    if a == 1:
+        return [rival]
+    size = float(np.linalg.norm(rival.values[:a]))
+    return [replace(rival, values=(*(size * np.eye(a)[n]).tolist(), *rival.values[a:])) for n in range(a)]
+
+
 def _open_columns(
-    model: Model, scene: Scene, linear: Linear, keep: np.ndarray, level: float
-) -> tuple[FloatArray, FloatArray]:
-    """Columns (n, m') of what is open in a new scene, in sigmas, and the precision (m', m') of what it adds: the teeth
-    of a flank that was not recorded yet."""
+    model: Model, scene: Scene, linear: Linear, keep: np.ndarray, level: float, *, nuisance: Nuisance,
+    beside: Sequence[Claim],
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Columns (n, m') of what is open in a new scene, in sigmas, the claims ``beside`` among it, and the precision
+    (m', m') of what it adds: the teeth of a flank that was not recorded yet."""
     n, layout = scene.samples.size, linear.layout
     whole = np.zeros((n, linear.system.size))
     whole[:, layout.built] = model.as_built.columns(scene)
     # The mean over both encoders' common zero, which is the first of the nuisance.
     whole[:, layout.nuisance.start] = 1.0
+    whole[:, layout.nuisance.start + nuisance.shift] = slope_of(scene)
+    if nuisance.scale is not None:
+        whole[:, layout.nuisance.start + nuisance.scale] = softened(scene)
+    for at, claim in zip(layout.claims, model.claims, strict=True):
+        if any(claim is one for one in beside):
+            whole[:, at] = derivatives(model, [scene], claim)[0]
     out = whole[:, keep]
     if scene.samples.flank in model.as_built.flanks:
         return out / level, np.zeros((keep.size, keep.size))
@@ -223,30 +246,25 @@ def _open_columns(
     return np.concatenate((out, more.columns(scene)), axis=1) / level, precision
 
 
-def _least_sine(
-    normal: FloatArray, parts: list[tuple[list[FloatArray], list[FloatArray], list[list[FloatArray]]]]
+def least_sine(
+    normal: FloatArray, parts: Sequence[tuple[list[FloatArray], list[FloatArray], list[list[FloatArray]]]]
 ) -> float:
-    """The smallest sine over all rivals of the angle between a signal and a rival's, everything open taken off."""
+    """The smallest sine over all rivals of the angle between a signal and what a rival can make of it, everything open
+    taken off both: ``normal`` (m, m) is the information about all that is open, ``parts`` hold columns (n_k, m) of it,
+    the signal (n_k,) and the rivals' (n_k, a)."""
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     inverse = np.linalg.inv(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)) / np.outer(scale, scale)
-
-    def product(a: int | None, b: int | None) -> float:
-        """Information of two signals beside everything open; None is the claim's own."""
-        own, cross_a, cross_b = 0.0, np.zeros(scale.size), np.zeros(scale.size)
+    out = 1.0
+    for j in range(len(parts[0][2])):
+        own, cross = np.zeros(()), np.zeros(())
         for whites, mine, theirs in parts:
             for k, white in enumerate(whites):
-                x = mine[k] if a is None else theirs[a][k]
-                y = mine[k] if b is None else theirs[b][k]
-                own += float(x @ y)
-                cross_a += white.T @ x
-                cross_b += white.T @ y
-        return own - float(cross_a @ inverse @ cross_b)
-
-    out = 1.0
-    self_ = product(None, None)
-    for j in range(len(parts[0][2])):
-        rival, shared = product(j, j), product(None, j)
-        if self_ <= 0.0 or rival <= 1e-12 * self_:
+                both = np.column_stack((mine[k], theirs[j][k]))
+                own, cross = own + both.T @ both, cross + white.T @ both
+        left = own - cross.T @ inverse @ cross
+        rival = left[1:, 1:]
+        if left[0, 0] <= 0.0 or float(np.trace(rival)) <= 1e-12 * left[0, 0]:
             continue
-        out = min(out, math.sqrt(max(0.0, 1.0 - shared**2 / (self_ * rival))))
+        taken = left[0, 1:] @ np.linalg.pinv(rival, rcond=1e-9, hermitian=True) @ left[1:, 0]
+        out = min(out, math.sqrt(max(0.0, 1.0 - float(taken) / left[0, 0])))
     return out

@@ -12,6 +12,7 @@ import numpy as np
 
 from gearpoly.files.models import GearSection, PairFile, Section
 from gearpoly.gear.gear import Gear
+from gearpoly.mesh.shafts import UNEVEN
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
@@ -53,6 +54,13 @@ class Scope:
     def loaded(self) -> bool:
         """Whether load bends teeth in any recording."""
         return self.file.model.tooth_deflection and max(self.torques) > 0.0
+
+    @property
+    def several_speeds(self) -> bool:
+        """Whether a resonance was met at more than one speed: measured speeds of one set-up differ a little anyway."""
+        known = [speed for speed in self.speeds if speed is not None]
+        known += [end for ends in self.run_ups for end in ends]
+        return bool(known) and max(known) - min(known) > UNEVEN * max(known)
 
     @property
     def conditions(self) -> int:

@@ -31,7 +31,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     if len(speeds) < len(scope.speeds) or scope.file.pair.resonance is not None:
         return
     speeds += [end for ends in scope.run_ups for end in ends]
-    if len({round(speed, 3) for speed in speeds}) < 2:
+    if not scope.several_speeds:
         return  # at one speed it would stand for whatever a law of compliance leaves of the mean tooth
     mesh = max(speeds) * scope.gears[0].z / (2.0 * math.pi)
     for part in np.geomspace(LOWEST, HIGHEST, TRIED).tolist():

@@ -8,7 +8,7 @@ of small changes need no further simulation.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -161,14 +161,17 @@ class Scene:
         return _compliance(self.pair, self.assembled.elasticity or Elasticity(), self.samples.flank)
 
     def tooth_compliance(self, gear: int) -> FloatArray:
-        """Compliance (P, n) in mm/N of the teeth of one gear at their contacts."""
+        """Compliance (P, n) in mm/N of the teeth of one gear at their contacts, were they sound: a crack is a factor of
+        it, also where one is claimed already."""
         return self._tooth_compliance[gear]
 
     @cached_property
     def _tooth_compliance(self) -> tuple[FloatArray, FloatArray]:
         out = []
+        elasticity = replace(self.assembled.elasticity or Elasticity(), cracks=())
+        sound = _compliance(self.pair, elasticity, self.samples.flank)
         for gear, l, r_b in ((0, self.l_1, self.pair.r_b1), (1, self.l_2, self.pair.r_b2)):
-            table = self.compliance.driving if gear == 0 else self.compliance.driven
+            table = sound.driving if gear == 0 else sound.driven
             tooth = self.teeth(gear)
             out.append(table.at(tooth.ravel(), np.hypot(l, r_b).ravel()).reshape(tooth.shape))
         return out[0], out[1]
