@@ -12,8 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearpoly import api
+from gearpoly.assemble import assemble
 from gearpoly.errors import InputFileError
 from gearpoly.files.gde import GearInspection, Profile, Turn, gde_text
+from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.gde_read import read_gde
 from gearpoly.files.pairfile import dump_pair, moved, read_pair
 from gearpoly.files.traces import read_traces
@@ -253,8 +255,8 @@ def test_a_file_of_another_gear_is_refused(tmp_path: Path) -> None:
 def test_the_pair_file_names_one_source(tmp_path: Path) -> None:
     written(tmp_path)
     path = tmp_path / "pair.toml"
-    path.write_text(pair_text("driving", extra="pitch_um = 1.0"))
-    with pytest.raises(InputFileError, match="pitch_um too"):
+    path.write_text(pair_text("driving", extra="profile_slope_um = 1.0"))
+    with pytest.raises(InputFileError, match="profile_slope_um too"):
         read_pair(path)
     path.write_text(pair_text("driving", extra="uncertainty_um = 0.8"))
     file = read_pair(path)
@@ -271,3 +273,28 @@ def test_a_pair_file_that_moves_still_finds_its_inspection(tmp_path: Path) -> No
     target.parent.mkdir()
     target.write_text(dump_pair(moved(read_pair(path), source=path, target=target)))
     assert api.load(target).driving.deviation(np.array([7.0]))[4, 0] == pytest.approx(4.0 * UM)
+
+
+def test_what_is_found_of_a_measured_gear_is_added_to_its_file(tmp_path: Path) -> None:
+    """A diagnosis adds 5 um to one pitch: the drawn gear has it, and the pair file written out is read back."""
+    written(tmp_path)
+    path = tmp_path / "pair.toml"
+    path.write_text(pair_text("driving"))
+    file = with_gde_stated(read_pair(path), path=path)
+    sheet = file.driving.inspection
+    assert sheet is not None
+    assert sheet.gde == "gear.gde"
+    assert isinstance(sheet.pitch_um, tuple)
+    before = assemble(file, path=path, seed=0).pair.driving
+    plain = assemble(read_pair(path), path=path, seed=0).pair.driving
+    np.testing.assert_array_equal(before.flanks.psi_drive, plain.flanks.psi_drive)
+    pitch = (*sheet.pitch_um[:3], sheet.pitch_um[3] + 5.0, *sheet.pitch_um[4:])
+    more = sheet.model_copy(update={"pitch_um": pitch})
+    path.write_text(
+        dump_pair(file.model_copy(update={"driving": file.driving.model_copy(update={"inspection": more})}))
+    )
+    after = assemble(read_pair(path), path=path, seed=0).pair.driving
+    moved_by = (after.flanks.psi_drive - before.flanks.psi_drive) * before.gear.r_b
+    # Along the line of action, all but the first point, which is the middle of the tooth space.
+    np.testing.assert_allclose(np.abs(moved_by[3, 1:]), 5.0 * UM, rtol=1e-6)
+    np.testing.assert_allclose(np.delete(moved_by, 3, axis=0), 0.0, atol=1e-12)

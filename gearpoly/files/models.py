@@ -163,12 +163,14 @@ class Inspection(Section):
         "tooth thickness deviation E_s in um along the reference circle; negative thins"
     )
     profile_csv: str | None = _field("file of measured traces in quotes, relative to the pair file", min_length=1)
-    gde: str | None = _field("inspection file (XML) in quotes, relative to the pair file", min_length=1)
+    gde: str | None = _field("inspection file (XML) in quotes; what is stated beside it goes first", min_length=1)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.gde is not None:
-            for key in sorted(self.model_fields_set - {"gde", "uncertainty_um"}):
+            # What a diagnosis adds to a measured pitch or thickness stands beside the file that says the rest.
+            beside = {"gde", "uncertainty_um", "pitch_um", "pitch_coast_um", "tooth_thickness_um"}
+            for key in sorted(self.model_fields_set - beside):
                 if getattr(self, key) is not None:
                     _broken(
                         "gde",
