@@ -47,7 +47,7 @@ $(VENV)/.test: pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[test]"
 	touch $@
 
-# The published seed comes from the commit that last moved the thresholds, so nobody chose it.
+# The published seed comes from the commit that is put to the proof, so nobody chose it.
 SEED ?= $(shell printf '%d' 0x$$(git log -1 --format=%H | cut -c1-7))
 proof: $(VENV)/.core
 	mkdir -p out

@@ -130,9 +130,13 @@ class Search(Weigh):
 
     def accept(self, claims: Sequence[Claim]) -> bool:
         """Make claims and fit everything again; whether they stand, and leave gears that can still run."""
+        begun = self.kept()
         try:
             self.join(claims)
             self.settle()
+            single = all(one.place.tooth is not None for one in claims)
+            if single and self.model.claims != claims and self.gained(begun) < 0.0:
+                return False  # neither law nor form mends what a single tooth has made worse
             self.relax()
             self.reshape()
             self.declared_softness()
