@@ -22,7 +22,7 @@ def pair(thickness_um: float) -> PairFile:
     return PairFile.model_validate({"model": {"tooth_deflection": False}, **gears})
 
 
-def test_teeth_that_turn_are_no_word_worth() -> None:
+def test_gears_that_turn_need_no_word() -> None:
     assert list(jam_remarks(made(pair(-40.0)).pair)) == []
 
 

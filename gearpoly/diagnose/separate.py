@@ -188,7 +188,7 @@ def would_separate(
         try:
             scene = imagined(model, made, number=len(scenes))
             more = signals([scene], lambda n, c: c / level, made.reversed)
-            new, wider = _open_columns(model, scene, linear, keep, level, nuisance=nuisance, beside=others.claims)
+            new, wider = _open_columns(model, scene, linear, keep, level, nuisance=nuisance, but=claim)
         except GearpolyError:
             continue  # the pair cannot run like that
         grown = np.zeros((wider.shape[0], wider.shape[0]))
@@ -215,9 +215,9 @@ def _span(rival: Claim) -> list[Claim]:
 
 def _open_columns(
     model: Model, scene: Scene, linear: Linear, keep: np.ndarray, level: float, *, nuisance: Nuisance,
-    beside: Sequence[Claim],
+    but: Claim,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Columns (n, m') of what is open in a new scene, in sigmas, the claims ``beside`` among it, and the precision
+    """Columns (n, m') of what is open in a new scene, in sigmas, all claims ``but`` one among it, and the precision
     (m', m') of what it adds: the teeth of a flank that was not recorded yet."""
     n, layout = scene.samples.size, linear.layout
     whole = np.zeros((n, linear.system.size))
@@ -228,7 +228,7 @@ def _open_columns(
     if nuisance.scale is not None:
         whole[:, layout.nuisance.start + nuisance.scale] = softened(scene)
     for at, claim in zip(layout.claims, model.claims, strict=True):
-        if any(claim is one for one in beside):
+        if claim is not but:
             whole[:, at] = derivatives(model, [scene], claim)[0]
     out = whole[:, keep]
     if scene.samples.flank in model.as_built.flanks:

@@ -163,7 +163,7 @@ class Inspection(Section):
         "tooth thickness deviation E_s in um along the reference circle; negative thins"
     )
     profile_csv: str | None = _field("file of measured traces in quotes, relative to the pair file", min_length=1)
-    gde: str | None = _field("inspection file (XML) in quotes; what is stated beside it goes first", min_length=1)
+    gde: str | None = _field("inspection file (XML), relative to the pair file; keys beside it go first", min_length=1)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:

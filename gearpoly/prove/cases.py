@@ -62,9 +62,14 @@ def digest(paths: Iterable[Path]) -> str:
     return out.hexdigest()
 
 
+def truth_hash(truth: Path) -> str:
+    """sha256 of a truth file's bytes, which seals it; nothing is read of what is in it."""
+    return hashlib.sha256(truth.read_bytes()).hexdigest()
+
+
 def truth_hashes(cases: Iterable[CaseFiles]) -> dict[str, str]:
-    """sha256 of the truth file of every case, by name; nothing is read of what is in them."""
-    return {case.name: hashlib.sha256(case.truth.read_bytes()).hexdigest() for case in cases}
+    """``truth_hash`` of every case, by name."""
+    return {case.name: truth_hash(case.truth) for case in cases}
 
 
 def code_of(*packages: Path, but: tuple[str, ...] = ()) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import signal
 import threading
@@ -17,7 +16,7 @@ from typing import Any
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.output import write_text
-from gearpoly.prove.cases import CaseFiles, digest
+from gearpoly.prove.cases import CaseFiles, digest, truth_hash
 from gearpoly.prove.diagnoser import Diagnoser, How
 
 LONGEST = 240.0
@@ -71,8 +70,7 @@ class Writing:
         truth, pair = self.truths / f"{name}.truth.json", self.folder / name / "pair.toml"
         if not (self.sealed.is_file() and truth.is_file() and pair.is_file()):
             return False
-        sealed = hashlib.sha256(truth.read_bytes()).hexdigest()
-        return self.sealed.read_text(encoding="utf-8").split() == [sealed, self.code]
+        return self.sealed.read_text(encoding="utf-8").split() == [truth_hash(truth), self.code]
 
 
 def write(job: Writing) -> None:
