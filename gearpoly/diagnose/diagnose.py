@@ -15,6 +15,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
 from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
+from gearpoly.diagnose.conditions import elsewhere, take_back
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
@@ -94,6 +95,8 @@ def diagnose(
     looked_at = search.run()
     search.step = watch.stage("rivals")
     refitted = contest(search)
+    if take_back(search):
+        refitted = contest(search)
     shapes = forms(search)
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
@@ -219,6 +222,7 @@ def _finding(
         rivals=rivals,
         separation=separation,
         at_least=at_least,
+        foretold=elsewhere(search, k),
     )
 
 

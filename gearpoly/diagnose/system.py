@@ -164,6 +164,15 @@ class System:
             prior=self.prior,
         )
 
+    def of(self, recordings: Sequence[int]) -> System:
+        """The same, of some recordings only."""
+        return System(
+            white=[self.white[k] for k in recordings],
+            target=[self.target[k] for k in recordings],
+            precision=self.precision,
+            prior=self.prior,
+        )
+
     def scores(self, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Score (q,) and information (q, q) of further whitened columns (n_k, q), all else fitted again beside them."""
         parts = zip(columns, self.white, self.left, strict=True)

@@ -42,7 +42,8 @@ class Finding:
     """One missing physics: the ``claim``, its ``parameters`` (value, standard error), where its ``tooth`` passes on the
     encoder, ``gain`` in misfit, ``p_value`` over the whole search, rms in mm on unseen samples ``without`` and
     ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
-    teeth do not touch there."""
+    teeth do not touch there; ``foretold``: by how much less of a misfit each torque and flank is foretold by the others
+    with it (None where there is one condition only)."""
 
     claim: Claim
     parameters: Reported
@@ -55,6 +56,7 @@ class Finding:
     rivals: tuple[Rival, ...]
     separation: Separation | None
     at_least: bool = False
+    foretold: float | None = None
 
     @property
     def says(self) -> str:

@@ -14,6 +14,7 @@ from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
 from gearpoly.diagnose.system import Sums, System
+from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
 FAMILY = 0.01
@@ -245,12 +246,15 @@ class Weigh(Softness):
     def pays(self, one: Candidate) -> bool:
         """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
         columns = columns_of(self.model, self.scenes, self.linear, one)
-        slow = one.claim.physics.slow
+        return self.paid(one.claim, self.linear.system, self.linear.system.with_columns(columns))
+
+    def paid(self, claim: Claim, plain: System, wider: System) -> bool:
+        """The same of a ``claim`` that ``wider`` has and ``plain`` has not."""
+        slow = claim.physics.slow
         masks = [blocks(one.fit.size, one.jumps, parts=SLOW_PARTS) if slow else one.fit for one in self.model.observed]
         others = [~mask for mask in masks]
         if not all(np.any(mask) for mask in others):
             return True
-        plain, wider = self.linear.system, self.linear.system.with_columns(columns)
         gained = 0.0
         for seen, unseen in ((masks, others), (others, masks)):
             gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)

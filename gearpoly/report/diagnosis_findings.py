@@ -95,6 +95,8 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
         f"Left out, the misfit (sum of squares over the noise) rises by <b>{number(one.gain, 1)}</b> for {freedoms} "
         f"free value{'s' if freedoms > 1 else ''}, everything else fitted again. Errors are one standard error."
     )
+    if one.foretold is not None:
+        sure += f" Foretold by all others, each torque and flank has <b>{number(one.foretold, 1)}</b> less of it."
     rows = [
         ("Where", escape(where(one)) + _show(one)),
         ("Model", f'<span class="equation">{escape(claim.physics.equation)}</span>'),

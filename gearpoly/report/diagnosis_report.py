@@ -75,6 +75,8 @@ def _finding_json(one: Finding) -> dict[str, Any]:
     out["heldout_rms_um"] = {"without": one.without.unseen / UM, "with": one.with_.unseen / UM}
     out["p_value"] = one.p_value
     out["gain"] = one.gain
+    if one.foretold is not None:
+        out["heldout_condition_gain"] = one.foretold
     out["model"] = one.claim.physics.equation
     out["indistinguishable_from"] = [_rival_json(rival) for rival in one.rivals]
     if one.separation is not None:
@@ -190,6 +192,12 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
         highlight=False,
         soft_wrap=True,
     )
+    if one.foretold is not None:
+        console.print(
+            f"   other torques and flanks: each is foretold by the rest with {one.foretold:.4g} less of a misfit",
+            highlight=False,
+            soft_wrap=True,
+        )
     for rival in one.rivals:
         console.print(f"   or else: {rival.says}", highlight=False, soft_wrap=True)
     if one.separation is not None:

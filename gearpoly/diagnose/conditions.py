@@ -1,0 +1,106 @@
+"""What a claim is worth on a torque or a flank that its fit never saw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.system import System
+from gearpoly.errors import GearpolyError
+from gearpoly.physics.base import Scope
+from gearpoly.physics.scene import Scene
+
+Recordings = Sequence[int]
+
+
+def conditions(scope: Scope) -> list[list[int]]:
+    """Numbers of the recordings that were made on the same flank under the same torque, by condition."""
+    made: dict[tuple[str, float], list[int]] = {}
+    for k, (flank, torque) in enumerate(zip(scope.flanks, scope.torques, strict=True)):
+        made.setdefault((flank, round(torque, 3)), []).append(k)
+    return list(made.values())
+
+
+def foretold(plain: System, wider: System, made: Sequence[Recordings]) -> float:
+    """By how much less of a misfit the recordings of each condition of ``made`` are foretold by all others under
+    ``wider`` than under ``plain``, summed over the conditions.
+
+    What is foretold is as uncertain as the others leave it. The misfit of one condition about that is what it adds to
+    the misfit of the others when all are fitted at once (the chain rule of normal densities), so a claim that shows
+    under one condition only counts as it does there, and one of which two conditions tell opposite sizes counts less
+    than nothing: of two that know it equally well, 2 I a b with the sizes a, b and their information I. Derived here.
+    """
+    every = plain.misfit - wider.misfit
+    out = 0.0
+    for held in made:
+        rest = [k for k in range(len(plain.target)) if k not in held]
+        out += every - (plain.of(rest).misfit - wider.of(rest).misfit)
+    return out
+
+
+def with_and_without(model: Model, scenes: list[Scene], linear: Linear, k: int) -> tuple[System, System]:
+    """The systems without claim ``k`` and with it.
+
+    A claim that bends with its size (the set-up with it is simulated) stands there by its whole effect: of a gap that
+    has closed the next micrometre is like softer teeth, the whole of it is not.
+    """
+    claim, layout = model.claims[k], linear.layout
+    mine = layout.places(k) + layout.form_places(model, k)
+    plain = linear.system.without(mine)
+    if claim.physics.effect is not None:
+        return plain, linear.system
+    whole = model.change(scenes, claim, claim.values, but=claim)
+    held = [*claim.values[: claim.physics.amplitudes], *(0.0,) * (len(claim.values) - claim.physics.amplitudes)]
+    columns, target = [], []
+    for noise, effect, white, y in zip(linear.noises, whole, linear.white_of(k), linear.system.target, strict=True):
+        columns.append(noise.whitened(effect[:, None]))
+        target.append(y - white @ held + columns[-1][:, 0])
+    plain = replace(plain, target=target)
+    return plain, plain.with_columns(columns)
+
+
+def elsewhere(search: Search, k: int) -> float | None:
+    """By how much less of a misfit each torque and flank is foretold by the others with claim ``k``; None where all
+    recordings were made under one condition."""
+    made = conditions(search.model.scope)
+    if len(made) < 2:
+        return None
+    return foretold(*with_and_without(search.model, search.scenes, search.linear, k), made)
+
+
+def take_back(search: Search) -> bool:
+    """Take back every claim that does not pay on what its fit never saw, the dearest first: on held-out cycles, which
+    what took another's place was never asked, and on held-out torques and flanks; whether any went."""
+    needed: set[tuple[object, ...]] = set()
+    gone = False
+    while True:
+        dear = [(cost, k) for k, claim in enumerate(search.model.claims) if claim.key not in needed
+                if (cost := _cost(search, k)) is not None]  # fmt: skip
+        if not dear:
+            return gone
+        _, k = max(dear)
+        claim, begun = search.model.claims[k], search.kept()
+        search.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
+        try:
+            search.join([], instead=k)
+            search.settle()
+            search.relax()
+            search.drop_idle()
+        except GearpolyError:
+            # Gears that cannot run without it need it.
+            search.restore(begun)
+            needed.add(claim.key)
+            continue
+        gone = True
+
+
+def _cost(search: Search, k: int) -> float | None:
+    """What claim ``k`` costs in misfit on conditions that its fit never saw, or on cycles; None where it pays on
+    both."""
+    made = conditions(search.model.scope)
+    plain, wider = with_and_without(search.model, search.scenes, search.linear, k)
+    cost = -foretold(plain, wider, made) if len(made) > 1 else 0.0
+    return cost if cost > 0.0 or not search.paid(search.model.claims[k], plain, wider) else None

@@ -1,0 +1,97 @@
+"""What a claim is worth on a torque or a flank that its fit never saw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, take_back, with_and_without
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.system import System
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place, on_gear
+from gearpoly.recording.recording import Recording
+from gearpoly.units import NM, FloatArray
+from tests.physics_cases import CONDITIONS, Condition, recorded, rough, scope_of
+
+
+def systems(sizes: list[float], known: list[float]) -> tuple[System, System]:
+    """Recordings of one sample each that tell sizes of an effect with the information ``known``, without the effect
+    and with it; nothing else is open but a parameter that no sample tells, held to 0."""
+    target = [np.array([np.sqrt(i) * a]) for a, i in zip(sizes, known, strict=True)]
+    plain = System(white=[np.zeros((1, 1))] * len(sizes), target=target, precision=np.eye(1), prior=np.zeros(1))
+    return plain, plain.with_columns([np.array([[np.sqrt(i)]]) for i in known])
+
+
+def test_two_conditions_foretell_each_other_by_the_product_of_what_they_tell() -> None:
+    """2 I a b of two that know as much; to 1e-6, for every parameter is held by 1e-9 of what is known of it."""
+    for a, b in ((3.0, 2.0), (3.0, -2.0), (3.0, 0.0)):
+        assert foretold(*systems([a, b], [50.0, 50.0]), [[0], [1]]) == pytest.approx(100.0 * a * b, abs=1e-4)
+
+
+def test_what_shows_under_one_condition_only_counts_as_it_does_there() -> None:
+    """The other neither confirms nor contradicts it: I a^2."""
+    assert foretold(*systems([3.0, 0.0], [50.0, 0.0]), [[0], [1]]) == pytest.approx(450.0, abs=1e-4)
+
+
+def test_recordings_of_one_condition_are_held_out_together() -> None:
+    """Two recordings of one condition that contradict each other leave its mean, which another confirms."""
+    plain, wider = systems([4.0, 0.0, 2.0], [25.0, 25.0, 50.0])
+    together = foretold(plain, wider, [[0, 1], [2]])
+    assert together == pytest.approx(foretold(*systems([2.0, 2.0], [50.0, 50.0]), [[0], [1]]), abs=1e-4)
+
+
+def test_conditions_are_flanks_under_torques() -> None:
+    file = rough()
+    twice = (*CONDITIONS, Condition(flank="coast", torque_nm=20.0, speed_rpm=300.0))
+    assert conditions(scope_of(file, twice)) == [[0], [1, 4], [2], [3]]
+
+
+CROWNING = 5.0
+"""um at 20 N m: some 30 standard deviations of it in 0.3 um of noise."""
+
+
+def bulging(without_load: float, folder: Path) -> Search:
+    """The search in recordings at 20 N m, with ``CROWNING`` on the driving gear, and unloaded with another, begun with
+    that crowning claimed."""
+    true, rng = rough(), np.random.default_rng(11)
+    made: list[Recording] = []
+    for crowning, torque in ((CROWNING, 20.0), (without_load, 0.0)):
+        assert true.driving.inspection is not None
+        sheet = true.driving.inspection.model_copy(update={"profile_crowning_um": crowning})
+        made += recorded(on_gear(true, 0, inspection=sheet), (Condition(torque_nm=torque),), rng)
+    path = folder / "pair.toml"
+    model = prepare(true, compare(true, made, path=path), path=path)
+    nothing: list[FloatArray] = [np.zeros((one.samples.size, 0)) for one in model.observed]
+    search = Search.begun(model, nothing, lambda _: None)
+    assert search.model.scope.torques == (20.0 * NM, 0.0)
+    search.join([Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(CROWNING,))])
+    search.settle()
+    return search
+
+
+def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(tmp_path: Path) -> None:
+    """No gear bulges under load and is hollow without. The gain of the whole is far above chance all the same, and
+    held-out cycles, which have both torques, let it stand."""
+    search = bulging(-0.2 * CROWNING, tmp_path)
+    plain, wider = with_and_without(search.model, search.scenes, search.linear, 0)
+    assert plain.misfit - wider.misfit > 50.0
+    assert search.paid(search.model.claims[0], plain, wider)
+    worth = elsewhere(search, 0)
+    assert worth is not None
+    assert worth < 0.0
+    assert take_back(search)
+    assert not search.model.claims
+
+
+def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
+    search = bulging(CROWNING, tmp_path)
+    worth = elsewhere(search, 0)
+    assert worth is not None
+    assert worth > 50.0
+    assert not take_back(search)
+    assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
