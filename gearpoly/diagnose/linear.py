@@ -133,11 +133,26 @@ def _left_mesh(model: Model, scenes: list[Scene], claim: Claim, columns: list[Fl
     carrying = [np.bincount(s.teeth(gear)[s.weight > 0.0], minlength=s.gear(gear).z) for s in scenes]
     if all(one[tooth] > SELDOM * np.median(one) for one in carrying):
         return []
-    others = model.but(claim)
-    without = others.method.scenes(others.file(), [scene.samples for scene in scenes], path=others.path)
-    whole = [here.te - gone.te for here, gone in zip(scenes, without, strict=True)]
+    whole = _whole_effect(model, scenes, claim)
     told = sum(float(np.sum((claim.values[0] * c[:, 0]) ** 2)) for c in columns)
     return whole if told < IDLE**2 * sum(float(np.sum(effect**2)) for effect in whole) else []
+
+
+def _whole_effect(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
+    """What a claimed tooth changes (n_k,) in mm of every recording: simulated without it where it may touch, and
+    everywhere where what it changes goes on swinging."""
+    others, gear, tooth = model.but(claim), claim.place.gear or 0, claim.place.tooth or 0
+    swings = scenes[0].assembled.shafts.frequency is not None
+    where = [np.arange(s.samples.size) if swings else s.samples.meshing(gear, tooth, z=s.gear(gear).z) for s in scenes]
+    asked = [scene.samples.at(mine) for scene, mine in zip(scenes, where, strict=True)]
+    out = []
+    for here, mine, gone in zip(
+        scenes, where, others.method.scenes(others.file(), asked, path=others.path), strict=True
+    ):
+        effect = np.zeros(here.samples.size)
+        effect[mine] = here.te[mine] - gone.te
+        out.append(effect)
+    return out
 
 
 def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:

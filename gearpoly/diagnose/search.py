@@ -94,10 +94,12 @@ class Search(Weigh):
         refused: set[tuple[object, ...]] = set()
         found: list[Candidate] = []
         roads: list[Road] = []
+        looked = False
         while len(self.model.claims) < MOST:
-            self.step(f"looking for what is missing ({len(self.model.claims)} found)")
-            found, self.looked = scan(self.model, self.scenes, self.linear)
-            self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
+            if not looked:
+                self.step(f"looking for what is missing ({len(self.model.claims)} found)")
+                found, self.looked = scan(self.model, self.scenes, self.linear)
+                self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
             ones = self.likely(found, refused)
             best = next((one for one in ones if self.matters(one) and self.pays(one)), None)
             if best is None:
@@ -111,9 +113,12 @@ class Search(Weigh):
                     for one in ones
                     if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
                 ]
+                looked = False
                 continue
             refused.add(best.claim.key)
+            # Nothing has changed, so the next best of the same look is tried.
             self.restore(before)
+            looked = True
             if len(refused) > MOST:
                 break
         return found, roads

@@ -14,9 +14,8 @@ from gearpoly.units import UM, FloatArray
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    for gear in (0, 1):
-        if scope.section(gear).eccentricity is None:
-            yield Place(gear=gear)
+    # Of a gear that is declared eccentric, what is missing is the difference.
+    return (Place(gear=gear) for gear in (0, 1))
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:

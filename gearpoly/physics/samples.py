@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from gearpoly.mesh.pair import Flank
-from gearpoly.units import FloatArray
+from gearpoly.units import FloatArray, IntArray
+
+MAY_TOUCH = 2.6
+"""Pitches from its pitch point within which a tooth may touch: a contact ratio is below 2 on either side in all, the
+coast flank's pitch point is half a pitch off, and an eccentric gear reads up to a tenth off."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,9 +43,20 @@ class Samples:
 
     def first(self, n: int) -> Samples:
         """The first ``n`` samples."""
+        return self.at(np.arange(n))
+
+    def at(self, where: IntArray) -> Samples:
+        """The samples of these numbers (k,)."""
         names = ("theta_1", "theta_2", "reading_1", "reading_2")
-        mine = {name: getattr(self, name)[:n] for name in names}
-        return replace(self, time=None if self.time is None else self.time[:n], **mine)
+        mine = {name: getattr(self, name)[where] for name in names}
+        return replace(self, time=None if self.time is None else self.time[where], **mine)
+
+    def meshing(self, gear: int, tooth: int, *, z: int) -> IntArray:
+        """Numbers (k,) of the samples in which ``tooth`` of ``z`` may touch: less than ``MAY_TOUCH`` pitches from its
+        pitch point, on either flank."""
+        turned = (self.theta_1 if gear == 0 else self.theta_2) * (z / (2.0 * math.pi))
+        off = np.mod(turned - tooth + 0.5 * z, z) - 0.5 * z
+        return np.flatnonzero(np.abs(off) < MAY_TOUCH)
 
     @property
     def coast(self) -> bool:
