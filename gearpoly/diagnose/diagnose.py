@@ -21,7 +21,7 @@ from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.forms import Form, forms, in_doubt
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
-from gearpoly.diagnose.leftovers import not_excluded, slow_or_sudden, unexplained
+from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
@@ -30,8 +30,9 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import MOST, Search
+from gearpoly.diagnose.search import MOST, Search, without_columns
 from gearpoly.diagnose.separate import would_separate
+from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.models import PairFile
@@ -92,7 +93,11 @@ def diagnose(
         comparison = comparison.turned(model.turned_by)
     search.step = watch.stage("search")
     start_linear = search.linear
+    begun = without_columns(search.kept())
     looked_at = search.run()
+    counted = recounted(search, begun)
+    if counted is not None:
+        looked_at = counted.looked
     search.step = watch.stage("rivals")
     refitted = contest(search)
     if take_back(search):
@@ -111,8 +116,11 @@ def diagnose(
     )
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
+    if counted is not None:
+        left_over = (*left_over, *located_on(comparison, counted.gear))
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
+    recount = () if counted is None else (counted.says,)
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"
@@ -136,7 +144,7 @@ def diagnose(
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
-        remarks=(*comparison.remarks, *_untouched(findings), *_remarks(search, file, built)),
+        remarks=(*comparison.remarks, *_untouched(findings), *recount, *_remarks(search, file, built)),
         seconds=watch.seconds(),
     )
 

@@ -76,6 +76,19 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     )
 
 
+FOREMOST = 4
+"""Places at a gear that are told where all of its teeth are wrong."""
+
+
+def located_on(comparison: Comparison, gear: int) -> list[Entry]:
+    """The foremost of what ``compare`` located at single teeth and whole orders of a gear (0, 1), before anything was
+    fitted."""
+    name = ("driving", "driven")[gear]
+    mine = [one for one in comparison.located.entries if one.gear == name]
+    whole = [one for one in mine if one.tooth is not None or (one.order is not None and float(one.order).is_integer())]
+    return whole[:FOREMOST]
+
+
 def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:
     """What is too large for chance and slow, of the candidates last ``looked_at``, where a jump explains as much: no
     physics of the catalogue jumps, so it has no name."""
