@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,14 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, take_back, with_and_without
+from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place, on_gear
 from gearpoly.recording.recording import Recording
-from gearpoly.units import NM, FloatArray
+from gearpoly.units import NM, UM, FloatArray
 from tests.physics_cases import CONDITIONS, Condition, recorded, rough, scope_of
 
 
@@ -95,3 +97,25 @@ def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     assert worth > 50.0
     assert not take_back(search)
     assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
+
+
+@pytest.mark.parametrize("grows", [False, True])
+def test_what_swells_is_no_eccentricity(grows: bool, tmp_path: Path) -> None:
+    """4 um of the driven gear from end to end, or from nothing to 8 um: a belt that slackens may do so, a gear does
+    not. Both are found as large."""
+    true, rng = rough((12, 16), bends=False), np.random.default_rng(6)
+    (one,) = recorded(true, (Condition(torque_nm=0.0),), rng, cycles=4.0)
+    assert one.driven_angle_rad is not None
+    assert one.driving_angle_rad is not None
+    along = np.linspace(0.0, 2.0, one.driven_angle_rad.size) if grows else 1.0
+    r_b = scope_of(true).gears[1].r_b
+    off = 4.0 * UM / r_b * along * np.cos(one.driven_angle_rad)
+    shaken = replace(one, driven_angle_rad=one.driven_angle_rad + off)
+    path = tmp_path / "pair.toml"
+    diagnosis = diagnose(true, [shaken], path=path)
+    if grows:
+        assert not diagnosis.findings
+        assert any(entry.gear == "driven" and entry.order == 1.0 for entry in diagnosis.unexplained)
+    else:
+        assert {finding.claim.place.gear for finding in diagnosis.findings} == {1}
+        assert len(diagnosis.findings) == 1

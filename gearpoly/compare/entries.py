@@ -16,11 +16,12 @@ class Entry:
 
     ``kind`` as in the contract. ``amplitude_um`` with ``std_um``; ``rms_um`` where a shape has no single amplitude.
     ``order`` of the shaft of ``gear``, or of the mesh; ``hz``; ``time_s`` of a jump, or ``driving_turn`` since the
-    beginning where no time was recorded; ``tooth``, ``encoder_deg``; ``phase`` (begin, end) in
-    pitches from the pitch point; ``recordings`` in which it was found. ``p_value`` bounds the chance that any such
-    entry arises from noise anywhere in the search. ``companion_of`` the order or tooth that it comes along with;
-    ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of a wave: it is amplitude cos(order theta -
-    phase). ``label`` a plain word for the kind of wave. ``together``: it stands out only with others like it.
+    beginning where no time was recorded; ``during_s``, ``during_turns`` (begin, end) of a burst likewise; ``tooth``,
+    ``encoder_deg``; ``phase`` (begin, end) in pitches from the pitch point; ``recordings`` in which it was found.
+    ``p_value`` bounds the chance that any such entry arises from noise anywhere in the search. ``companion_of`` the
+    order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
+    a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``together``: it
+    stands out only with others like it.
     """
 
     kind: Kind
@@ -35,6 +36,8 @@ class Entry:
     time_s_std: float | None = None
     driving_turn: float | None = None
     driving_turn_std: float | None = None
+    during_s: tuple[float, float] | None = None
+    during_turns: tuple[float, float] | None = None
     amplitude_um: float | None = None
     std_um: float | None = None
     rms_um: float | None = None
@@ -58,11 +61,21 @@ class Entry:
             return f"turn {_figures(self.driving_turn, self.driving_turn_std)} of the driving shaft"
         return None
 
+    @property
+    def burst(self) -> str | None:
+        """From when to when a burst lasts, in words; ``None`` where the entry is none."""
+        if self.during_s is not None:
+            return f"from {self.during_s[0]:.4g} to {self.during_s[1]:.4g} s"
+        if self.during_turns is not None:
+            return f"from turn {self.during_turns[0]:.4g} to {self.during_turns[1]:.4g} of the driving shaft"
+        return None
+
     def to_json(self) -> dict[str, object]:
         """The entry under the contract's keys; what does not apply is left out, but a tooth's number may be null."""
         out: dict[str, object] = {"kind": self.kind}
         names = (
             "gear", "order", "order_std", "hz", "hz_std", "time_s", "time_s_std", "driving_turn", "driving_turn_std",
+            "during_s", "during_turns",
             "amplitude_um", "std_um", "rms_um", "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase",
             "label", "companion_of", "p_value",
         )  # fmt: skip
@@ -115,6 +128,8 @@ def named(entry: Entry) -> str:
     if entry.kind == "time":
         if entry.moment is not None:
             return f"the jump at {entry.moment}"
+        if entry.burst is not None:
+            return f"the burst {entry.burst}"
         return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
     if entry.kind == "condition":
         return f"the change of condition in recording {entry.recordings[0]}"
@@ -153,6 +168,9 @@ def says(entry: Entry) -> str:
             sign = "-" if (entry.amplitude_um or 0.0) < 0.0 else "+"
             extra = extra.removeprefix(f" ({entry.label})")
             return f"a jump by {sign}{size} at {entry.moment} of recording {entry.recordings[0]}{extra}"
+        if entry.burst is not None:
+            tone = "" if entry.hz is None else f", ringing at {entry.hz:.3g} Hz"
+            return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}"
         if entry.hz == 0.0:
             return f"a slow drift over the recording, {size}{extra}"
         return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.compare.bursts import burst_entries
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
@@ -108,6 +109,7 @@ def locate(
             if entry is not None:
                 entries.append(entry)
         entries += jump_entries(search, solution, k)
+        entries += burst_entries(k, s.data, solution.left[k], s.noise)
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)

@@ -32,6 +32,9 @@ TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
 
+ONE_WAVE = 0.3
+"""Independent lines within which two waves are one."""
+
 RIVALRY = 30.0
 """Ratio of gains within which a tooth and a wave are both tried before one is taken, and a jump before either."""
 
@@ -83,11 +86,21 @@ class Search(JumpSearch):
         taken = [p.frequency for p in s.orders]
         fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
         for p in other:
+            if self._taken(s, p):
+                continue
             # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
             near = [q for q in fresh if q.known and s.search.lines_from(p, q.frequency) < APART]
             if self._above_floor(s, p) and all(p.gain > q.gain + TIE for q in near):
                 fresh = [q for q in fresh if q not in near] + [p]
         return sorted(fresh, key=lambda p: -p.gain)
+
+    @staticmethod
+    def _taken(s: State, peak: Peak) -> bool:
+        """Whether a wave of the fit is as good as this one. What one wave leaves at its own frequency swells or fades,
+        and of any number of waves so near each other no size is told."""
+        held = s.times if peak.domain == "time" else s.orders
+        span = s.search.over(peak.domain)[2]
+        return any(abs(p.frequency - peak.frequency) * span < ONE_WAVE for p in held if p.domain == peak.domain)
 
     def _above_floor(self, s: State, peak: Peak) -> bool:
         """Whether a wave of any frequency is more than what the simulation does not follow, which repeats with the
@@ -227,5 +240,5 @@ class Search(JumpSearch):
                 # What is fixed to a shaft is there in every recording; how large, each says for itself.
                 for s in self.states if peak.known else [self.states[k]]:
                     here = [abs(p.frequency - peak.frequency) * s.search.span for p in s.orders]
-                    if peak.frequency < s.search.nyquist and (not here or min(here) > 0.3):
+                    if peak.frequency < s.search.nyquist and (not here or min(here) > ONE_WAVE):
                         s.orders.append(peak)

@@ -184,7 +184,8 @@ def jumps(comparison: Comparison) -> list[list[int]]:
 
 
 def is_foreign(entry: Entry) -> bool:
-    if entry.companion_of is not None:
+    """Whether an entry is a wave that no gear pair and no encoder makes, or a jump."""
+    if entry.companion_of is not None or entry.burst is not None:
         return False
     if entry.kind == "time":
         return bool(entry.hz) or entry.moment is not None

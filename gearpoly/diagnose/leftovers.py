@@ -117,7 +117,7 @@ def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entr
 def _by_law(entry: Entry, deflection: float) -> bool:
     """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent:
     that repeats with the pair."""
-    if is_foreign(entry):
+    if is_foreign(entry) or entry.burst is not None:
         return False
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
     part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
@@ -130,7 +130,7 @@ def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
     """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves."""
     if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
         return False
-    if entry.moment is not None:
+    if entry.moment is not None or entry.burst is not None:
         return False
     if entry.order is not None and float(entry.order).is_integer():
         return False

@@ -1,0 +1,111 @@
+"""Bursts: a knock, or anything else that shakes a recording for a while and never again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.families import SHARES
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.set_up import AlignedResidual
+from gearpoly.units import UM, FloatArray
+
+SHORTEST, LONGEST = 32, 16
+"""Samples of the shortest stretch that is looked at, and the part of a recording of the longest: what shakes longer is
+noise of this recording."""
+
+STEPS = 4
+"""Places within its length at which a stretch begins."""
+
+LOUDER, OUTSTANDING = 1.3, 8.0
+"""Mean square of a burst over that of the median stretch, and how far it stands out of all stretches of its length, in
+their own spread: noise that wanders has many such stretches, a burst is one of few."""
+
+MOST = 3
+"""Bursts of a recording beyond which its noise wanders, and none is told."""
+
+TONE = 8.0
+"""Power of the strongest line of a burst over the mean of all its lines from which it rings at that frequency: of 200
+lines of noise one in 15 bursts has such a one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stretch:
+    """Samples ``first`` to ``last`` (not included) with the log of the expected number of as loud ones in noise."""
+
+    first: int
+    last: int
+    log_false: float
+
+
+def burst_entries(k: int, data: AlignedResidual, left: FloatArray, noise: Noise) -> list[Entry]:
+    """The bursts of recording ``k``, of which the fit leaves ``left`` (n,) in mm, loudest first."""
+    white = noise.whitened(left)
+    square = white**2
+    free = np.ones(white.size, dtype=np.bool_)
+    found: list[_Stretch] = []
+    while (one := _loudest(square, free)) is not None:
+        if len(found) == MOST:
+            return []
+        found.append(one)
+        around = (one.last - one.first) // 2
+        free[max(0, one.first - around) : one.last + around] = False
+    return [_entry(k, data, left, white, noise, one) for one in found]
+
+
+def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> _Stretch | None:
+    """The stretch of ``free`` samples that chance makes least likely, if it is hardly chance."""
+    sums = np.concatenate(([0.0], np.cumsum(np.where(free, square, 0.0))))
+    kept = np.concatenate(([0], np.cumsum(free)))
+    lengths = [SHORTEST * 2**i for i in range(64) if SHORTEST * 2**i <= square.size // LONGEST]
+    best: _Stretch | None = None
+    tests = sum(STEPS * square.size / length for length in lengths)
+    for length in lengths:
+        starts = np.arange(0, square.size - length + 1, length // STEPS)
+        starts = starts[kept[starts + length] - kept[starts] == length]
+        if starts.size < LONGEST:
+            continue
+        loud = (sums[starts + length] - sums[starts]) / length
+        middle = float(np.median(loud))
+        spread = 1.4826 * float(np.median(np.abs(loud - middle)))
+        at = int(np.argmax(loud))
+        if loud[at] < LOUDER * middle or loud[at] - middle < OUTSTANDING * spread:
+            continue
+        log_false = math.log(tests) + float(chi2.logsf(length * loud[at] / max(1.0, middle), length))
+        if log_false < math.log(SHARES.burst) and (best is None or log_false < best.log_false):
+            best = _Stretch(first=int(starts[at]), last=int(starts[at]) + length, log_false=log_false)
+    return best
+
+
+def _entry(k: int, data: AlignedResidual, left: FloatArray, white: FloatArray, noise: Noise, one: _Stretch) -> Entry:
+    here = slice(one.first, one.last)
+    beyond = max(float(np.mean(left[here] ** 2)) - noise.level**2, 0.0)
+    length = one.last - one.first
+    turns = (data.theta_1 - data.theta_1[0]) / (2.0 * math.pi)
+    during = turns if data.time_s is None else data.time_s
+    ends = float(during[here][0]), float(during[here][-1])
+    amplitude = math.sqrt(2.0 * beyond)
+    return Entry(
+        kind="time",
+        p_value=math.exp(min(0.0, one.log_false)),
+        recordings=(k,),
+        hz=None if data.time_s is None else _tone(white[here], ends[1] - ends[0]),
+        amplitude_um=amplitude / UM,
+        std_um=(beyond + noise.level**2) / max(amplitude, noise.level) * math.sqrt(2.0 / length) / UM,
+        rms_um=math.sqrt(beyond) / UM,
+        during_s=None if data.time_s is None else ends,
+        during_turns=ends if data.time_s is None else None,
+        label="burst",
+        gain=float(np.sum(white[here] ** 2)) - length,
+    )
+
+
+def _tone(white: FloatArray, seconds: float) -> float | None:
+    """Frequency in Hz at which a burst rings, to a line of its length; None where no line stands out."""
+    power = np.abs(np.fft.rfft(white * np.hanning(white.size)))[1:] ** 2
+    line = int(np.argmax(power))
+    return (line + 1) / seconds if power[line] > TONE * float(np.mean(power)) else None
