@@ -21,16 +21,10 @@ from proving.recipes import Recipe, recipe
 from proving.reliefs import cancelling, mean_tooth, over_a_pitch
 from proving.rig import Rig
 from proving.rivals import rivals, whitened
-from proving.scenes import CAPS
+from proving.sizes import sized, smaller
 
-ALIKE = 1.0
-"""A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
-WEAKEST = 7.0
-"""No look-alike is made weaker than this over the limit: it has to be seen before it can be mistaken for anything."""
 UNKNOWN = 10.0
 """Standard deviation in deg of a zero that nobody stated: as far as the next tooth."""
-STIFFEST = 0.0025
-"""Least (mesh frequency over natural frequency) squared of a resonance: a spring twenty times as fast as the mesh."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,34 +115,18 @@ def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         compliance=0.08 if rig.deflect else 0.0,
         zero=rig.pair.driven.r_b * DEG / UM * (ZERO_STD if made.chain.known else UNKNOWN),
         form=(form(1), form(2)),
+        waves=tuple(wave.more["shape"] for wave in made.background),
     )  # fmt: skip
 
 
-def _sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
-    """The effect at a size over the limit: its signal may bend with size, so the guess is mended with its own slope."""
-    cap, power = CAPS[effect.physics], 1.0
-    least = STIFFEST if effect.physics == "mesh_resonance" else 0.0
-    last: tuple[float, float] | None = None
-    for _ in range(6):
-        n = limit.size_of(whitened(rig, limit, effect))
-        if n <= 0.0:
-            return effect.scaled(cap)
-        size = abs(effect.size)
-        if abs(n / over - 1) < 0.03 or (size >= cap and n < over) or (size <= least and n > over):
-            break
-        if last is not None and abs(np.log(size / last[0])) > 1e-6:  # some signals grow with a power of the size
-            power = float(np.clip(np.log(n / last[1]) / np.log(size / last[0]), 0.4, 3.0))
-        last = (size, n)
-        wanted = size * float(np.clip((over / n) ** (1 / power), 1e-4, 1e4))
-        effect = effect.scaled(max(least, min(wanted, cap)))
-    return effect
-
-
-def _alike(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
-    """The effect at a size at which its nearest rival is left: smaller, if it must be."""
-    near = min((one.separability for one in rivals(rig, limit, effect)), default=1.0)
-    wanted = max(WEAKEST, ALIKE / max(near, 1e-6))
-    return effect if wanted >= over else _sized(rig, limit, effect, wanted)
+def _behind(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> tuple[tuple[Effect, float], ...]:
+    """The waves of the background at their sizes over their own limits, as those of any other unknown: beside the
+    effects, and each with the other known."""
+    if not made.background:
+        return ()
+    limit = _limit(rig, replace(made, background=()), paths)
+    waves = [sized(rig, limit, wave, over) for wave, over in zip(made.background, made.background_over, strict=True)]
+    return tuple((wave, limit.over(apply(rig, wave))) for wave in waves)
 
 
 def make(seed: int, entry: Entry) -> Case:
@@ -166,20 +144,27 @@ def make(seed: int, entry: Entry) -> Case:
     effects = list(made.effects)
     limit = _limit(base, made, paths) if effects else None
     if limit is not None and not (made.fixed or made.scale_torque):
-        effects = [_sized(base, limit, effect, made.over) for effect in effects]
+        effects = [sized(base, limit, effect, made.over) for effect in effects]
     if limit is not None and entry.klass == "look_alike":
-        effects = [_alike(base, limit, effects[0], made.over)]
+        effects = [smaller(base, limit, effects[0], made.over)]
     if made.cancels:
         effects += cancelling(base, max(c.torque for c in made.conditions))
     rig = base
     for effect in effects:
         rig = apply(rig, effect)
+    behind = _behind(rig, made, paths)
     built: tuple[Teeth, Teeth] = (base.teeth_1, base.teeth_2)
     text = pair_file(
         base.pair, built, known, torque=max(c.torque for c in made.conditions),
         speed=made.conditions[0].speed, deflect=made.deflect, rng=rng,
     )  # fmt: skip
     told = _truth(entry, made, base, rig, effects, paths, limit)
+    if behind:
+        told["background"] = [
+            truth(rig, wave, made.chain, made.conditions) | {"over_limit": round(over, 3)} for wave, over in behind
+        ]
+    for wave, _ in behind:
+        rig = apply(rig, wave)
     return Case(
         seed=seed, entry=entry, recipe=made, rig=rig, known=known, paths=paths, pair_text=text,
         record_seed=(seed, entry.index, 1), truth=told,

@@ -128,6 +128,10 @@ def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[Condition, .
         out: dict[str, Any] = {"shape": shape.kind, "amplitude_um": effect.size}
         if shape.kind == "hum":
             out["hz"] = shape.hz
+            # Even samples in time show what is faster than half their rate below it as well.
+            rates = [c.per_mesh * rig.pair.driving.z * c.speed / 60.0 for c in conditions]
+            images = {round(abs(shape.hz - round(shape.hz / rate) * rate), 4) for rate in rates}
+            out["images_hz"] = sorted(images - {round(shape.hz, 4)})
         elif shape.kind == "jump":
             out["at"] = shape.at
         else:

@@ -17,14 +17,16 @@ SIZES_OVER_LIMIT = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.5, 10.0, 14.0, 20.
 
 COUNTS = {
     "healthy": 80, "single": 88, "two": 22, "masked": 20, "cancelling": 8, "one_flank": 12, "look_alike": 22,
-    "stranger": 24, "short": 14, "smallest": 12, "false_alarm": 152,
+    "beside": 24, "stranger": 24, "short": 14, "smallest": 12, "false_alarm": 152,
 }  # fmt: skip
 """Cases of the full ground by class. All but the last are the mix (a quarter of it healthy); the last brings the
-healthy ones beneath 60 um of eccentricity and in coloured noise to 200."""
+healthy ones beneath 60 um of eccentricity and in coloured noise to 200.
+
+A quarter of the class healthy has a background too, fainter than its own limit."""
 
 QUICK = {
-    "healthy": 3, "single": 5, "two": 1, "masked": 1, "cancelling": 1, "one_flank": 1, "look_alike": 1, "stranger": 1,
-    "short": 1, "smallest": 1,
+    "healthy": 3, "single": 4, "two": 1, "masked": 1, "cancelling": 1, "one_flank": 1, "look_alike": 1, "beside": 1,
+    "stranger": 1, "short": 1, "smallest": 1,
 }  # fmt: skip
 """The same classes for everyday use: 16 cases."""
 
@@ -36,6 +38,7 @@ CONCEALED = {
     "cancelling": "by each other at the design torque",
     "one_flank": "on one flank, or told by the other only",
     "look_alike": "by its likeness to something else",
+    "beside": "a background that nobody declares: hum, a bearing's line, or both",
     "stranger": "outside the catalogue",
     "short": "in less than two hunting cycles",
     "smallest": "by being small: the least tooth pitch error and order line",
@@ -58,6 +61,10 @@ TWO = (
     ("encoder_interpolation", "tooth_pitch"), ("tooth_crack", "shaft_windup"), ("thermal_drift", "cumulative_pitch"),
     ("friction", "tooth_crack"), ("profile_crowning", "undulation"), ("wear", "encoder_interpolation"),
     ("profile_slope", "eccentricity"), ("misalignment", "tooth_pitch"), ("tooth_spall", "undulation"),
+)  # fmt: skip
+BESIDE = (
+    "tooth_pitch", "tooth_spall", "eccentricity", "tip_relief", "undulation", "tooth_crack", "cumulative_pitch",
+    "profile_slope", "friction", "wear", "encoder_eccentricity", "profile_crowning",
 )  # fmt: skip
 SHORT = (
     "healthy", "eccentricity", "tooth_pitch", "undulation", "healthy", "tooth_spall", "profile_slope",
@@ -103,6 +110,8 @@ def _concealed(klass: str, v: int) -> tuple[tuple[str, ...], float]:
         return (ONE_FLANK[v % len(ONE_FLANK)],), (3.0, 5.0, 10.0, 20.0)[v % 4]
     if klass == "look_alike":
         return (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (8.0, 12.0, 18.0, 25.0)[(v + v // len(LOOK_ALIKES)) % 4]
+    if klass == "beside":
+        return (BESIDE[v % len(BESIDE)],), (8.5, 10.0, 14.0, 20.0, 30.0)[v % 5]
     if klass == "stranger":
         return ("disturbance",), (5.0, 8.0, 14.0, 25.0, 30.0)[(v + v // 5) % 5]
     what = SHORT[v % len(SHORT)]
@@ -135,6 +144,7 @@ def counts() -> str:
     kinds = {
         "single": ("every physics of the catalogue",), "two": tuple(" and ".join(two) for two in TWO), "masked": MASKED,
         "cancelling": ("deflection and both reliefs",), "one_flank": ONE_FLANK, "look_alike": LOOK_ALIKES,
+        "beside": BESIDE,
         "stranger": ("a bearing's order", "hum", "a jump", "a pulse", "a wave that swells"),
         "short": tuple(dict.fromkeys(SHORT)), "smallest": SMALLEST,
     }  # fmt: skip

@@ -2,14 +2,15 @@
 
 What a recording says of an effect is its signal less what the pitch and slope of every tooth, the mean, the angle zeros
 and the scale of a declared compliance could make of it, each as freely as is known beforehand. White or AR(1) noise is
-whitened.
+whitened. Amplitude and phase of every wave of an undeclared background are as open as the mean; its frequency counts
+as known, which costs nothing unless the effect overlaps it.
 Derived here: with noise covariance V, nuisance columns N and their prior covariance P, (size / limit)^2 = s' (V + N P
 N')^-1 s."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from scipy.optimize import lsq_linear
 from proving.chain import Chain, Condition, Motion, te
 from proving.contact import SLOTS
 from proving.gears import DEG, UM, FloatArray
-from proving.rig import Encoder, Rig, mesh
+from proving.rig import Disturbance, Encoder, Rig, mesh
 
 POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
@@ -92,6 +93,18 @@ def _displaced(rig: Rig, sight: Sight) -> FloatArray:
     return np.asarray((gone - here) / (rig.pair.driven.r_b * ASIDE * DEG))
 
 
+def _quadratures(rig: Rig, sight: Sight, waves: tuple[Disturbance, ...]) -> FloatArray:
+    """Cosine and sine (n, 2 per wave) in um per um of the waves beside the gears."""
+    theta_2 = sight.path.angle(sight.time)
+    theta_1 = theta_2 * rig.pair.driven.z / rig.pair.driving.z
+    out = np.empty((sight.time.size, 2 * len(waves)))
+    for k, wave in enumerate(waves):
+        for j, phase in enumerate((0.0, -0.5 * pi)):
+            one = replace(wave, amplitude=1.0, phase=phase)
+            out[:, 2 * k + j] = one.x(sight.time, theta_1, theta_2, sight.path.span) / UM
+    return out
+
+
 def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     """Nuisance columns in um per um: index and slope of every tooth's flanks, mean, thickness, compliance, zero,
     form."""
@@ -136,12 +149,12 @@ class Limit:
     index, slope: prior covariances (um^2) of the gears' index deviations and slopes, driving then driven; thickness:
     prior standard deviation (um) of both; zero: that of the driven zero, along the line of action; compliance: that of
     a declared compliance's scale, 0 where none is declared; form: those of a crowning of all teeth of either gear, 0
-    where somebody looked."""
+    where somebody looked; waves: those of a background, whose amplitudes and phases are open."""
 
     def __init__(
         self, rig: Rig, look: tuple[Sight, ...], chain: Chain, *, index: tuple[FloatArray, FloatArray],
         slope: tuple[FloatArray, FloatArray], thickness: float, compliance: float,
-        zero: float, form: tuple[float, float] = (0.0, 0.0),
+        zero: float, form: tuple[float, float] = (0.0, 0.0), waves: tuple[Disturbance, ...] = (),
     ) -> None:  # fmt: skip
         self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
         self._known: dict[str, Any] = {
@@ -151,12 +164,15 @@ class Limit:
             "compliance": compliance,
             "zero": zero,
             "form": form,
+            "waves": waves,
         }
         self.z_1 = rig.pair.driving.z
         self.slopes = self.z_1 + rig.pair.driven.z
         self.plain = self.seen(rig)
         top = max(one.condition.torque for one in look)
-        self.N = np.concatenate([_whiten(one, chain, _columns(rig, one, top)) for one in look])
+        columns = [np.hstack([_columns(rig, one, top), _quadratures(rig, one, waves)]) for one in look]
+        self.N = np.concatenate([_whiten(one, chain, free) for one, free in zip(look, columns, strict=True)])
+        self.forms = self.N.shape[1] - 2 * len(waves) - FORMS
         k = self.N.shape[1]
         inverse = np.zeros((k, k))
         place = 0
@@ -173,6 +189,8 @@ class Limit:
         inverse[place, place] = 1 / zero**2
         for j in range(place + ZEROS, place + ZEROS + FORMS):
             inverse[j, j] = 1 / max(form[j - place - ZEROS], 1e-3) ** 2
+        for j in range(place + ZEROS + FORMS, k):
+            inverse[j, j] = LOOSE
         self.factor = cho_factor(self.N.T @ self.N + inverse)
 
     def perp(self, s: FloatArray) -> FloatArray:
@@ -201,7 +219,7 @@ class Limit:
 
     def form_signal(self, index: int, crowning: float) -> FloatArray:
         """The same of more crowning (um) of all teeth of gear 1 or 2."""
-        return self._taken(self.N.shape[1] - FORMS + index - 1, np.array([crowning]))
+        return self._taken(self.forms + index - 1, np.array([crowning]))
 
     def _taken(self, start: int, values: FloatArray) -> FloatArray:
         """Whitened signal of nuisances from a place on."""

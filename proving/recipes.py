@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from proving.background import SPEED, background
 from proving.chain import Chain, Condition
 from proving.drawn import make_pair
 from proving.effects import Effect
@@ -40,7 +41,8 @@ class Recipe:
 
     relief, eccentric: declared ones, driving then driven; fixed: the effects' sizes stand as they are; over: the size
     over the limit that they shall have; scale_torque: the torque makes the size; cancels: reliefs of both gears come
-    with them that take up the deflection at the highest torque."""
+    with them that take up the deflection at the highest torque; background: waves beside them that nobody declares,
+    background_over: the size of each over its own limit."""
 
     pair: str
     grade: int
@@ -57,6 +59,8 @@ class Recipe:
     cancels: bool = False
     relief: tuple[Declared, Declared] = (None, None)
     eccentric: tuple[Vector, Vector] = (None, None)
+    background: tuple[Effect, ...] = ()
+    background_over: tuple[float, ...] = ()
 
 
 def _kind(physics: tuple[str, ...], klass: str, rng: np.random.Generator) -> str:
@@ -98,9 +102,19 @@ def recipe(entry: Entry, rng: np.random.Generator) -> Recipe:
     if entry.klass == "smallest":
         return _smallest(entry, rng)
     made = _masked(entry, rng) if entry.klass in ("masked", "cancelling") else _plain(entry, rng)
+    made = _beside(made, entry, rng.spawn(1)[0])  # a stream of its own: the case beside it stays as it is without
     if entry.quick:
         made = replace(made, conditions=tuple(replace(c, per_mesh=QUICK_PER_MESH) for c in made.conditions))
     return made
+
+
+def _beside(made: Recipe, entry: Entry, rng: np.random.Generator) -> Recipe:
+    """The same with its background, if the plan gives it one; hum needs times, and a speed of its own."""
+    waves = background(entry, make_pair(made.pair), rng)
+    if any(wave.more["shape"].kind == "hum" for wave, _ in waves):
+        conditions = tuple(replace(c, speed=SPEED) for c in made.conditions)
+        made = replace(made, chain=replace(made.chain, timed=True), conditions=conditions)
+    return replace(made, background=tuple(wave for wave, _ in waves), background_over=tuple(over for _, over in waves))
 
 
 def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
@@ -143,6 +157,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
         "two": "each other",
         "one_flank": "it shows on one flank only, or differs between the flanks by a phase",
         "look_alike": "its likeness: no recording made tells it from its rivals",
+        "beside": "noise, and waves of the measuring chain or of a bearing that nobody declares",
         "stranger": "noise; and no mechanism of the catalogue makes it",
     }
     text = texts.get(entry.klass, text)

@@ -164,19 +164,24 @@ def _pit(pair: Pair, index: int, rng: np.random.Generator) -> dict[str, float]:
     }
 
 
+def odd_order(pair: Pair, gear: int, low: float, high: float, rng: np.random.Generator) -> float:
+    """An order of the shaft of gear 1 or 2, between low and high, that is no whole order of either shaft and no sum of
+    few of them."""
+    ratio = pair.driving.z / pair.driven.z
+    while True:
+        order = round(float(rng.uniform(low, high)), 2)
+        of_1, of_2 = (order, order / ratio) if gear == 1 else (order * ratio, order)
+        if min(abs(of_1 - round(of_1)), abs(of_2 - round(of_2))) > 0.12:
+            return order
+
+
 def stranger(variant: int, pair: Pair, conditions: tuple[Condition, ...], rng: np.random.Generator) -> Effect:
     """Something from outside the catalogue: a bearing's order, hum, a jump, a pulse in no shaft's time, an asymmetric
     modulated wave."""
     index = int(rng.integers(1, 3))
-    ratio = pair.driving.z / pair.driven.z
 
     def odd(low: float, high: float) -> float:
-        # No whole order of either shaft and no sum of few of them.
-        while True:
-            order = round(float(rng.uniform(low, high)), 2)
-            of_1, of_2 = (order, order / ratio) if index == 1 else (order * ratio, order)
-            if min(abs(of_1 - round(of_1)), abs(of_2 - round(of_2))) > 0.12:
-                return order
+        return odd_order(pair, index, low, high, rng)
 
     phase = float(rng.uniform(0, 2 * pi))
     shape = (
@@ -189,4 +194,6 @@ def stranger(variant: int, pair: Pair, conditions: tuple[Condition, ...], rng: n
     return Effect(physics="disturbance", size=1.0, more={"shape": shape})
 
 
-__all__ = ["CAPS", "campaign", "chain", "cycle_turns", "design_torque", "instance", "make_pair", "stranger"]
+__all__ = [
+    "CAPS", "campaign", "chain", "cycle_turns", "design_torque", "instance", "make_pair", "odd_order", "stranger",
+]  # fmt: skip

@@ -12,7 +12,8 @@ import pytest
 from gearpoly.errors import InputFileError
 from gearpoly.prove.controls import shuffled
 from gearpoly.prove.profile import by_size
-from gearpoly.prove.rows import Row, rows
+from gearpoly.prove.row import Row
+from gearpoly.prove.rows import rows
 from gearpoly.prove.score import CaseScore, score
 from gearpoly.prove.statistics import Share, Z
 from gearpoly.prove.thresholds import read_thresholds
@@ -173,6 +174,77 @@ def test_a_stranger_is_located_on_either_shaft_and_must_get_no_name(tmp_path: Pa
     named = score("d", verdict(claim("undulation", "driving", order=(4, 0.0)), unexplained=[mine]), told, LIMITS)
     assert named.located
     assert row([named], "strangers_named").cases == ("d",)
+
+
+HUM = {"shape": "hum", "hz": 50.0, "images_hz": [28.0], "amplitude_um": 0.4, "over_limit": 20.0}
+BEARING = {"shape": "line", "order": 3.6, "gear": 1, "amplitude_um": 0.1, "over_limit": 12.0}
+
+
+def test_a_background_is_located_wave_by_wave_beside_what_has_a_name(tmp_path: Path) -> None:
+    told = truth(tmp_path, CRACK, background=[HUM, BEARING])
+    crack = claim("tooth_crack", "driven", encoder_deg=350.0)
+    hum = {"kind": "time", "hz": 50.01}
+    line = {"kind": "shaft_order", "gear": "driven", "order": 5.0}  # 3.6 x 25/18
+    both = score("a", verdict(crack, unexplained=[hum, line]), told, LIMITS)
+    one = score("b", verdict(crack, unexplained=[hum]), told, LIMITS)
+    assert [found for _, found in both.background] == [True, True]
+    assert row([both, one], "background_located").share == Share(hits=3, of=4)
+    assert row([both, one], "background_located").cases == ("b",)
+    # The physics counts in the rows of names as if it stood alone, and no stranger's row counts the background.
+    assert row([both], "named_first").reached is True
+    assert both.extras == 0
+    assert row([both], "strangers_located").share == Share(hits=0, of=0)
+    # Half the mean rate of sampling is 39 Hz: 78 - 50 Hz is what even samples show.
+    assert score("c", verdict(unexplained=[{"kind": "time", "hz": 28.02}]), told, LIMITS).background[0][1]
+    assert not score("d", verdict(unexplained=[{"kind": "time", "hz": 39.0}]), told, LIMITS).background[0][1]
+
+
+def test_to_locate_the_background_alone_is_not_to_detect_what_it_lies_beside(tmp_path: Path) -> None:
+    told = truth(tmp_path, CRACK, background=[HUM], depth={"over_limit": 10.0})
+    hum = {"kind": "time", "hz": 50.0}
+    only = score("a", verdict(unexplained=[hum]), told, LIMITS)
+    more = score("b", verdict(unexplained=[hum, {"kind": "tooth", "gear": "driven", "tooth": 6}]), told, LIMITS)
+    assert row([only, more], "detected").cases == ("a",)
+
+
+def test_a_name_for_the_background_is_false_and_a_faint_one_may_stay_silent(tmp_path: Path) -> None:
+    crack = claim("tooth_crack", "driven", encoder_deg=350.0)
+    wave = claim("undulation", "driving", order=(4, 0.0), amplitude_um=(0.1, 0.01))
+    loud, faint = truth(tmp_path, CRACK, background=[BEARING]), {**BEARING, "over_limit": 2.0}
+    named = score("a", verdict(crack, wave), loud, LIMITS)
+    silent = score("b", verdict(crack), truth(tmp_path, CRACK, background=[faint]), LIMITS)
+    assert row([named, silent], "background_named").cases == ("a",)
+    assert row([silent], "background_located").share == Share(hits=0, of=0)
+    assert row([named], "background_located").cases == ("a",)
+
+
+def test_a_healthy_pair_beside_a_faint_background_raises_no_alarm_by_locating_it(tmp_path: Path) -> None:
+    told = truth(tmp_path, kind="none", background=[{**HUM, "over_limit": 0.8}])
+    hum, other = {"kind": "time", "hz": 50.3}, {"kind": "time", "hz": 62.0}
+    found = [
+        score("a", verdict(unexplained=[hum]), told, LIMITS),
+        score("b", verdict(unexplained=[hum, other]), told, LIMITS),
+        score("c", verdict(claim("friction", coefficient=(0.01, 0.001)), unexplained=[hum]), told, LIMITS),
+    ]
+    assert row(found, "false_alarms").cases == ("b", "c")
+    assert row(found, "false_alarms_background").share == Share(hits=2, of=3)
+    assert row(found, "false_names").cases == ("c",)
+
+
+def test_a_shape_among_what_is_missing_lies_beside_it(tmp_path: Path) -> None:
+    """So a list of both, as anyone may write it, is read like a background of its own."""
+    told = truth(tmp_path, CRACK, HUM)
+    assert [item.physics for item in told.items] == ["tooth_crack"]
+    assert [item.hz for item in told.background] == [50.0]
+    with pytest.raises(InputFileError, match="truth: no physics; want one, or kind none or unknown"):
+        truth(tmp_path, HUM)
+
+
+@pytest.mark.parametrize("item", [CRACK, {"shape": "jump", "amplitude_um": 1.0}])
+def test_a_background_is_of_waves(tmp_path: Path, item: dict[str, Any]) -> None:
+    """A name has its place in the truth; anything would locate a jump, so no alarm beside it would count."""
+    with pytest.raises(InputFileError, match=r"background: .* want waves of no physics: order and gear, or hz"):
+        truth(tmp_path, CRACK, background=[item])
 
 
 def test_hum_jumps_and_pulses(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from proving.drawn import PAIRS, draw, make_pair
 from proving.effects import CATALOGUE, Effect, apply, truth
 from proving.gears import UM
 from proving.ground import (
+    BESIDE,
     CONCEALED,
     COUNTS,
     LOOK_ALIKES,
@@ -34,7 +35,7 @@ from proving.ground import (
 )
 from proving.limit import Limit, sights
 from proving.recipes import recipe
-from proving.rig import Rig, ideal
+from proving.rig import Disturbance, Rig, ideal
 from proving.scenes import instance
 
 PAIR = make_pair("18/25 m2")
@@ -59,6 +60,8 @@ def test_every_way_to_conceal_is_there() -> None:
     assert {e.physics[0] for e in cases["masked"]} == set(MASKED)
     assert {e.physics[0] for e in cases["look_alike"]} == set(LOOK_ALIKES)
     assert {e.physics[0] for e in cases["one_flank"]} == set(ONE_FLANK)
+    assert {e.physics[0] for e in cases["beside"]} == set(BESIDE)
+    assert min(e.over for e in cases["beside"]) * 0.88 >= 7.0  # sizes are moved by up to 12 %
     assert {e.variant % 5 for e in cases["stranger"]} == set(range(5))  # every shape of a stranger
     assert len({e.klass for e in plan(7, quick=True)}) == len(COUNTS) - 1
     assert 16 <= len(plan(7, quick=True)) <= 20
@@ -341,6 +344,93 @@ def test_strangers_are_of_unknown_kind() -> None:
     case = make(3, entry_of("stranger", ("disturbance",), 10.0, variant=0))
     assert case.truth["kind"] == "unknown"
     assert "order" in case.truth["truth"][0]
+
+
+def test_backgrounds_are_of_both_kinds_loud_and_faint() -> None:
+    made = {e.index: (e, recipe(e, np.random.default_rng([7, e.index]))) for e in plan(7)}
+    beside = [one for e, one in made.values() if e.klass == "beside"]
+    kinds = Counter(tuple(wave.more["shape"].kind for wave in one.background) for one in beside)
+    assert kinds == {("hum",): 8, ("line",): 8, ("hum", "line"): 8}
+    sizes = [over for one in beside for over in one.background_over]
+    # What need not be told from noise is below 3, what has to be located above 7: nothing lies between.
+    assert not [over for over in sizes if 3.0 <= over < 7.0]
+    assert 0.25 < np.mean([over < 3.0 for over in sizes]) < 0.45
+    for kind in ("hum", "line"):
+        of = [
+            over for one in beside for wave, over in zip(one.background, one.background_over, strict=True)
+            if wave.more["shape"].kind == kind
+        ]  # fmt: skip
+        assert min(of) < 3.0 and max(of) > 50.0
+    for one in beside:  # hum needs times, and a mesh of which it is no harmonic
+        if any(wave.more["shape"].kind == "hum" for wave in one.background):
+            assert one.chain.timed
+            harmonic = 50.0 / (one.conditions[0].speed / 60.0 * make_pair(one.pair).driving.z)
+            assert abs(harmonic - round(harmonic)) > 0.05  # a driving order or more away
+    healthy = [one for e, one in made.values() if e.klass == "healthy"]
+    faint = [one.background_over for one in healthy if one.background]
+    assert len(faint) == len(healthy) // 4
+    assert all(0.3 <= over <= 1.0 for sizes in faint for over in sizes)
+    others = [one for e, one in made.values() if e.klass not in ("healthy", "beside")]
+    assert not any(one.background for one in others)
+
+
+def test_the_case_beside_a_background_is_what_it_is_without_one() -> None:
+    """The physics has its own size over the limit, the waves have theirs, and the recordings hold both and no more."""
+    case = make(3, entry_of("beside", ("undulation",), 20.0, variant=2))
+    (item,) = case.truth["truth"]
+    hum, line = case.truth["background"]
+    assert case.truth["kind"] == "missing"
+    assert item["physics"] == "undulation"
+    assert item["over_limit"] == pytest.approx(20.0, rel=0.2)  # moved by up to 12 %, sized to 3 %
+    assert (hum["shape"], hum["hz"], line["shape"]) == ("hum", 50.0, "line")
+    assert {"order", "gear"} <= set(line)
+    for wave, over in zip((hum, line), case.recipe.background_over, strict=True):
+        assert wave["over_limit"] == pytest.approx(over, rel=0.05)  # sized to 3 %, then beside the effect
+    condition, path = case.conditions[0], case.paths[0]
+    plain = te(replace(case.rig, disturbances=()), condition, path)
+    rest = (te(case.rig, condition, path) - plain) / UM
+    # Two waves at frequencies of their own: half the sum of the squared amplitudes, to a line's width.
+    assert np.mean(rest**2) == pytest.approx(0.5 * (hum["amplitude_um"] ** 2 + line["amplitude_um"] ** 2), rel=0.05)
+
+
+def test_an_open_wave_costs_an_effect_only_what_they_have_in_common() -> None:
+    """A wave at 3.6 turns leaves an eccentricity as it was; at its own order it takes all of it but for the phase."""
+    still = ideal(PAIR)
+    condition, chain = Condition(torque=0.0, turns=25.0, wobble=0.0), Chain(noise_um=1.0)
+    path = motion(still, condition, np.random.default_rng(1))
+    look = sights((condition,), (path,), chain)
+    known = (1e-8 * np.eye(18), 1e-8 * np.eye(25))
+    over = []
+    for order in (None, 3.6, 1.0):
+        waves = () if order is None else (Disturbance(kind="line", amplitude=0.0, gear=1, order=order),)
+        limit = Limit(
+            still, look, chain, index=known, slope=known, thickness=0.1, compliance=0.0, zero=1e-3, waves=waves
+        )  # fmt: skip
+        wave = Effect(physics="eccentricity", gear=1, size=1.0, more={"angle_deg": 20.0})
+        over.append(limit.over(apply(still, wave)))
+    # 4000 looks scattered over 25 turns have a chance sine of 1/sqrt(4000) with a wave that is none of theirs.
+    assert over[1] == pytest.approx(over[0], rel=0.01)
+    # What is left of 1 um is its second order: the line of action tilts.
+    assert over[2] < 0.02 * over[0]
+
+
+@pytest.mark.parametrize(("per_mesh", "images"), [(10, [28.0]), (14, []), (6, [3.2])])
+def test_hum_faster_than_half_the_sampling_rate_has_an_image(per_mesh: int, images: list[float]) -> None:
+    """At 26 rpm 18 teeth mesh 7.8 times a second: 78, 109.2 and 46.8 samples a second."""
+    shape = Disturbance(kind="hum", amplitude=1.0, hz=50.0)
+    conditions = (Condition(torque=0.0, speed=26.0, per_mesh=per_mesh),)
+    told = truth(ideal(PAIR), Effect(physics="disturbance", more={"shape": shape}), Chain(), conditions)
+    assert told["images_hz"] == pytest.approx(images)
+
+
+def test_a_healthy_pair_may_have_a_background_fainter_than_its_limit() -> None:
+    case = make(3, replace(entry_of("healthy", (), 0.0, variant=9), quick=True))
+    assert case.truth["kind"] == "none"
+    assert case.truth["truth"] == []
+    for wave, over in zip(case.truth["background"], case.recipe.background_over, strict=True):
+        assert 0.29 < wave["over_limit"] < 1.03  # sized to 3 %
+        assert wave["over_limit"] == pytest.approx(over, rel=0.05)
+    assert [one.kind for one in case.rig.disturbances] == [wave["shape"] for wave in case.truth["background"]]
 
 
 def test_files_follow_the_contract(tmp_path: Path) -> None:

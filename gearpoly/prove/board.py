@@ -7,7 +7,8 @@ from typing import Any
 
 from gearpoly import __version__
 from gearpoly.prove.profile import by_key, by_size
-from gearpoly.prove.rows import Row, rows
+from gearpoly.prove.row import Row
+from gearpoly.prove.rows import rows
 from gearpoly.prove.run import Proof
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
@@ -59,7 +60,7 @@ def failures(scores: tuple[CaseScore, ...], found: list[Row]) -> list[dict[str, 
             "class": one.truth.klass,
             "pair": one.truth.pair,
             "truth": _concealed(one),
-            "over_limit": [_finite(i.item.over_limit) for i in one.items] or _finite(one.truth.over_limit),
+            "over_limit": [_finite(i.over_limit) for i in (*one.truth.items, *one.truth.background)],
             "status": one.status,
             "said": list(one.said),
             "unexplained": one.unexplained,
@@ -72,7 +73,8 @@ def failures(scores: tuple[CaseScore, ...], found: list[Row]) -> list[dict[str, 
 
 
 def _concealed(one: CaseScore) -> list[str]:
-    return [item.label for item in one.truth.items]
+    beside = [f"beside {item.label}" for item in one.truth.background]
+    return [item.label for item in one.truth.items] + beside
 
 
 def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
@@ -107,6 +109,11 @@ def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
             for i in one.items
         ],
     }
+    if one.background:
+        out["background"] = [
+            {"label": item.label, "over_limit": _finite(item.over_limit), "located": found}
+            for item, found in one.background
+        ]
     if one.truth.kind == "unknown":
         out["located"] = one.located
     return out

@@ -64,14 +64,16 @@ def acceptable(claim: Entry, item: Item, limits: Thresholds) -> bool:
 
 def located(verdict: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
     """Whether something from outside the catalogue is among what the verdict leaves unexplained, where it is."""
-    return any(_at(entry, item, truth, limits) for entry in verdict.get("unexplained", ()))
+    return any(stands_at(entry, item, truth, limits) for entry in verdict.get("unexplained", ()))
 
 
-def _at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
+def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
+    """Whether an entry of what the verdict leaves unexplained is where something from outside the catalogue is."""
     if item.shape == "jump" or (item.order is None and item.hz is None):
         return True
     if item.hz is not None:
-        return bool(entry["kind"] == "time" and abs(entry.get("hz", 0.0) - item.hz) < limits.hz)
+        places = (item.hz, *item.images_hz)
+        return entry["kind"] == "time" and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in places)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     for gear, order in _orders(entry, truth):

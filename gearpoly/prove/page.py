@@ -32,6 +32,9 @@ MEANING = {
     "energy_removed_share": "mismatch left",
     "strangers_located": "not located",
     "strangers_named": "false name for a stranger",
+    "background_located": "background not located",
+    "background_named": "false name beside a background",
+    "false_alarms_background": "false alarm",
     "errors": "error",
 }
 """What a case that misses a row did, in words."""
@@ -192,9 +195,9 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
         misses = [MEANING.get(key, key) for key in one["misses"] if key not in UNLISTED]
         if not misses:
             continue
-        over = one["over_limit"] if isinstance(one["over_limit"], list) else [None] * len(one["truth"])
         concealed = [
-            label + ("" if size is None else f" ({size:.1f})") for label, size in zip(one["truth"], over, strict=False)
+            label + ("" if size is None else f" ({size:.1f})")
+            for label, size in zip(one["truth"], one["over_limit"], strict=True)
         ]
         said = one["error"] or "; ".join(one["said"]) or ("located, not named" if one["unexplained"] else "nothing")
         out.append(

@@ -3,74 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
+from gearpoly.prove.row import Row, at_least, at_most, figure, once
 from gearpoly.prove.score import CaseScore, Parameter
-from gearpoly.prove.statistics import Share, quantile, share
+from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import Thresholds
 
 WAVES = ("eccentricity", "undulation", "cumulative_pitch")
 """Physics that are one line at a shaft's order, with their amplitude in um along the line of action."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """A figure of the scoreboard: ``key`` for scripts, ``text`` for people; a ``share`` of cases or a ``value`` with
-    its ``unit``; the ``goal`` in words and whether it is ``reached`` (None: no goal, or nothing to judge by); the
-    ``cases`` that miss it; a ``note``."""
-
-    key: str
-    text: str
-    share: Share | None = None
-    value: float | None = None
-    unit: str = ""
-    goal: str = ""
-    reached: bool | None = None
-    cases: tuple[str, ...] = field(default=())
-    note: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """The row's figures."""
-        out: dict[str, Any] = {"key": self.key, "text": self.text}
-        out |= self.share.to_json() if self.share is not None else {"value": self.value, "unit": self.unit}
-        return out | {"goal": self.goal, "reached": self.reached, "cases": list(self.cases), "note": self.note}
-
-
-def at_least(key: str, text: str, hits: Sequence[tuple[str, bool]], goal: float | None, note: str = "") -> Row:
-    """A share of (case, right) that is to be at least ``goal``; the cases that are not right are listed."""
-    found = share([good for _, good in hits])
-    return Row(
-        key=key,
-        text=text,
-        share=found,
-        goal="" if goal is None else f"at least {100 * goal:g} %",
-        reached=None if goal is None or not found.of else found.rate >= goal - 1e-12,
-        cases=_once(name for name, good in hits if not good),
-        note=note,
-    )
-
-
-def at_most(key: str, text: str, hits: Sequence[tuple[str, bool]], goal: float | None, note: str = "") -> Row:
-    """A share of (case, wrong) that is to be at most ``goal``; the wrong ones are listed."""
-    found = share([bad for _, bad in hits])
-    words = "" if goal is None else "none" if goal == 0.0 else f"at most {100 * goal:g} %"
-    reached = None if goal is None or not found.of else found.rate <= goal + 1e-12
-    return Row(
-        key=key, text=text, share=found, goal=words, reached=reached, note=note,
-        cases=_once(name for name, bad in hits if bad),
-    )  # fmt: skip
-
-
-def figure(
-    key: str, text: str, value: float | None, unit: str, *, goal: str = "", reached: bool | None = None, note: str = ""
-) -> Row:
-    """A single number."""
-    return Row(key=key, text=text, value=value, unit=unit, goal=goal, note=note, reached=reached)
-
-
-def _once(names: Any) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(names))
 
 
 def rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
@@ -86,6 +26,7 @@ def rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
         *_parameters(missing, limits),
         *_rms(missing, limits),
         *_strangers(strangers, limits),
+        *_beside(scores, limits),
         *_cost(scores),
     ]
 
@@ -201,7 +142,7 @@ def _least(
     return Row(
         key=key, text=f"smallest {what} from which on all are named ({time}, 1 um of noise)", value=value, unit="um",
         goal=f"at most {goal:g} um", reached=(value is not None and value <= goal + 1e-12) if sizes else None,
-        cases=_once(name for _, name, good in sorted(sizes) if not good),
+        cases=once(name for _, name, good in sorted(sizes) if not good),
         note=f"{sum(good for *_, good in sizes)} of {len(sizes)} of {min(sizes)[0]:.2g} to {max(sizes)[0]:.2g} um named"
         if sizes else "",
     )  # fmt: skip
@@ -229,7 +170,7 @@ def _parameters(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
         Row(
             key="coverage_2", text="2-sigma coverage of stated errors", share=two,
             goal=f"{100 * low:g} to {100 * high:g} %", reached=covered,
-            cases=_once(name for name, _, p in every if not p.within(2.0)),
+            cases=once(name for name, _, p in every if not p.within(2.0)),
         ),
     ]  # fmt: skip
 
@@ -271,6 +212,28 @@ def _strangers(strangers: list[CaseScore], limits: Thresholds) -> list[Row]:
         at_most(
             "strangers_named", "effects outside the catalogue given a false name",
             [(one.name, one.claims > 0) for one in strangers], limits.goal["strangers_named"],
+        ),
+    ]  # fmt: skip
+
+
+def _beside(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
+    """What lies beside something concealed, or beside nothing, and is of no physics; no goal was set for it."""
+    waves = [(one.name, item, found) for one in scores for item, found in one.background]
+    loud = [(name, found) for name, item, found in waves if item.over_limit >= limits.detected_from]
+    faint = [one for one in scores if one.truth.kind == "none" and one.background]
+    return [
+        at_least(
+            "background_located",
+            f"background located, wave by wave, from {limits.detected_from:g} times its own theoretical limit on",
+            loud, None,
+        ),
+        at_most(
+            "background_named", "background beside something concealed, and a name that stands for nothing concealed",
+            [(one.name, one.extras > 0) for one in scores if one.truth.kind == "missing" and one.background], None,
+        ),
+        at_most(
+            "false_alarms_background", "healthy beside a faint background, yet more named or left unexplained than it",
+            [(one.name, one.reported) for one in faint], None,
         ),
     ]  # fmt: skip
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set
+from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set, stands_at
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import FROM_ONE, SIZES, Item, Truth
 
@@ -61,8 +61,9 @@ class ItemScore:
 @dataclass(frozen=True, kw_only=True)
 class CaseScore:
     """A case with its ``truth``; ``error`` of a diagnosis that failed; what was ``said`` in a few words; ``claims`` in
-    all and ``extras`` among them that stand for nothing concealed; whether a stranger was ``located``; held-out rms in
-    um ``before`` and ``after``."""
+    all and ``extras`` among them that stand for nothing concealed; entries ``unexplained``, and the ``strays`` among
+    them that are not where something of the background is; whether a stranger was ``located``, and each wave of the
+    ``background``; held-out rms in um ``before`` and ``after``."""
 
     name: str
     truth: Truth
@@ -72,16 +73,18 @@ class CaseScore:
     said: tuple[str, ...]
     claims: int
     unexplained: int
+    strays: int
     extras: int
     items: tuple[ItemScore, ...]
     located: bool
+    background: tuple[tuple[Item, bool], ...]
     before: float | None
     after: float | None
 
     @property
     def reported(self) -> bool:
-        """Whether the verdict says that anything is amiss."""
-        return self.claims > 0 or self.unexplained > 0
+        """Whether the verdict says that anything is amiss beside the background."""
+        return self.claims > 0 or self.strays > 0
 
     @property
     def removed(self) -> float | None:
@@ -129,9 +132,14 @@ def score(
         said=tuple(said(claim) for claim in claims),
         claims=len(claims),
         unexplained=len(verdict.get("unexplained", ())),
+        strays=sum(
+            not any(stands_at(entry, item, truth, limits) for item in truth.background)
+            for entry in verdict.get("unexplained", ())
+        ),
         extras=extras,
         items=items,
         located=bool(strangers) and all(located(verdict, item, truth, limits) for item in strangers),
+        background=tuple((item, located(verdict, item, truth, limits)) for item in truth.background),
         before=rms.get("before"),
         after=rms.get("after"),
     )

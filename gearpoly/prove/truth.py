@@ -51,8 +51,9 @@ class Item:
     """One effect concealed in a case.
 
     ``physics`` by the contract's name, ``shape`` for one outside the catalogue (then ``physics`` is empty); ``gear``,
-    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``, ``hz``; ``parameters`` in the contract's
-    units; ``over_limit`` its size over the theoretical limit (infinite: not known) and its ``rivals``.
+    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` at which even
+    samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over the theoretical limit
+    (infinite: not known) and its ``rivals``.
     """
 
     physics: str
@@ -63,6 +64,7 @@ class Item:
     encoder_deg: float | None = None
     order: float | None = None
     hz: float | None = None
+    images_hz: tuple[float, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
     rivals: tuple[Rival, ...] = ()
@@ -105,11 +107,13 @@ class Item:
 @dataclass(frozen=True, kw_only=True)
 class Truth:
     """The truth of a case: ``kind`` none, missing or unknown; ``klass`` and ``pair`` as the ground names them; the true
-    ``noise_um``; ``z`` teeth of both gears; ``depth`` of all effects together: ``over_limit``, ``over_noise`` and
+    ``noise_um``; ``background``: what else is in the recordings, of no physics of the catalogue; ``z`` teeth of both
+    gears; ``depth`` of all effects together: ``over_limit``, ``over_noise`` and
     ``over_what_hides_it``."""
 
     kind: str
     items: tuple[Item, ...]
+    background: tuple[Item, ...]
     klass: str
     pair: str
     noise_um: float
@@ -133,6 +137,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         raw: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         kind = raw["kind"]
         items = tuple(_item(one) for one in raw["truth"])
+        background = tuple(_item(one) for one in raw.get("background", ()))
         noise = float(raw["noise_um"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputFileError(
@@ -144,6 +149,15 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         if kind == "missing" and one.physics and one.physics not in SIZES:
             wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
             raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+    if kind == "missing":  # what has a shape only lies beside what has a name
+        background += tuple(one for one in items if not one.physics)
+        items = tuple(one for one in items if one.physics)
+        if not items:
+            raise InputFileError(path, where="truth", found="no physics", wish="want one, or kind none or unknown")
+    for one in background:
+        if one.physics or (one.order is None and one.hz is None):
+            wish = "want waves of no physics: order and gear, or hz"
+            raise InputFileError(path, where="background", found=repr(one.label), wish=wish)
     try:
         declared = tomllib.loads(pair.read_text(encoding="utf-8"))
         z = (int(declared["driving"]["teeth"]), int(declared["driven"]["teeth"]))
@@ -154,6 +168,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
     return Truth(
         kind=kind,
         items=items,
+        background=background,
         klass=raw.get("class", kind),
         pair=raw.get("pair", declared.get("name", "")),
         noise_um=noise,
@@ -178,6 +193,7 @@ def _item(raw: dict[str, Any]) -> Item:
         encoder_deg=raw.get("encoder_deg"),
         order=raw.get("order"),
         hz=raw.get("hz"),
+        images_hz=tuple(float(hz) for hz in raw.get("images_hz", ())),
         parameters=known,
         over_limit=float(raw.get("over_limit", math.inf)),
         rivals=tuple(
