@@ -1,4 +1,4 @@
-"""What the three stories share: a concealed case from the bench, its diagnosis, and means over what repeats."""
+"""What the stories share: a concealed case from the bench, its diagnosis, and means over what repeats."""
 
 from __future__ import annotations
 
