@@ -203,6 +203,7 @@ def further_te(
     flank: Flank,
     speed: float | None,
     time: FloatArray | None = None,
+    backward: bool = False,
 ) -> FloatArray:
     """What shafts and resonance add to the transmission error (N,) in rad at ``theta_2`` (N,) in rad; arguments as for
     ``simulate``."""
@@ -210,15 +211,26 @@ def further_te(
     out = np.full(theta_2.size, shafts.twist(torque=torque, coast=flank == "coast"))
     if shafts.frequency is None or speed is None:
         return out
-    te = cycle_te(assembled, torque=torque, flank=flank)
-    return out + swings_at(shafts, te, pair, theta_2, speed=speed, time=time)
+    te = cycle_te(assembled, torque=torque, flank=flank, backward=backward)
+    return out + swings_at(shafts, te, pair, theta_2, speed=speed, time=time, backward=backward)
 
 
 def swings_at(
-    shafts: Shafts, te: FloatArray, pair: GearPair, theta_2: FloatArray, *, speed: float, time: FloatArray | None
+    shafts: Shafts,
+    te: FloatArray,
+    pair: GearPair,
+    theta_2: FloatArray,
+    *,
+    speed: float,
+    time: FloatArray | None,
+    backward: bool = False,
 ) -> FloatArray:
     """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, in its unit:
-    settled at a driving ``speed`` in rad/s, or as it follows where ``time`` (N,) in s says that the speed changes."""
+    settled at a driving ``speed`` in rad/s, or as it follows where ``time`` (N,) in s says that the speed changes.
+    ``backward``: the last comes first, by a ``time`` that counts back from the end."""
+    if backward:
+        mirrored, ahead = np.roll(te[::-1], 1), None if time is None else time[-1] - time[::-1]
+        return swings_at(shafts, mirrored, pair, -theta_2[::-1], speed=speed, time=ahead)[::-1]
     if runs_up(theta_2, time) is not None and time is not None:
         pitch = pair.cycle / pair.meshes_per_cycle
         return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time)
@@ -227,13 +239,13 @@ def swings_at(
 
 
 @lru_cache(maxsize=8)
-def cycle_te(assembled: Assembled, *, torque: float, flank: Flank) -> FloatArray:
+def cycle_te(assembled: Assembled, *, torque: float, flank: Flank, backward: bool = False) -> FloatArray:
     """Transmission error of the mesh alone in rad at even places of a hunting cycle, ``SWINGS_PER_MESH`` a pitch."""
     pair = assembled.pair
     size = pair.meshes_per_cycle * SWINGS_PER_MESH
     even = np.arange(size, dtype=np.float64) * (pair.cycle / size)
     bends = assembled.elasticity if torque > 0.0 else None
-    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
+    compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank) if bends is not None else None
     near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
     found = contacts(pair, even, flank=flank, near=near, fast=True)
     te = found.te if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing).te

@@ -12,7 +12,8 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.heldout import Rms
-from gearpoly.diagnose.separate import NextRecording, Separation
+from gearpoly.diagnose.imagine import NextRecording
+from gearpoly.diagnose.separate import Separation
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
@@ -64,7 +65,9 @@ def findings() -> tuple[Finding, ...]:
     mate = Claim(physics=known["tooth_pitch"], place=Place(gear=0, tooth=4, flank="coast"), values=(-3.4,))
     chain = Claim(physics=known["encoder_eccentricity"], place=Place(gear=1), values=(10.0, 8.0))
     without, with_ = Rms(seen=4.31 * UM, unseen=4.56 * UM), Rms(seen=0.300 * UM, unseen=0.321 * UM)
-    decides = Separation(recording=NextRecording(flank="coast", torque=1.0 * NM), separability=0.68, now=0.031)
+    decides = Separation(
+        recording=NextRecording(flank="coast", torque=1.0 * NM), separability=0.68, now=0.031, told=9.0
+    )
     return (
         Finding(
             claim=off, parameters={"amplitude_um": (6.0048, 0.0312), "angle_deg": (40.02, 0.31)}, tooth=None,

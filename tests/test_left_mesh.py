@@ -10,10 +10,10 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
+from gearpoly.diagnose.imagine import NextRecording, imagined
 from gearpoly.diagnose.linear import derivatives
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import prepare
-from gearpoly.diagnose.separate import NextRecording, imagined
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue

@@ -18,6 +18,7 @@ import pytest
 
 from gearpoly import physics as package
 from gearpoly.assemble import Assembled
+from gearpoly.diagnose.ordinary import ordinary_claims
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.physics import catalogue
@@ -130,6 +131,28 @@ def test_places_are_looked_at_where_the_physics_can_be(name: str) -> None:
         assert len(place.probe) in (0, physics.amplitudes)
         for value, quantity in zip(place.shape, physics.coordinates[physics.amplitudes :], strict=True):
             assert quantity.low <= value <= quantity.high
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_ordinary_fault_is_declared_within_its_bounds_and_shows(name: str) -> None:
+    """Something, and as a bench meets it: more than a hundredth of a micron, which no rig reads in a single turn, and
+    less than a tenth of a millimetre, at which teeth of module 2 would not run."""
+    physics = catalogue()[name]
+    assert len(physics.ordinary) == physics.amplitudes
+    assert any(physics.ordinary)
+    bounds = physics.coordinates[: physics.amplitudes]
+    assert all(q.low <= value <= q.high for value, q in zip(physics.ordinary, bounds, strict=True))
+    file, base_samples, base_scenes = base()
+    scope = scope_of(declared(name), CAMPAIGNS.get(name, CONDITIONS))
+    asked = [claim for claim in ordinary_claims(scope) if claim.physics.name == name]
+    assert asked
+    if name == "tooth_deflection":
+        file = declared(name)
+        base_scenes = tuple(stage(made(file), s) for s in base_samples)
+    for claim in asked:
+        assert (claim.place.order is None) == (physics.ordinary_orders(scope.gears[0]) == ())
+        exact = [exact_change(claim, claim.values, file, s, c) for s, c in zip(base_samples, base_scenes, strict=True)]
+        assert 1e-5 < max(float(np.max(np.abs(change))) for change in exact) < 0.1
 
 
 NEEDS = {
@@ -400,6 +423,7 @@ PHYSICS = Physics(
     name="newcomer",
     coordinates=(Quantity(name="size_um"),),
     amplitudes=1,
+    ordinary=(1.0,),
     places=lambda scope: [Place()],
     write=lambda file, place, values: file,
     report=plain("size_um"),

@@ -21,6 +21,7 @@ from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.forms import Form, forms, in_doubt
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
+from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
@@ -111,8 +112,9 @@ def diagnose(
         for k, claim in enumerate(model.claims)
     ]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
+    thought = Imagined(model=model, laws=search.laws)
     findings = tuple(
-        _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), watch) for k in order
+        _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), thought, watch) for k in order
     )
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
@@ -186,7 +188,13 @@ def slow_places(search: Search) -> list[int]:
 
 
 def _finding(
-    search: Search, comparison: Comparison, k: int, judged: Judged, shapes: Sequence[Form], watch: _Watch
+    search: Search,
+    comparison: Comparison,
+    k: int,
+    judged: Judged,
+    shapes: Sequence[Form],
+    thought: Imagined,
+    watch: _Watch,
 ) -> Finding:
     model, linear = search.model, search.linear
     claim = model.claims[k]
@@ -211,7 +219,7 @@ def _finding(
     if rivals:
         watch.stage("next recording")(f"thinking of recordings that would decide on {claim.physics.name}")
         separation = would_separate(
-            model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance
+            model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance, thought=thought
         )
     weighed = Candidate(claim=claim, gain=judged.gain, freedoms=len(claim.values))
     chance = weighed.log_chance(tests=search.looked.tests(claim))

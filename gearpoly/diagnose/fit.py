@@ -15,7 +15,7 @@ from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.foreign import faded
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import Nuisance, law_changes, law_modes, make_nuisance
+from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
 from gearpoly.physics.base import Claim
 from gearpoly.physics.scene import Scene
@@ -62,7 +62,7 @@ class Fit:
     noises: list[Noise]
     nuisance: Nuisance
     linear: Linear
-    laws: list[FloatArray] | None
+    laws: LawModes | None
     trial: bool = False
     largest: float = 0.0
     deflections: tuple[float, ...] = ()
@@ -271,7 +271,7 @@ class Fit:
         if not changes:
             return
         at = self.linear.layout.nuisance
-        modes = list(range(at.stop - (0 if self.laws is None else self.laws[0].shape[1]), at.stop))
+        modes = list(range(at.stop - (0 if self.laws is None else len(self.laws.mix)), at.stop))
         bare = self.linear.without(modes)
         whites = [
             np.column_stack([noise.whitened(change.parts[k]) for change in changes.values()])
@@ -309,12 +309,13 @@ class Fit:
         return max(self.deflections, default=0.0)
 
 
-def nuisance_of(model: Model, scenes: list[Scene], laws: list[FloatArray] | None) -> Nuisance:
+def nuisance_of(model: Model, scenes: list[Scene], laws: LawModes | None) -> Nuisance:
     """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
     scaled = model.declared.model.tooth_deflection
     meshes_otherwise = any(one.physics.mean_tooth for one in model.claims)
     shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if meshes_otherwise else 0.0)
-    return make_nuisance(scenes, shift_std=shift_std, laws=laws, scaled=scaled, apart=_apart(model, scenes))
+    parts = None if laws is None else laws.parts
+    return make_nuisance(scenes, shift_std=shift_std, laws=parts, scaled=scaled, apart=_apart(model, scenes))
 
 
 def _apart(model: Model, scenes: list[Scene]) -> float:

@@ -6,6 +6,7 @@ scaled, and its shape may vary as a beam, ISO 6336, the potential-energy method 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -213,20 +214,64 @@ def _under(scene: Scene, *, law: str, contact: str, ratio: float) -> FloatArray:
     return scene.under(replace(elasticity, law=law, contact=contact, scale=elasticity.scale * ratio))
 
 
-def law_modes(scenes: list[Scene], changes: dict[Law, LawChange]) -> list[FloatArray] | None:
-    """The main ways (n_k, q) in mm in which the transmission error differs from law to law, their means being equal;
-    each a prior standard deviation. None where nothing bends."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LawModes:
+    """The main ways ``parts`` (n_k, q) in mm in which the transmission error differs from law to law, their means
+    being equal; each a prior standard deviation.
+
+    ``ratios`` of the compliance of every law; ``softer`` (L,) the part of each that is a softer law as a whole;
+    ``mix`` (q, L) the part of each in every mode, ``rest`` (r, L) the same of modes that hardly show here.
+    """
+
+    parts: list[FloatArray]
+    ratios: dict[Law, float]
+    softer: FloatArray
+    mix: FloatArray
+    rest: FloatArray
+
+    def widened(self, by: float) -> LawModes:
+        """The same with ``by`` times the doubt."""
+        parts = [by * part for part in self.parts]
+        return replace(self, parts=parts, mix=by * self.mix, rest=by * self.rest)
+
+    def under(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        """The same modes (n, q) in mm in a further ``scene``, and what else laws differ by there (n, p)."""
+        table = np.array([_changed(scene, law, ratio) for law, ratio in self.ratios.items()])
+        table -= np.outer(self.softer, softened(scene))
+        _, s, v = np.linalg.svd(self.rest @ table, full_matrices=False)
+        shown = s > LEAST * math.sqrt(scene.samples.size)
+        return np.asarray((self.mix @ table).T), np.asarray((s[shown, None] * v[shown]).T)
+
+
+def _changed(scene: Scene, law: Law, ratio: float) -> FloatArray:
+    """What a law changes (n,) in mm; nothing where it would bend the teeth too far."""
+    try:
+        return np.asarray(_under(scene, law=law[0], contact=law[1], ratio=ratio) - scene.te)
+    except OutOfRangeError:
+        return np.zeros(scene.samples.size)
+
+
+def law_modes(scenes: list[Scene], changes: dict[Law, LawChange]) -> LawModes | None:
+    """The main ways in which the transmission error differs from law to law. None where nothing bends enough."""
     if not changes:
         return None
     scale = np.concatenate([softened(scene) for scene in scenes])
     table = np.array([np.concatenate(change.parts) for change in changes.values()])
     # A softer law as a whole is the scale's matter; how the softness varies along the path is the modes'.
-    table -= np.outer(table @ scale / float(scale @ scale), scale)
-    _, s, v = np.linalg.svd(table, full_matrices=False)
-    size = s / np.sqrt(table.shape[0])
-    kept = [k for k in range(min(MODES, s.size)) if size[k] / np.sqrt(table.shape[1]) > LEAST]
-    if not kept:
+    softer = table @ scale / float(scale @ scale)
+    table -= np.outer(softer, scale)
+    u, s, v = np.linalg.svd(table, full_matrices=False)
+    each_law = BEYOND / math.sqrt(table.shape[0])
+    shown = s / math.sqrt(table.size) > LEAST
+    shown[MODES:] = False
+    if not shown.any():
         return None
-    modes = BEYOND * size[kept, None] * v[kept]
+    modes = each_law * s[shown, None] * v[shown]
     edges = np.cumsum([scene.samples.size for scene in scenes])[:-1]
-    return [np.asarray(part.T) for part in np.split(modes, edges, axis=1)]
+    return LawModes(
+        parts=[np.asarray(part.T) for part in np.split(modes, edges, axis=1)],
+        ratios={law: change.ratio for law, change in changes.items()},
+        softer=softer,
+        mix=each_law * u.T[shown],
+        rest=each_law * u.T[~shown],
+    )

@@ -71,9 +71,9 @@ class Softness(Fit):
         """
         if self.laws is None:
             return
-        modes = self.laws[0].shape[1]
+        modes = len(self.laws.mix)
         met = self.linear.system.solution[self.linear.layout.nuisance][-modes:]
         wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
         if wider > WIDER:
-            self.laws = [wider * law for law in self.laws]
+            self.laws = self.laws.widened(wider)
             self.settle()

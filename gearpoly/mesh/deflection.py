@@ -6,7 +6,7 @@ softer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -48,6 +48,11 @@ class Elasticity:
     cracks: tuple[tuple[int, int, float], ...] = ()
     friction: float = 0.0
     misalignment: float = 0.0
+
+    def running(self, *, backward: bool) -> Elasticity:
+        """The same in a pair that runs on, or ``backward``: flanks then slide the other way, and the coefficient of
+        friction counts below zero."""
+        return replace(self, friction=(-1.0 if backward else 1.0) * abs(self.friction))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -136,8 +136,9 @@ def _least_lever(compliance: PairCompliance) -> float:
 
     Raises ``OutOfRangeError`` where friction alone can hold the load: the teeth lock before their tips pass.
     """
-    mu, gear = compliance.elasticity.friction, compliance.pair.driven.gear
+    mu, gear = abs(compliance.elasticity.friction), compliance.pair.driven.gear
     # No contact lies farther up the driven flank than its tip, a corner contact beside the path hardly so.
+    # Backwards recess locks first, nearer to the driven root: this is then on the safe side.
     least = 1.0 - mu * gear.l_a / gear.r_b
     if least <= LOCKING:
         raise OutOfRangeError(

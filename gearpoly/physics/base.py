@@ -128,7 +128,14 @@ class Physics:
     report: Callable[[Place, FloatArray, FloatArray], Reported]
     says: Callable[[Place, Values], str]
     equation: str
+    ordinary: Values
+    """Amplitudes of an ordinary fault of ordinary gears, in the units of the pair file: one that a bench meets, neither
+    beneath every noise nor a wreck. A plan lays faults of this size side by side."""
+
     effect: Callable[[Scene, Place, Values], FloatArray] | None = None
+    ordinary_orders: Callable[[Gear], tuple[int, ...]] = lambda gear: ()
+    """Of a physics that has an order per turn of its gear: those at which it is met most."""
+
     instead: Callable[[Scope, Place], Iterable[Place]] = lambda scope, place: ()
     """Where it is too unlikely to be looked for, yet could stand for what another physics does at a place."""
 

@@ -34,6 +34,7 @@ PHYSICS = Physics(
     name="centre_distance",
     coordinates=(Quantity(name="offset_um", step=5.0),),
     amplitudes=1,
+    ordinary=(20.0,),
     places=_places,
     mean_tooth=True,
     effect=_effect,

@@ -50,6 +50,8 @@ PHYSICS = Physics(
     name="cumulative_pitch",
     coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
     amplitudes=2,
+    ordinary=(5.0, 0.0),
+    ordinary_orders=lambda gear: (1, 2),
     places=_places,
     effect=_effect,
     write=_write,

@@ -44,6 +44,7 @@ PHYSICS = Physics(
     name="eccentricity",
     coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
     amplitudes=2,
+    ordinary=(5.0, 0.0),
     places=_places,
     effect=_effect,
     write=_write,

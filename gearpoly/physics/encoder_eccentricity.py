@@ -45,6 +45,7 @@ PHYSICS = Physics(
     name="encoder_eccentricity",
     coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
     amplitudes=2,
+    ordinary=(100.0, 0.0),
     places=_places,
     effect=_effect,
     measures=True,

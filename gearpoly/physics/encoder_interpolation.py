@@ -69,6 +69,9 @@ PHYSICS = Physics(
     name="encoder_interpolation",
     coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
     amplitudes=2,
+    ordinary=(20.0, 0.0),
+    # A disc out of round, and lines as many as the waves of a ghost order.
+    ordinary_orders=lambda gear: (2, 5 * gear.z // 2),
     places=_places,
     effect=_effect,
     wavelike=True,

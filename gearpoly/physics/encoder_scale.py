@@ -52,6 +52,7 @@ PHYSICS = Physics(
     name="encoder_scale",
     coordinates=(Quantity(name="ppm"),),
     amplitudes=1,
+    ordinary=(5.0,),
     places=_places,
     effect=_effect,
     measures=True,

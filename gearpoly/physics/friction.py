@@ -24,6 +24,7 @@ PHYSICS = Physics(
     name="friction",
     coordinates=(Quantity(name="coefficient", low=0.0, high=1.0, step=0.02),),
     amplitudes=1,
+    ordinary=(0.05,),
     places=_places,
     mean_tooth=True,
     law_doubt=LAW_DOUBT,

@@ -74,6 +74,7 @@ PHYSICS = Physics(
         Quantity(name="damped_in_mesh", low=0.0, high=1.0, step=0.1),
     ),
     amplitudes=1,
+    ordinary=(1.0,),
     fixed_amplitudes=True,
     places=_places,
     mean_tooth=True,

@@ -25,6 +25,7 @@ PHYSICS = Physics(
     name="misalignment",
     coordinates=(Quantity(name="lead_um", low=0.0, step=0.5),),
     amplitudes=1,
+    ordinary=(10.0,),
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,

@@ -28,6 +28,7 @@ PHYSICS = Physics(
     name="profile_slope",
     coordinates=(Quantity(name="slope_um"),),
     amplitudes=1,
+    ordinary=(3.0,),
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,

@@ -21,7 +21,8 @@ class Samples:
     """Where and under what a recording was made, (n,) each: ``theta_1``, ``theta_2`` in rad from the contract's zero,
     ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
     ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
-    the others."""
+    the others; ``backward``: the pair ran backwards, so the samples come in the order of angles, last first, and
+    ``time`` counts back from the end."""
 
     number: int
     flank: Flank
@@ -35,6 +36,7 @@ class Samples:
     direction_1: int
     direction_2: int
     counted: bool
+    backward: bool = False
 
     @property
     def size(self) -> int:
@@ -72,4 +74,5 @@ class Samples:
     def along(self) -> FloatArray:
         """Place (n,) in the recording, -1 at its beginning and 1 at its end, by time where it is known."""
         x = self.theta_2 if self.time is None else self.time
-        return np.asarray(2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-300) - 1.0)
+        along = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-300) - 1.0
+        return np.asarray(-along if self.backward else along)

@@ -158,7 +158,10 @@ class Scene:
     @cached_property
     def compliance(self) -> PairCompliance:
         """The compliance of the pair on this flank, also where the file says that nothing bends."""
-        return _compliance(self.pair, self.assembled.elasticity or Elasticity(), self.samples.flank)
+        return _compliance(self.pair, self._run(self.assembled.elasticity or Elasticity()), self.samples.flank)
+
+    def _run(self, elasticity: Elasticity) -> Elasticity:
+        return elasticity.running(backward=self.samples.backward)
 
     def tooth_compliance(self, gear: int) -> FloatArray:
         """Compliance (P, n) in mm/N of the teeth of one gear at their contacts, were they sound: a crack is a factor of
@@ -185,7 +188,7 @@ class Scene:
         s, shafts, r_b2 = self.samples, assembled.shafts, self.pair.r_b2
         te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast) * r_b2
         if shafts.frequency is not None and s.speed is not None:
-            te = self.mesh_te + self.swings(shafts) * r_b2 + shafts.magnified(te - self.mesh_te, time=self.passed)
+            te = self.mesh_te + self.swings(shafts) * r_b2 + self._magnified(shafts, te - self.mesh_te)
         return te
 
     def swung(self, changes: FloatArray) -> FloatArray:
@@ -194,6 +197,11 @@ class Scene:
         shafts = self.assembled.shafts
         if shafts.frequency is None or self.samples.speed is None:
             return changes
+        return self._magnified(shafts, changes)
+
+    def _magnified(self, shafts: Shafts, changes: FloatArray) -> FloatArray:
+        if self.samples.backward:
+            return shafts.magnified(changes[::-1], time=self.passed[-1] - self.passed[::-1])[::-1]
         return shafts.magnified(changes, time=self.passed)
 
     @cached_property
@@ -209,19 +217,20 @@ class Scene:
         s = self.samples
         if s.speed is None:
             return np.zeros(s.size)
-        return swings_at(shafts, self.cycle_te, self.pair, s.theta_2, speed=s.speed, time=s.time)
+        return swings_at(shafts, self.cycle_te, self.pair, s.theta_2, speed=s.speed, time=s.time, backward=s.backward)
 
     @cached_property
     def cycle_te(self) -> FloatArray:
         """Transmission error in rad of the mesh alone at even places of a hunting cycle."""
-        return cycle_te(self.assembled, torque=self.samples.torque, flank=self.samples.flank)
+        s = self.samples
+        return cycle_te(self.assembled, torque=s.torque, flank=s.flank, backward=s.backward)
 
     def _loaded_te(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the mesh alone."""
         if elasticity is None or self.samples.torque == 0.0:
             return self.rows.te * self.pair.r_b2
         rows, torque = self.rows, self.samples.torque
-        by = _compliance(self.pair, elasticity, self.samples.flank)
+        by = _compliance(self.pair, self._run(elasticity), self.samples.flank)
         if NEAR + load_reach(by, torque) > rows.near:
             rows = _rows(self.pair, self.samples, near=NEAR + load_reach(by, torque))
         return loaded(rows, by, torque=torque, sharing=self.assembled.sharing).te * self.pair.r_b2
@@ -246,7 +255,7 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     """
     pair, torque = assembled.pair, samples.torque
     bends = assembled.elasticity if torque > 0.0 else None
-    by = _compliance(pair, bends, samples.flank) if bends is not None else None
+    by = _compliance(pair, bends.running(backward=samples.backward), samples.flank) if bends is not None else None
     rows = _rows(pair, samples, near=NEAR if by is None else BEYOND + SOFTER * load_reach(by, torque))
     load = None if by is None else loaded(rows, by, torque=torque, sharing=assembled.sharing)
     weight, force = _weights(rows, load, by)
@@ -269,7 +278,13 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     r_1 = np.hypot(rows.point[:, 0], rows.point[:, 1])
     r_2 = np.hypot(rows.point[:, 0] - pair.a, rows.point[:, 1])
     further = further_te(
-        assembled, samples.theta_2, torque=torque, flank=samples.flank, speed=samples.speed, time=samples.time
+        assembled,
+        samples.theta_2,
+        torque=torque,
+        flank=samples.flank,
+        speed=samples.speed,
+        time=samples.time,
+        backward=samples.backward,
     )
     mesh_te = rows.te if load is None else load.te
     soft = np.zeros(samples.size)

@@ -31,6 +31,7 @@ PHYSICS = Physics(
     name="shaft_windup",
     coordinates=(Quantity(name="compliance_urad_per_nm", low=0.0, step=0.1),),
     amplitudes=1,
+    ordinary=(1.0,),
     places=_places,
     effect=_effect,
     write=_write,

@@ -71,6 +71,7 @@ PHYSICS = Physics(
     name="thermal_drift",
     coordinates=tuple(Quantity(name=f"legendre_{k}_um") for k in range(1, TERMS + 1)),
     amplitudes=TERMS,
+    ordinary=(2.0, 0.0, 0.0),
     places=_places,
     effect=_effect,
     measures=True,

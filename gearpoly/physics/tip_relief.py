@@ -103,6 +103,7 @@ PHYSICS = Physics(
     name="tip_relief",
     coordinates=(Quantity(name="amount_um", low=0.0), Quantity(name="length_mm", low=0.02, step=0.01)),
     amplitudes=1,
+    ordinary=(5.0,),
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,

@@ -46,6 +46,7 @@ PHYSICS = Physics(
     name="tooth_crack",
     coordinates=(Quantity(name="more", low=0.0, step=0.1),),
     amplitudes=1,
+    ordinary=(0.3,),
     places=_places,
     law_doubt=SHARE_DOUBT,
     effect=_effect,

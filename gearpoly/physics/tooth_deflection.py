@@ -35,6 +35,7 @@ PHYSICS = Physics(
     name="tooth_deflection",
     coordinates=(Quantity(name="scale", low=0.0, step=0.02),),
     amplitudes=1,
+    ordinary=(1.0,),
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,

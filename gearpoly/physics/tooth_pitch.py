@@ -34,6 +34,7 @@ PHYSICS = Physics(
     name="tooth_pitch",
     coordinates=(Quantity(name="deviation_um"),),
     amplitudes=1,
+    ordinary=(4.0,),
     places=_places,
     effect=_effect,
     write=_write,

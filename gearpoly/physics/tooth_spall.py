@@ -87,6 +87,7 @@ PHYSICS = Physics(
         Quantity(name="wall_mm", low=LEAST, high=1.0, step=0.01),
     ),
     amplitudes=1,
+    ordinary=(5.0,),
     places=_places,
     effect=_effect,
     write=_write,

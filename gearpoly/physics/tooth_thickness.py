@@ -38,6 +38,7 @@ PHYSICS = Physics(
     name="tooth_thickness",
     coordinates=(Quantity(name="deviation_um"),),
     amplitudes=1,
+    ordinary=(5.0,),
     places=_places,
     effect=_effect,
     write=_write,

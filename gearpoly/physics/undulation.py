@@ -62,6 +62,9 @@ PHYSICS = Physics(
     name="undulation",
     coordinates=(Quantity(name="cos_um"), Quantity(name="sin_um")),
     amplitudes=2,
+    ordinary=(0.5, 0.0),
+    # Between two mesh orders, where the index wheel of a cutting machine may leave a ghost.
+    ordinary_orders=lambda gear: (5 * gear.z // 2,),
     places=_places,
     effect=_effect,
     instead=_instead,

@@ -31,6 +31,7 @@ PHYSICS = Physics(
     name="wear",
     coordinates=(Quantity(name="depth_um", low=0.0),),
     amplitudes=1,
+    ordinary=(3.0,),
     places=_places,
     mean_tooth=True,
     law_doubt=0.05,

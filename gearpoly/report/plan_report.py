@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gearpoly import __version__
+from gearpoly.diagnose.alike import SHOWS
 from gearpoly.diagnose.plan import TOLD, Plan
 
 
@@ -22,6 +23,10 @@ def json_text(plan: Plan) -> str:
             {"one": one.one, "other": one.other, "separability": one.first, "after": list(one.after)}
             for one in plan.look_alikes
         ],
+        "hidden": [
+            {"physics": one.physics, "standard_deviations": one.first, "after": list(one.after)} for one in plan.hidden
+        ],
+        "not_asked": list(plan.not_asked),
         "told_apart_from": TOLD,
     }
     return json.dumps(document, allow_nan=False, indent=1)
@@ -32,29 +37,54 @@ def print_plan(console: Console, plan: Plan) -> None:
     console.print(plan.name, style="bold", highlight=False)
     for number, one in enumerate((plan.first, *plan.further), 1):
         console.print(f"{number}. {one.says}", highlight=False, soft_wrap=True)
-    if not plan.look_alikes:
-        console.print("The first recording tells everything apart.", highlight=False)
-        return
-    table = Table(
-        title=f"\nsine of the angle between two physics, told apart from {TOLD}",
-        title_justify="left",
-        box=None,
-        pad_edge=False,
-    )
-    table.add_column("these two")
+    if not plan.look_alikes and not plan.hidden:
+        console.print("The first recording shows everything, and tells it apart.", highlight=False)
+    if plan.look_alikes:
+        table = _table(f"sine of the angle between two physics, told apart from {TOLD}", "these two", plan)
+        for alike in plan.look_alikes:
+            sines = ("-" if sine is None else f"{sine:.2f}" for sine in (alike.first, *alike.after))
+            table.add_row(words(f"{alike.one} and {alike.other}"), *sines)
+        console.print(table)
+    if plan.hidden:
+        table = _table(f"standard deviations of an ordinary fault, shown from {SHOWS:g}", "hidden at first", plan)
+        for hidden in plan.hidden:
+            table.add_row(words(hidden.physics), *(f"{shown:.1f}" for shown in (hidden.first, *hidden.after)))
+        console.print(table)
+    left = [f"{a.one} and {a.other}" for a in plan.look_alikes if a.last is not None and a.last < TOLD]
+    if left:
+        _print(
+            console,
+            "No recording of this pair tells these apart (another mating gear, an inspection or a re-mounting might): "
+            f"{words('; '.join(left))}.",
+        )
+    unseen = [hidden.physics for hidden in plan.hidden if (hidden.first, *hidden.after)[-1] < SHOWS]
+    if unseen:
+        _print(
+            console,
+            f"No recording of this pair shows an ordinary {words(', '.join(unseen))}: teeth as they may be built hide "
+            "it, or noise does.",
+        )
+    if plan.not_asked:
+        _print(
+            console,
+            f"Left out, since it is declared, needs what the pair file does not state, or shows in no recording: "
+            f"{words(', '.join(plan.not_asked))}.",
+        )
+
+
+def words(names: str) -> str:
+    """Names of physics as a reader writes them."""
+    return names.replace("_", " ")
+
+
+def _print(console: Console, text: str) -> None:
+    console.print(f"\n{text}", highlight=False, soft_wrap=True)
+
+
+def _table(title: str, first: str, plan: Plan) -> Table:
+    table = Table(title=f"\n{title}", title_justify="left", box=None, pad_edge=False)
+    table.add_column(first)
     table.add_column("with 1", justify="right")
     for number in range(len(plan.further)):
         table.add_column(f"to {number + 2}", justify="right")
-    for alike in plan.look_alikes:
-        words = f"{alike.one} and {alike.other}".replace("_", " ")
-        table.add_row(words, f"{alike.first:.2f}", *(f"{sine:.2f}" for sine in alike.after))
-    console.print(table)
-    left = [one for one in plan.look_alikes if (one.after or (one.first,))[-1] < TOLD]
-    if left:
-        words = "; ".join(f"{one.one} and {one.other}".replace("_", " ") for one in left)
-        console.print(
-            f"No recording of this pair tells these apart (another mating gear, an inspection or a re-mounting might): "
-            f"{words}.",
-            highlight=False,
-            soft_wrap=True,
-        )
+    return table
