@@ -127,6 +127,21 @@ def test_a_direction_that_is_not_stated_is_refused() -> None:
             assert f"{shaft}_direction = -1" in error.wish
 
 
+def test_a_pair_that_ran_backwards_is_told_from_one_encoder_that_counts_down() -> None:
+    """Both angles fall: both encoders count down, which two keys say, or the pair really ran backwards."""
+    t, theta_1 = steady()
+    te = error_of(theta_1)
+    with pytest.raises(InputFileError) as caught:
+        clean(recording(theta_1[::-1].copy(), te[::-1].copy(), t), ratio=RATIO)
+    assert "both fall" in caught.value.found
+    assert "driving_direction = -1 and driven_direction = -1" in caught.value.wish
+    assert "ran backwards cannot be read" in caught.value.wish
+    with pytest.raises(InputFileError) as caught:
+        clean(recording(theta_1, te, t, driving_angle_rad=-theta_1), ratio=RATIO)
+    assert "driven_direction" not in caught.value.wish
+    assert "backwards" not in caught.value.wish
+
+
 @pytest.mark.parametrize("wrap", [True, False])
 @pytest.mark.parametrize("timed", [True, False])
 def test_drop_outs_are_left_out_and_bridged(wrap: bool, timed: bool) -> None:

@@ -126,6 +126,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         for shaft, values in readings.items()
         if values is not None
     }
+    _check_direction(recording, shafts)
     theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], ratio, done)
 
     spikes = single_spikes(te, theta_1, theta_2)
@@ -213,13 +214,26 @@ def _continuous(
     if direction < 0:
         _note(done, f"{shaft} direction", reading.size, f"readings of the {shaft} shaft, which count down, reversed")
     _note(done, f"{shaft} wraps", int(np.count_nonzero(one.wraps)), f"wraps of the {shaft} angle undone")
-    travel = float(np.sum(np.diff(one.angle)[one.ordinary]))
-    if travel < 0.0:
-        key = f"{shaft}_direction = {-direction}"
-        found = f"an angle that falls by {-travel / TURN:.2f} turns as the recording runs"
-        wish = f"want angles that rise as the pair runs forward; state {key} if this encoder counts the other way"
-        raise InputFileError(recording.source, where=f"column {shaft}_angle_deg", found=found, wish=wish)
     return one
+
+
+def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> None:
+    """Raise where a shaft turns back over the recording: its encoder counts down, or the pair ran backwards."""
+    travel = {name: float(np.sum(np.diff(one.angle)[one.ordinary])) for name, one in shafts.items()}
+    falling = [name for name, way in travel.items() if way < 0.0]
+    if not falling:
+        return
+    ways = {"driving": recording.driving_direction, "driven": recording.driven_direction}
+    keys = " and ".join(f"{name}_direction = {-ways[name]}" for name in falling)
+    first = falling[0]
+    found, counts = f"an angle that falls by {-travel[first] / TURN:.2f} turns as the recording runs", "this encoder counts"
+    if len(falling) == 2:
+        turns = " and ".join(f"{-travel[name] / TURN:.2f}" for name in falling)
+        found, counts = f"angles that both fall, by {turns} turns, as the recording runs", "both encoders count"
+    wish = f"want angles that rise as the pair runs forward; state {keys} if {counts} the other way"
+    if len(falling) == len(shafts):
+        wish += "; a pair that really ran backwards cannot be read"
+    raise InputFileError(recording.source, where=f"column {first}_angle_deg", found=found, wish=wish)
 
 
 def _rotations(
