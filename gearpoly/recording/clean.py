@@ -226,7 +226,10 @@ def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> Non
     ways = {"driving": recording.driving_direction, "driven": recording.driven_direction}
     keys = " and ".join(f"{name}_direction = {-ways[name]}" for name in falling)
     first = falling[0]
-    found, counts = f"an angle that falls by {-travel[first] / TURN:.2f} turns as the recording runs", "this encoder counts"
+    found, counts = (
+        f"an angle that falls by {-travel[first] / TURN:.2f} turns as the recording runs",
+        "this encoder counts",
+    )
     if len(falling) == 2:
         turns = " and ".join(f"{-travel[name] / TURN:.2f}" for name in falling)
         found, counts = f"angles that both fall, by {turns} turns, as the recording runs", "both encoders count"
