@@ -7,6 +7,7 @@ scaled, and its shape may vary as a beam, ISO 6336, the potential-energy method 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -179,7 +180,9 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
     if not loaded:
         return out
     rigid = [scene.under(None) for scene in loaded]
-    bent = sum(float(np.mean(scene.te - stiff)) for scene, stiff in zip(loaded, rigid, strict=True))
+    # Load holds the driven gear back on the drive flank and pushes it ahead on the coast flank: both give alike.
+    senses = [scene.samples.sense for scene in loaded]
+    bent = _given(senses, [scene.te for scene in loaded], rigid)
     asked = product(law_names(), CONTACTS) if only is None else [only]
     for law, contact in asked:
         if (law, contact) == _law_of(loaded[0]):
@@ -190,7 +193,7 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
                 ratio, there = 1.0, each(partial(under, ratio=1.0), loaded)
             except OutOfRangeError:
                 ratio, there = STIFFER, each(partial(under, ratio=STIFFER), loaded)
-            ratio *= bent / sum(float(np.mean(x - stiff)) for x, stiff in zip(there, rigid, strict=True))
+            ratio *= bent / _given(senses, there, rigid)
             there = each(partial(under, ratio=ratio), scenes)
         except OutOfRangeError:
             # Teeth that are bent nearly too far by the present law may be so somewhere by one as soft in the mean.
@@ -198,6 +201,11 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
         parts = [x - scene.te for x, scene in zip(there, scenes, strict=True)]
         out[law, contact] = LawChange(ratio=ratio, parts=parts)
     return out
+
+
+def _given(senses: Sequence[float], te: Sequence[FloatArray], rigid: Sequence[FloatArray]) -> float:
+    """By how much teeth give in the mean, in mm, below 0, summed over scenes of both flanks by their ``senses``."""
+    return sum(sense * float(np.mean(x - stiff)) for sense, x, stiff in zip(senses, te, rigid, strict=True))
 
 
 def _law_of(scene: Scene) -> Law:
