@@ -14,8 +14,9 @@ from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.heldout import Rms
 from gearpoly.diagnose.imagine import NextRecording
 from gearpoly.diagnose.separate import Separation
-from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival
+from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.files.models import PairFile
+from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place
 from gearpoly.units import NM, UM, FloatArray, read_only
@@ -89,10 +90,17 @@ def findings() -> tuple[Finding, ...]:
 def built(z: int, grade: int | None) -> BuiltGear:
     """A gear of ``z`` teeth with other values for every tooth."""
     rng = np.random.default_rng(z)
+    flanks: tuple[Flank, ...] = ("drive", "coast")
     return BuiltGear(
-        pitch=read_only(rng.normal(0.0, 3.0, z)), pitch_std=read_only(rng.uniform(0.1, 0.3, z)),
-        slope=read_only(rng.normal(0.0, 2.0, z)), slope_std=read_only(rng.uniform(0.2, 0.5, z)),
-        thickness=-58.6, grade_needed=grade, grade_edition=2013,
+        flanks=tuple(
+            BuiltFlank(
+                flank=flank,
+                pitch=read_only(rng.normal(0.0, 3.0, z)), pitch_std=read_only(rng.uniform(0.1, 0.3, z)),
+                slope=read_only(rng.normal(0.0, 2.0, z)), slope_std=read_only(rng.uniform(0.2, 0.5, z)),
+            )
+            for flank in flanks
+        ),
+        thickness=(-58.6, 0.4), grade_needed=grade, grade_edition=2013,
     )  # fmt: skip
 
 

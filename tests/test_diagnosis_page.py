@@ -292,13 +292,16 @@ def test_rows_of_the_maps_are_teeth_of_the_recorded_flank(diagnosis: Diagnosis) 
 def test_teeth_in_the_page_are_the_built_ones(diagnosis: Diagnosis, text: str, tree: Any) -> None:
     for gear, raw, name in zip(diagnosis.built, data_of(text)["built"], ("driving", "driven"), strict=True):
         for key, values in (
-            ("pitch", gear.pitch), ("pitch_std", gear.pitch_std), ("slope", gear.slope), ("slope_std", gear.slope_std),
+            ("pitch", gear.first.pitch), ("pitch_std", gear.first.pitch_std),
+            ("slope", gear.first.slope), ("slope_std", gear.first.slope_std),
         ):  # fmt: skip
             assert np.array_equal(unpacked(raw[key]), values)
         details = tree.xpath(f"//details[contains(summary, 'Teeth of the {name} gear')]")[0]
         rows = details.xpath(".//tbody/tr")
-        assert len(rows) == gear.pitch.size
-        assert words(rows[3][1]) == measured(float(gear.pitch[3]), float(gear.pitch_std[3]))
+        assert len(rows) == gear.first.pitch.size
+        for at, one in ((1, gear.first), (3, gear.coast)):
+            assert words(rows[3][at]) == measured(float(one.pitch[3]), float(one.pitch_std[3]))
+            assert words(rows[3][at + 1]) == measured(float(one.slope[3]), float(one.slope_std[3]))
     assert [raw["marked"] for raw in data_of(text)["built"]] == [[], [7]]
     as_built = words(tree.get_element_by_id("as-built"))
     assert "driving gear as it runs fits ISO 1328-1 grade 6 (2013)" in as_built

@@ -289,7 +289,7 @@ def test_another_recording_is_shown_on_request(fresh: Chromium, shown: tuple[Pat
 
 
 def test_teeth_read_their_values(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
-    built = shown[1].built[1]
+    built = shown[1].built[1].first
     canvas(fresh, "pitch-driven")
     fresh.run("gearpoly.plots.teeth[1].point(6.8, 0); 0")
     wish = f"tooth 7: {built.pitch[7]:.2f} ± {built.pitch_std[7]:.2f} µm".replace("-", "\u2212")

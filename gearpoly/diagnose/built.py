@@ -6,18 +6,13 @@ import math
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear
+from gearpoly.diagnose.limits import exceeded, figures_of, grade_needed, limits_of
+from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.verdict import BuiltGear
-from gearpoly.errors import GearpolyError
-from gearpoly.files.models import GearSection, PairFile
-from gearpoly.gear.tolerances import tolerances
-from gearpoly.mesh.pair import Flank
+from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
+from gearpoly.files.models import PairFile
 from gearpoly.physics.base import gear_section
-from gearpoly.physics.sheet import column
-from gearpoly.units import UM, FloatArray, read_only
-
-GRADES = {1995: range(13), 2013: range(1, 12)}
+from gearpoly.units import read_only
 
 FAR = 4.0
 """Standard deviations beyond which a tooth contradicts its inspection: one of 43 does by chance in 400 sets."""
@@ -29,48 +24,34 @@ def built_gears(search: Search, file: PairFile) -> tuple[BuiltGear, BuiltGear]:
 
 
 def _built(search: Search, file: PairFile, gear: int) -> BuiltGear:
-    model, layout = search.model, search.linear.layout
-    as_built = model.as_built
-    std = np.sqrt(np.maximum(np.diag(search.linear.system.covariance)[layout.built], 0.0))
-    flank: Flank = as_built.flanks[0]
-    tail = "_coast_um" if flank == "coast" else "_um"
-    section = gear_section(model.declared, gear)
-    pitch = column(section, f"pitch{tail}") + as_built.pitch(model.built, flank, gear)
-    # Where both gears' teeth stand as a whole is the mean's matter, and cannot be told.
-    pitch = pitch - float(np.mean(pitch)) if flank == "drive" else pitch
-    slope = column(section, f"profile_slope{tail}") + as_built.slope(model.built, flank, gear)
-    thickness = None
-    if "coast" in as_built.flanks and "drive" in as_built.flanks:
-        coast = column(section, "pitch_coast_um") + as_built.pitch(model.built, "coast", gear)
-        drive = column(section, "pitch_um") + as_built.pitch(model.built, "drive", gear)
-        thickness = float(np.mean(coast + drive)) / math.cos(math.radians(section.pressure_angle_deg))
+    flanks = search.model.as_built.flanks
+    plain = [running(search, gear, flank, claimed=False) for flank in flanks]
+    whole = [running(search, gear, flank, claimed=True) for flank in flanks]
+    section = gear_section(file, gear)
+    mean = None
+    if (found := thicknesses(search, plain, gear)) is not None:
+        mean = float(np.mean(found[0])), math.sqrt(float(np.mean(found[1])))
+    figures = figures_of(whole, math.cos(search.model.scope.gears[gear].alpha), thicknesses(search, whole, gear))
+    broken = [one for limit in limits_of(section) if (one := exceeded(figures, limit)) is not None]
     return BuiltGear(
-        pitch=read_only(pitch),
-        pitch_std=read_only(as_built.pitch(std, flank, gear)),
-        slope=read_only(slope),
-        slope_std=read_only(as_built.slope(std, flank, gear)),
-        thickness=thickness,
-        grade_needed=grade_needed(gear_section(file, gear), pitch, slope),
+        flanks=tuple(_flank(one) for one in plain),
+        thickness=mean,
+        grade_needed=grade_needed(section, figures),
         grade_edition=section.grade_edition,
+        exceeded=tuple(broken),
     )
 
 
-def grade_needed(section: GearSection, pitch: FloatArray, slope: FloatArray) -> int | None:
-    """The finest ISO 1328-1 grade whose limits of single pitch, cumulative pitch and profile slope hold ``pitch`` (z,)
-    and ``slope`` (z,) in um; None where none does, or none is defined for such a gear."""
-    ideal = nominal_gear(section)
-    cos = math.cos(ideal.alpha)
-    index = pitch / cos  # ISO 1328 measures along the reference circle
-    single, total = np.max(np.abs(np.diff(index, append=index[0]))), np.ptp(index)
-    for grade in GRADES[section.grade_edition]:
-        try:
-            limit = tolerances(d=2.0 * ideal.r, m=ideal.m, b=ideal.b, grade=grade, edition=section.grade_edition)
-        except GearpolyError:
-            return None
-        f_halpha = limit.f_HalphaT
-        if single <= limit.f_pT / UM and total <= limit.F_pT / UM and np.max(np.abs(slope)) <= f_halpha / UM:
-            return grade
-    return None
+def _flank(one: Running) -> BuiltFlank:
+    """Where all teeth of a flank stand as one is the mean's matter, or their thickness's."""
+    pitch, pitch_std = about_mean(one.pitch, one.pitch_covariance)
+    return BuiltFlank(
+        flank=one.flank,
+        pitch=read_only(pitch),
+        pitch_std=read_only(pitch_std),
+        slope=read_only(one.slope),
+        slope_std=read_only(np.sqrt(np.maximum(np.diag(one.slope_covariance), 0.0))),
+    )
 
 
 def compliance_scale(search: Search) -> tuple[float, float] | None:

@@ -298,7 +298,8 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
     out = [*contradicted(search), *_of_another_pair(search)]
     for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
         needed = built[gear].grade_needed
-        if section.inspection is None and section.grade is not None and (needed is None or needed > section.grade):
+        out += [one.says(name) for one in built[gear].exceeded]
+        if any(one.limit.grade is not None for one in built[gear].exceeded):
             shown = "no grade" if needed is None else f"grade {needed}"
             out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
     return tuple(out)

@@ -8,8 +8,10 @@ from typing import Literal
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.heldout import Rms
+from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.separate import Separation
 from gearpoly.files.models import PairFile
+from gearpoly.mesh.pair import Flank
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.units import FloatArray
 
@@ -65,17 +67,42 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BuiltGear:
-    """One gear as the recordings show it, in um: pitch and slope of every drive flank (or of the coast flank where only
-    that was recorded) with their standard errors, and the ISO 1328-1 ``grade_needed`` (None: worse than all)."""
+class BuiltFlank:
+    """Every tooth of one gear's flank as it was built, (z,) in um with standard errors: index deviations ``pitch``
+    about their mean, and profile ``slope``."""
 
+    flank: Flank
     pitch: FloatArray
     pitch_std: FloatArray
     slope: FloatArray
     slope_std: FloatArray
-    thickness: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BuiltGear:
+    """One gear as the recordings show it: its recorded ``flanks``, drive first, without what is claimed of it, and the
+    mean tooth ``thickness`` deviation in um with its standard error (None: one flank only was recorded).
+
+    ``grade_needed`` (None: worse than all) is the finest ISO 1328-1 grade that does not surely exclude the gear as it
+    runs: with the pitch, pitch waves and slopes that are claimed, since a gear with one tooth 20 um off its place does
+    not run as grade 5, whatever its other teeth are. ``exceeded`` are limits of the pair file that it breaks, counted
+    in the same way."""
+
+    flanks: tuple[BuiltFlank, ...]
+    thickness: tuple[float, float] | None
     grade_needed: int | None
     grade_edition: int
+    exceeded: tuple[Exceeded, ...] = ()
+
+    @property
+    def first(self) -> BuiltFlank:
+        """The drive flank, or the coast flank where only that was recorded."""
+        return self.flanks[0]
+
+    @property
+    def coast(self) -> BuiltFlank | None:
+        """The coast flank, if it was recorded."""
+        return next((one for one in self.flanks if one.flank == "coast"), None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -211,12 +211,12 @@ def _map(found: Maps, *, coast: bool) -> dict[str, Any]:
 
 
 def built(gear: BuiltGear, teeth: list[int]) -> dict[str, Any]:
-    """One gear's teeth as they run, in um."""
+    """One gear's teeth as they were built, in um: the drive flanks, or those that were recorded."""
     return {
-        "pitch": packed(gear.pitch, "f8"),
-        "pitch_std": packed(gear.pitch_std, "f8"),
-        "slope": packed(gear.slope, "f8"),
-        "slope_std": packed(gear.slope_std, "f8"),
+        "pitch": packed(gear.first.pitch, "f8"),
+        "pitch_std": packed(gear.first.pitch_std, "f8"),
+        "slope": packed(gear.first.slope, "f8"),
+        "slope_std": packed(gear.first.slope_std, "f8"),
         "marked": teeth,
     }
 

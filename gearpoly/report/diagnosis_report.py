@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from typing import Any
 
 from rich.console import Console
@@ -12,7 +13,8 @@ from rich.table import Table
 from gearpoly import __version__
 from gearpoly.compare.entries import says
 from gearpoly.diagnose.heldout import Rms, repeatable
-from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival
+from gearpoly.diagnose.limits import Exceeded
+from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.physics.base import Reported
 from gearpoly.report.compare_report import alignment_json
 from gearpoly.units import UM
@@ -121,16 +123,31 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
         return [round(float(v), 4) for v in values]
 
     out: dict[str, Any] = {
-        "pitch_um": listed(gear.pitch),
-        "pitch_std_um": listed(gear.pitch_std),
-        "profile_slope_um": listed(gear.slope),
-        "profile_slope_std_um": listed(gear.slope_std),
-        "grade_needed": gear.grade_needed,
-        "grade_edition": gear.grade_edition,
+        "flanks": [one.flank for one in gear.flanks],
+        "pitch_um": listed(gear.first.pitch),
+        "pitch_std_um": listed(gear.first.pitch_std),
+        "profile_slope_um": listed(gear.first.slope),
+        "profile_slope_std_um": listed(gear.first.slope_std),
     }
+    if gear.coast is not None:
+        out |= {
+            "pitch_coast_um": listed(gear.coast.pitch),
+            "pitch_coast_std_um": listed(gear.coast.pitch_std),
+            "profile_slope_coast_um": listed(gear.coast.slope),
+            "profile_slope_coast_std_um": listed(gear.coast.slope_std),
+        }
     if gear.thickness is not None:
-        out["tooth_thickness_um"] = gear.thickness
+        out |= {"tooth_thickness_um": gear.thickness[0], "tooth_thickness_std_um": gear.thickness[1]}
+    out |= {"grade_needed": gear.grade_needed, "grade_edition": gear.grade_edition}
+    out["exceeds"] = [_exceeded_json(one) for one in gear.exceeded]
     return out
+
+
+def _exceeded_json(one: Exceeded) -> dict[str, Any]:
+    out: dict[str, Any] = {"limit": one.limit.kind.replace(" ", "_")}
+    out |= {"grade": one.limit.grade} if one.limit.grade is not None else {"key": one.limit.key}
+    out |= {"value_um": one.value, "std_um": one.std, "by_um": one.by, "teeth": list(one.teeth)}
+    return out if one.flank is None else out | {"flank": one.flank}
 
 
 def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
@@ -161,6 +178,10 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
         grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
         console.print(f"the {name} gear as it runs fits {grade} ({gear.grade_edition})", highlight=False)
+        for side in gear.flanks:
+            pitch, slope = (f"{low:.1f} to {high:.1f} um" for low, high in _ranges(side))
+            words = f"   as built, {side.flank} flanks: pitch (index deviation) {pitch}, profile slope {slope}"
+            console.print(words, style="dim", highlight=False, soft_wrap=True)
     if diagnosis.compliance_scale is not None:
         value, std = diagnosis.compliance_scale
         console.print(f"compliance over the declared: {value:.3f} +- {std:.3f}", highlight=False)
@@ -168,6 +189,12 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
         console.print(f"not excluded: {words}", style="dim", highlight=False, soft_wrap=True)
     for remark in diagnosis.remarks:
         console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
+
+
+def _ranges(side: BuiltFlank) -> Iterator[tuple[float, float]]:
+    """Least and largest pitch, and slope, in um."""
+    for values in (side.pitch, side.slope):
+        yield float(values.min()), float(values.max())
 
 
 def _rms_words(rms: Rms, noise: float) -> tuple[str, str, str]:

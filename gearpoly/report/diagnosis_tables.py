@@ -67,8 +67,8 @@ def as_built(diagnosis: Diagnosis) -> str:
     parts = []
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
         grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
-        thickness = "" if gear.thickness is None else f"; mean tooth thickness deviation {number(gear.thickness, 2)} µm"
-        parts.append(f"<p>The {name} gear as it runs fits <b>{grade}</b> ({gear.grade_edition}){thickness}.</p>")
+        thick = "" if gear.thickness is None else f"; mean tooth thickness deviation ({measured(*gear.thickness)}) µm"
+        parts.append(f"<p>The {name} gear as it runs fits <b>{grade}</b> ({gear.grade_edition}){thick}.</p>")
     if diagnosis.compliance_scale is not None:
         parts.append(f"<p>Compliance over the declared one: <b>{measured(*diagnosis.compliance_scale)}</b>.</p>")
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
@@ -77,12 +77,14 @@ def as_built(diagnosis: Diagnosis) -> str:
 
 
 def _teeth(gear: BuiltGear) -> str:
-    columns = zip(gear.pitch, gear.pitch_std, gear.slope, gear.slope_std, strict=True)
-    rows = [
-        [str(tooth), measured(float(p), float(p_std)), measured(float(s), float(s_std))]
-        for tooth, (p, p_std, s, s_std) in enumerate(columns)
-    ]
-    return table(("tooth", "pitch (index deviation) µm", "profile slope µm"), rows, name="teeth")
+    rows = [[str(tooth)] for tooth in range(gear.first.pitch.size)]
+    head = ["tooth"]
+    for one in gear.flanks:
+        head += [f"pitch (index deviation) µm, {one.flank} flank", f"profile slope µm, {one.flank} flank"]
+        columns = zip(rows, one.pitch, one.pitch_std, one.slope, one.slope_std, strict=True)
+        for row, p, p_std, s, s_std in columns:
+            row += [measured(float(p), float(p_std)), measured(float(s), float(s_std))]
+    return table(tuple(head), rows, name="teeth")
 
 
 def alignment(diagnosis: Diagnosis) -> str:
