@@ -23,8 +23,8 @@ class Aligned:
     ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
     difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
     shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in mm what a resonance adds
-    to it in a run-up. Arrays are taken over, and sealed;
-    what follows from others is worked out when asked for, since recordings are long.
+    to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording, as a part of it. Arrays
+    are taken over, and sealed; what follows from others is worked out when asked for, since recordings are long.
     """
 
     cleaned: Cleaned
@@ -37,6 +37,7 @@ class Aligned:
     speed: float | None
     template: Template
     swings: FloatArray | None = None
+    load: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):
@@ -48,6 +49,8 @@ class Aligned:
         simulated = self.template.at(theta_2)
         if self.swings is not None:
             simulated = simulated + self.swings
+        if self.load is not None:
+            simulated = simulated + self.template.varied(theta_2, self.load)
         return replace(self, theta_2=theta_2, residual=self.recorded - simulated)
 
     @property

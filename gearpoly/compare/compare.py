@@ -13,6 +13,7 @@ from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
+from gearpoly.compare.loads import relative_load
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -107,9 +108,16 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
     drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
     curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
-    swings = [_swings(one, c.template, assembled, c.theta_2) for one, c in zip(cleaned, curves, strict=True)]
+    loads = [
+        relative_load(one.torque_nm, torque / NM, meshes=float(np.ptp(one.theta_2)) / pair.driven.gear.tau)
+        for one, torque in zip(cleaned, torques, strict=True)
+    ]
+    before = [
+        _further(one, c.template, assembled, c.theta_2, load)
+        for one, c, load in zip(cleaned, curves, loads, strict=True)
+    ]
     # By the stated zeros, which are good enough to lay what is left on the mesh.
-    curves = tuple(c if s is None else replace(c, te=c.te - s) for c, s in zip(curves, swings, strict=True))
+    curves = tuple(c if more is None else replace(c, te=c.te - more) for c, more in zip(curves, before, strict=True))
     step("laying the recordings on the simulation")
     shafts = Shafts(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
@@ -122,7 +130,9 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     )
     alignment = settle(lay(curves, cycle, stated=base.stated), cycle, base=base, shafts=shafts)
     aligned = tuple(
-        _aligned(one, curve, alignment, k, torque, assembled, cycle, swings[k], default_speed=file.pair.speed_rpm)
+        _aligned(
+            one, curve, alignment, k, torque, assembled, cycle, before[k], loads[k], default_speed=file.pair.speed_rpm
+        )
         for k, (one, curve, torque) in enumerate(zip(cleaned, curves, torques, strict=True))
     )
     gears = (
@@ -170,6 +180,18 @@ def _swings(one: Cleaned, template: Template, assembled: Assembled, theta_2: Flo
     return swings_along(assembled.shafts, te, cycle=cycle, pitch=pitch, theta_2=theta_2, time=one.time_s)
 
 
+def _further(
+    one: Cleaned, template: Template, assembled: Assembled, theta_2: FloatArray, load: FloatArray | None
+) -> FloatArray | None:
+    """What never comes again in a recording (n,) in mm: a run-up through a resonance, changes of torque; ``None`` where
+    there is neither."""
+    swings = _swings(one, template, assembled, theta_2)
+    if load is None:
+        return swings
+    varied = template.varied(theta_2, load)
+    return varied if swings is None else swings + varied
+
+
 def _aligned(
     one: Cleaned,
     curve: Curve,
@@ -179,6 +201,7 @@ def _aligned(
     assembled: Assembled,
     cycle: Cycle,
     before: FloatArray | None,
+    load: FloatArray | None,
     *,
     default_speed: float | None,
 ) -> Aligned:
@@ -193,6 +216,9 @@ def _aligned(
     if swings is not None:
         residual -= swings
         swings.setflags(write=False)
+    if load is not None:
+        residual -= curve.template.varied(theta_2, load)
+        load.setflags(write=False)
     speed = one.recording.speed_rpm
     if speed is not None:
         speed *= RPM
@@ -214,6 +240,7 @@ def _aligned(
         speed=speed,
         template=curve.template,
         swings=swings,
+        load=load,
     )
 
 
@@ -292,7 +319,8 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
         spread = float(np.nanstd(samples))
         if spread * NM > VARIES * max(one.torque, NM):
             out.append(
-                f"recording {k}: the torque varies by {spread:.3g} N.m rms; the simulation takes {one.torque / NM:g}"
+                f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}; the simulation "
+                "follows it as if deflection were proportional to it"
             )
     out += speed_remarks(aligned)
     wrong = alignment.contradicted

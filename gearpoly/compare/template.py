@@ -90,6 +90,12 @@ class Template:
             return None
         return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te - self.rigid)
 
+    def varied(self, theta_2: FloatArray, load: FloatArray) -> FloatArray:
+        """What is added (n,) in mm where the torque is off by the part ``load`` (n,) of it: deflection is nearly
+        proportional to it."""
+        bend = self.deflection(theta_2)
+        return np.zeros(theta_2.size) if bend is None else bend * load
+
 
 Found = dict[tuple[Flank, str, int], FlankContacts]
 """Contacts of a pair at the places that all its templates begin with: flank, which places, and how many."""

@@ -22,7 +22,8 @@ class Samples:
     ``time`` in s, ``reading_1``, ``reading_2`` of the encoders in rad; the condition: ``flank``, ``torque`` in N.mm,
     ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
     the others; ``backward``: the pair ran backwards, so the samples come in the order of angles, last first, and
-    ``time`` counts back from the end."""
+    ``time`` counts back from the end; ``load`` how far the torque is off along the recording, as a part of ``torque``
+    (None: steady)."""
 
     number: int
     flank: Flank
@@ -37,6 +38,7 @@ class Samples:
     direction_2: int
     counted: bool
     backward: bool = False
+    load: FloatArray | None = None
 
     @property
     def size(self) -> int:
@@ -51,7 +53,8 @@ class Samples:
         """The samples of these numbers (k,)."""
         names = ("theta_1", "theta_2", "reading_1", "reading_2")
         mine = {name: getattr(self, name)[where] for name in names}
-        return replace(self, time=None if self.time is None else self.time[where], **mine)
+        time, load = (None if one is None else one[where] for one in (self.time, self.load))
+        return replace(self, time=time, load=load, **mine)
 
     def meshing(self, gear: int, tooth: int, *, z: int) -> IntArray:
         """Numbers (k,) of the samples in which ``tooth`` of ``z`` may touch: less than ``MAY_TOUCH`` pitches from its
@@ -59,6 +62,11 @@ class Samples:
         turned = (self.theta_1 if gear == 0 else self.theta_2) * (z / (2.0 * math.pi))
         off = np.mod(turned - tooth + 0.5 * z, z) - 0.5 * z
         return np.flatnonzero(np.abs(off) < MAY_TOUCH)
+
+    @property
+    def loaded(self) -> FloatArray | float:
+        """Torque over ``torque`` (n,), or 1 where it is steady."""
+        return 1.0 if self.load is None else 1.0 + self.load
 
     @property
     def coast(self) -> bool:

@@ -181,12 +181,13 @@ class Scene:
 
     def under(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""
-        return self.te + self.swung(self._loaded_te(elasticity) - self.mesh_te)
+        return self.te + self.samples.loaded * self.swung(self._loaded_te(elasticity) - self.mesh_te)
 
     def with_load_of(self, assembled: Assembled) -> FloatArray:
         """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
         s, shafts, r_b2 = self.samples, assembled.shafts, self.pair.r_b2
-        te = self._loaded_te(assembled.elasticity) + shafts.twist(torque=s.torque, coast=s.coast) * r_b2
+        te = self._loaded_te(assembled.elasticity)
+        te = te + _varied(s, te - self.rows.te * r_b2) + s.loaded * shafts.twist(torque=s.torque, coast=s.coast) * r_b2
         if shafts.frequency is not None and s.speed is not None:
             te = self.mesh_te + self.swings(shafts) * r_b2 + self._magnified(shafts, te - self.mesh_te)
         return te
@@ -247,6 +248,12 @@ def _rows(pair: GearPair, samples: Samples, *, near: float) -> FlankContacts:
     return contacts(pair, np.mod(samples.theta_2, pair.cycle), flank=samples.flank, near=near, fast=True)
 
 
+def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:
+    """What a torque that varies along a recording adds (n,) to the transmission error of teeth that are ``bent`` (n,)
+    by its mean, in the same unit: deflection is nearly proportional to torque."""
+    return 0.0 if samples.load is None else samples.load * bent
+
+
 def stage(assembled: Assembled, samples: Samples) -> Scene:
     """Simulate a set-up at the samples of a recording.
 
@@ -291,6 +298,9 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
         soft = 1.0 / load.stiffness
+    if samples.load is not None:
+        gives = -samples.sense * soft * torque / pair.r_b2**2
+        further = further + samples.load * (gives + assembled.shafts.twist(torque=torque, coast=samples.coast))
     return Scene(
         samples=samples,
         assembled=assembled,

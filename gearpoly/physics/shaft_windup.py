@@ -20,7 +20,7 @@ def _places(scope: Scope) -> Iterable[Place]:
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     twist = -scene.samples.sense * values[0] * URAD / NM * scene.samples.torque * scene.pair.r_b2
-    return np.full(scene.samples.size, twist)
+    return np.full(scene.samples.size, twist) * scene.samples.loaded
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
