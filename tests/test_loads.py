@@ -84,10 +84,7 @@ def test_a_healthy_pair_under_a_torque_that_wanders_names_nothing(tmp_path: Path
     steady_te = stage(assembled, samples).te
     change = sum(
         np.where(np.sign(load) == sign, np.abs(load) / 0.05, 0.0)
-        * (
-            stage(assembled, replace(samples, torque=(1.0 + 0.05 * sign) * TORQUE * NM)).te
-            - stage(assembled, samples).te
-        )
+        * (stage(assembled, replace(samples, torque=(1.0 + 0.05 * sign) * TORQUE * NM)).te - steady_te)
         for sign in (-1.0, 1.0)
     )
     # The driving encoder counts down; the driven gear is held where it was read.
