@@ -380,3 +380,16 @@ def test_both_parts_of_a_fit_see_every_stretch_between_jumps(tmp_path: Path) -> 
     for low, high in zip([0, *jumps], [*jumps, n], strict=True):
         assert 0.4 < np.mean(parted[low:high]) < 0.6  # halves, but for a block's odd sample
     assert beside_jumps(model.observed, [[]])[0] is model.observed[0]
+
+
+def test_what_jumps_up_and_down_is_so_many_jumps() -> None:
+    """A loose contact: 3 um up and down again, six times. Each is told once; those that would move to the place of
+    another leave it there. One of a hundred is missed in 1 um of noise at 180 samples a second, so five of six do."""
+    places = (0.12, 0.31, 0.44, 0.58, 0.71, 0.9)
+    data = jumped(made(2, cycles=2.0), *((at, 3.0 if k % 2 == 0 else -3.0) for k, at in enumerate(places)))
+    ones = only_jumps(found(data))
+    times = np.array([one.time_s for one in ones])
+    assert len(ones) <= len(places)
+    assert times.size < 2 or np.min(np.diff(times)) > 1.0
+    told = [at for k, at in enumerate(places) if any(matches(one, data, at, 3.0 * (-1.0) ** k) for one in ones)]
+    assert len(told) >= 5

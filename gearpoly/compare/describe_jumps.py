@@ -20,7 +20,7 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
             continue
         gain, amplitude, std = found.steps.at(found.at)
         level, _ = found.colour
-        moment, moment_std = found.steps.moment(search.stretch(k), level=level)
+        moment, moment_std = found.steps.moment(search.stretch(k), level=level, about=found.at, within=search.turn(k))
         timed = search.states[k].data.time_s is not None
         out.append(
             Entry(

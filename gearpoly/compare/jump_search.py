@@ -205,15 +205,26 @@ class JumpSearch(JointModel):
             better = [at if one is None else one.at for at, one in zip(places, found, strict=True)]
             if better == places:
                 break
-            for jump, at in zip(self.states[k].jumps, better, strict=True):
-                jump.at = at
+            self._moved(k, better)
         return solution
+
+    def _moved(self, k: int, better: Sequence[int]) -> None:
+        """Move the jumps of recording ``k`` to ``better`` samples, each found with the others where they are: one that
+        another has taken meanwhile is left to it, or jumps up and down all end at the sharpest of them."""
+        jumps, u = self.states[k].jumps, self.states[k].data.u
+        turns = STAYS * max(self.z_1, self.z_2)
+        for jump, at in zip(jumps, better, strict=True):
+            if all(abs(u[at] - u[other.at]) >= turns for other in jumps if other is not jump):
+                jump.at = at
 
     def lead(self, find: Weighed) -> float:
         """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
         than any bump that is over within one."""
-        turn = int(STAYS * max(self.z_1, self.z_2) / self.states[find.k].search.spacing)
-        return sharpness(find.left, find.at, turn=turn)
+        return sharpness(find.left, find.at, turn=self.turn(find.k))
+
+    def turn(self, k: int) -> int:
+        """Samples that recording ``k`` holds for as long as a jump has to stay."""
+        return int(STAYS * max(self.z_1, self.z_2) / self.states[k].search.spacing)
 
     def _is_sharp(self, find: Weighed, *, sure: bool) -> bool:
         """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether

@@ -122,12 +122,14 @@ class Steps:
         score, information = float(self.score[j - self.first]), float(self.information[j - self.first])
         return score**2 / information, score / information, 1.0 / math.sqrt(information)
 
-    def moment(self, x: FloatArray, *, level: float) -> tuple[float, float]:
-        """Mean and standard error of ``x`` (n,) at the jump, each place as likely as it fits in noise of ``level``
-        times the model's power; what happens between two samples happens anywhere between them."""
-        likely = np.exp(0.5 * (self.gain - np.max(self.gain)) / level)
-        likely /= np.sum(likely)
+    def moment(self, x: FloatArray, *, level: float, about: int, within: int) -> tuple[float, float]:
+        """Mean and standard error of ``x`` (n,) at the jump at sample ``about``, each place ``within`` so many samples
+        as likely as it fits in noise of ``level`` times the model's power: farther off, it is another jump's. What
+        happens between two samples happens anywhere between them."""
         at = np.arange(self.first, self.first + self.score.size)
+        near = np.abs(at - about) <= within
+        likely = np.where(near, np.exp(0.5 * (self.gain - np.max(self.gain[near])) / level), 0.0)
+        likely /= np.sum(likely)
         middle, width = 0.5 * (x[at] + x[at - 1]), x[at] - x[at - 1]
         mean = float(likely @ middle)
         return mean, math.sqrt(float(likely @ ((middle - mean) ** 2 + width**2 / 12.0)))
