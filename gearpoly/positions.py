@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from gearpoly.errors import OutOfRangeError
@@ -23,9 +25,19 @@ def cycle_positions(
     return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
 
 
-def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArray, FloatArray | None, list[str]]:
-    """Driven rotations (N,) in rad at the samples of ``recording`` and their times (N,) in s, where recorded, drop-outs
-    left out, and remarks on what had to be assumed.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class At:
+    """Driven rotations ``theta_2`` (N,) in rad at the samples of a recording, their ``time`` (N,) in s and ``torque``
+    (N,) in N.m where they were recorded, and ``remarks`` on what had to be assumed."""
+
+    theta_2: FloatArray
+    time: FloatArray | None
+    torque: FloatArray | None
+    remarks: list[str]
+
+
+def recording_positions(pair: GearPair, recording: Recording) -> At:
+    """Where and under what a ``recording`` was made, drop-outs left out.
 
     From the driven encoder where there is one, else from the driving encoder and the recorded TE. Raises
     ``OutOfRangeError`` where no sample is left.
@@ -66,7 +78,13 @@ def recording_positions(pair: GearPair, recording: Recording) -> tuple[FloatArra
     time = recording.time_s
     if time is not None and not np.all(np.isfinite(time[keep])):
         time = None
-    return theta_2, None if time is None else time[keep], remarks
+    torque = recording.torque_samples_nm
+    return At(
+        theta_2=theta_2,
+        time=None if time is None else time[keep],
+        torque=None if torque is None else torque[keep],
+        remarks=remarks,
+    )
 
 
 def _driven_turns(pair: GearPair, recording: Recording, theta_2: FloatArray, keep: BoolArray) -> float:

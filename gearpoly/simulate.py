@@ -33,7 +33,7 @@ class Simulation:
     if any.
 
     ``contact_ratio`` is the mean number of touching pairs, None where the positions are not evenly spaced. ``further``
-    (N,) in rad is what twisting shafts and a resonance add to the transmission error.
+    (N,) in rad is what twisting shafts, a resonance and changes of torque add to the transmission error.
     """
 
     assembled: Assembled
@@ -143,14 +143,15 @@ def simulate(
     fast: bool = False,
     speed: float | None = None,
     time: FloatArray | None = None,
+    off: FloatArray | None = None,
     progress: Progress,
 ) -> Simulation:
     """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
     shaft).
 
     ``speed`` of the driving shaft in rad/s makes a mesh resonance swing, if the pair has one, and over ``time`` (N,) in
-    s it follows a run-up. Evenly spaced positions (``evenly``) also give the contact ratio. Teeth stay rigid where the
-    pair's file says so.
+    s it follows a run-up; ``off`` (N,) is the part by which the torque is off along a recording. Evenly spaced
+    positions (``evenly``) also give the contact ratio. Teeth stay rigid where the pair's file says so.
     Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do, ``OutOfRangeError`` for a
     load beyond small deflections.
     """
@@ -178,6 +179,7 @@ def simulate(
         # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.
         ratio = mean_count(pair, theta_2, load.pairs, carrying, resolution=2e-3)
     further = further_te(assembled, theta_2, torque=torque, flank=flank, speed=speed, time=time)
+    further = further + varied_te(assembled, load, off, torque=torque, flank=flank)
     return Simulation(
         assembled=assembled,
         flank=flank,
@@ -213,6 +215,18 @@ def further_te(
         return out
     te = cycle_te(assembled, torque=torque, flank=flank, backward=backward)
     return out + swings_at(shafts, te, pair, theta_2, speed=speed, time=time, backward=backward)
+
+
+def varied_te(
+    assembled: Assembled, load: LoadedContacts | None, off: FloatArray | None, *, torque: float, flank: Flank
+) -> FloatArray | float:
+    """What a torque adds to the transmission error (N,) in rad that is off its mean ``torque`` (N.mm) by the part
+    ``off`` (N,) of it (None: steady): teeth give to first order, by the stiffness of ``load``, and shafts twist."""
+    if off is None:
+        return 0.0
+    coast, r_b2 = flank == "coast", assembled.pair.r_b2
+    gives = np.zeros(off.size) if load is None else (1.0 if coast else -1.0) * torque / (load.stiffness * r_b2**2)
+    return off * (gives + assembled.shafts.twist(torque=torque, coast=coast))
 
 
 def swings_at(

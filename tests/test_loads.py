@@ -7,13 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from gearpoly.cli import app
 from gearpoly.compare.compare import compare
-from gearpoly.compare.loads import relative_load
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.nuisance import softened
+from gearpoly.files.pairfile import dump_pair
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics.scene import stage
+from gearpoly.recording.load import relative_load
 from gearpoly.units import NM, UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import Condition, recorded, rough, samples_at
@@ -96,3 +99,22 @@ def test_a_healthy_pair_under_a_torque_that_wanders_names_nothing(tmp_path: Path
     assert not diagnosis.findings
     assert not diagnosis.unexplained
     assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.04)
+
+
+def test_simulate_at_a_recording_follows_its_torque(tmp_path: Path) -> None:
+    """``simulate --at`` and the scene of a diagnosis are one simulation: to rounding of the files' digits."""
+    true, n = rough(), 400
+    theta_2 = np.linspace(0.1, 2.0, n)
+    assembled = made(true)
+    samples = samples_at(assembled, theta_2, Condition(torque_nm=TORQUE), 0)
+    steady = stage(assembled, samples).te
+    load = relative_load(TORQUE * (1.0 + waves(n)), TORQUE, meshes=float(np.ptp(theta_2)) / (2.0 * np.pi / 16))
+    te = stage(assembled, replace(samples, load=load)).te
+    pair, rec, out = tmp_path / "pair.toml", tmp_path / "rec.csv", tmp_path / "te.csv"
+    pair.write_text(dump_pair(true))
+    rows = np.column_stack([np.degrees(theta_2), steady / UM, TORQUE * (1.0 + waves(n))])
+    head = f"# torque_nm = {TORQUE}\n# driven_zero_deg = 0.0\ndriven_angle_deg,te_um,torque_nm"
+    np.savetxt(rec, rows, delimiter=",", header=head, comments="", fmt="%.12g")
+    assert CliRunner().invoke(app, ["simulate", str(pair), "--at", str(rec), "--csv", str(out)]).exit_code == 0
+    table = np.genfromtxt(out, delimiter=",", names=True, comments="#")
+    assert table["te_um"] == pytest.approx(te / UM, abs=1e-4)

@@ -46,6 +46,7 @@ def simulate(
     seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
+    import numpy as np
     from rich.console import Console
 
     from gearpoly import positions
@@ -70,22 +71,26 @@ def simulate(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     remarks: list[str] = []
-    time = None
+    time = off = None
     torque, speed = file.pair.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:
             raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
         from gearpoly.recording.chain import corrected
+        from gearpoly.recording.load import relative_load
         from gearpoly.recording.read import read_recording
 
         recording = corrected(
             read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
         )
-        theta_2, time, remarks = positions.recording_positions(assembled.pair, recording)
-        remarks += recording.remarks
+        there = positions.recording_positions(assembled.pair, recording)
+        theta_2, time = there.theta_2, there.time
+        remarks = [*there.remarks, *recording.remarks]
         side = recording.flank if flank is None else side
         torque = positions.recorded_torque(recording, default=torque)
+        turned = float(np.ptp(theta_2)) / assembled.pair.driven.gear.tau
+        off = relative_load(there.torque, torque, meshes=turned)
         speed = recording.speed_rpm if recording.speed_rpm is not None else speed
     else:
         theta_2 = positions.cycle_positions(
@@ -104,6 +109,7 @@ def simulate(
             fast=fast,
             speed=None if speed is None else speed * RPM,
             time=time,
+            off=off,
             progress=progress,
         )
     remarks += strength_remarks(simulation)

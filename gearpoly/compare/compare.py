@@ -13,7 +13,6 @@ from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
-from gearpoly.compare.loads import relative_load
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -30,6 +29,7 @@ from gearpoly.mesh.shafts import runs_up, swings_along
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
+from gearpoly.recording.load import relative_load
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import SWINGS_PER_MESH
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray

@@ -17,6 +17,7 @@ from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, take_back
 from gearpoly.diagnose.contest import contest
+from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.forms import Form, forms, in_doubt
@@ -31,7 +32,7 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import MOST, Search, without_columns
+from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status

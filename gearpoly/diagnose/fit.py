@@ -309,6 +309,11 @@ class Fit:
         return max(self.deflections, default=0.0)
 
 
+def without_columns(kept: Kept) -> Kept:
+    """A state without what the next fit makes anew, which is large: a hundred columns at all samples."""
+    return kept[0], {name: value for name, value in kept[1].items() if name not in ("scenes", "linear")}
+
+
 def nuisance_of(model: Model, scenes: list[Scene], laws: LawModes | None) -> Nuisance:
     """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
     scaled = model.declared.model.tooth_deflection

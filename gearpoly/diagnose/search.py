@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, Kept
+from gearpoly.diagnose.fit import BETTER, Kept, without_columns
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
@@ -350,11 +350,6 @@ class Search(Weigh):
 def freedoms(claims: Sequence[Claim]) -> int:
     """Coordinates of all ``claims``."""
     return sum(len(claim.values) for claim in claims)
-
-
-def without_columns(kept: Kept) -> Kept:
-    """A state without what the next fit makes anew, which is large: a hundred columns at all samples."""
-    return kept[0], {name: value for name, value in kept[1].items() if name not in ("scenes", "linear")}
 
 
 def _are_twins(one: Claim, other: Claim) -> bool:

@@ -23,7 +23,7 @@ from gearpoly.mesh.pair import Flank, GearPair, active_start
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
 from gearpoly.physics.samples import Samples
-from gearpoly.simulate import cycle_te, further_te, swings_at
+from gearpoly.simulate import cycle_te, further_te, swings_at, varied_te
 from gearpoly.units import UM, FloatArray, IntArray
 
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
@@ -298,9 +298,7 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
         soft = 1.0 / load.stiffness
-    if samples.load is not None:
-        gives = -samples.sense * soft * torque / pair.r_b2**2
-        further = further + samples.load * (gives + assembled.shafts.twist(torque=torque, coast=samples.coast))
+    further = further + varied_te(assembled, load, samples.load, torque=torque, flank=samples.flank)
     return Scene(
         samples=samples,
         assembled=assembled,
