@@ -38,7 +38,7 @@ def bursts(data: AlignedResidual) -> list[Entry]:
     """Bursts of what is left when nothing but the mean is fitted."""
     left: FloatArray = data.residual - np.mean(data.residual)
     u = data.theta_2 * (25 / (2.0 * math.pi))
-    return burst_entries(0, data, left, estimate_noise(u, left, z_1=18, z_2=25))
+    return burst_entries(0, data, left, estimate_noise(u, left, z_1=18, z_2=25), period=450.0)
 
 
 def test_a_knock_is_told_with_its_moment_and_tone() -> None:
@@ -57,8 +57,8 @@ def test_a_knock_is_told_with_its_moment_and_tone() -> None:
 
 @pytest.mark.parametrize("kind", ["white", "ar", "wandering"])
 def test_noise_has_no_bursts(kind: str) -> None:
-    """Of 40 records at 0.2 % each, one has one in twelve such tests; the seeds are fixed."""
-    assert sum(len(bursts(made(seed, kind))) for seed in range(40)) <= 1
+    """A millionth of them may."""
+    assert sum(len(bursts(made(seed, kind))) for seed in range(40)) == 0
 
 
 def test_noise_that_is_loud_now_and_then_has_none() -> None:
@@ -67,7 +67,7 @@ def test_noise_that_is_loud_now_and_then_has_none() -> None:
     for at in (11.0, 27.0, 44.0, 63.0, 82.0):
         data = knocked(data, at=at, size_um=8.0)
     assert bursts(data) == []
-    assert len(bursts(knocked(knocked(made(5), at=20.0, size_um=8.0), at=70.0, size_um=8.0))) == 2
+    assert len(bursts(knocked(knocked(made(5), at=20.0, size_um=8.0), at=76.0, size_um=8.0))) == 2
 
 
 def test_a_recording_without_times_tells_turns() -> None:
@@ -79,6 +79,17 @@ def test_a_recording_without_times_tells_turns() -> None:
     # 30 rpm: half a turn a second.
     assert one.during_turns[0] == pytest.approx(20.5, abs=0.5)
     assert one.during_turns[1] < turns[-1]
+
+
+def test_what_comes_again_with_the_pair_is_no_burst() -> None:
+    """A corner that shakes once a hunting cycle, of 50 s, is the gears'."""
+    data = made(3)
+    assert len(bursts(knocked(data, at=30.0, size_um=8.0))) == 1
+    # The speed wobbles by a hundredth of a turn or so, much less than a knock lasts.
+    u = data.theta_2 * (25 / (2.0 * math.pi))
+    assert data.time_s is not None
+    again = float(np.interp(np.interp(30.0 + data.time_s[0], data.time_s, u) + 450.0, u, data.time_s) - data.time_s[0])
+    assert bursts(knocked(knocked(data, at=30.0, size_um=8.0), at=again, size_um=8.0)) == []
 
 
 def test_compare_locates_a_knock_and_names_no_wave() -> None:

@@ -28,17 +28,16 @@ class Shares:
     condition: float = 0.003
     jump: float = 0.002
     faint: float = 0.002
-    burst: float = 0.002
 
     @property
     def total(self) -> float:
         """The family's chance."""
         own = (self.orders, self.between, self.time, self.teeth, self.drift, self.condition, self.jump, self.faint)
-        return sum(own) + self.burst
+        return sum(own)
 
 
 SHARES = Shares()
-"""3.4 % together; the rest of the 5 % is for what the noise model gets wrong, above all where noise wanders."""
+"""3.2 % together; the rest of the 5 % is for what the noise model gets wrong, above all where noise wanders."""
 
 
 def log_tail_line(z: FloatArray, count: FloatArray) -> FloatArray:

@@ -109,7 +109,7 @@ def locate(
             if entry is not None:
                 entries.append(entry)
         entries += jump_entries(search, solution, k)
-        entries += burst_entries(k, s.data, solution.left[k], s.noise)
+        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.search.period)
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)
