@@ -40,6 +40,16 @@ def test_what_shows_under_one_condition_only_counts_as_it_does_there() -> None:
     assert foretold(*systems([3.0, 0.0], [50.0, 0.0]), [[0], [1]]) == pytest.approx(450.0, abs=1e-4)
 
 
+def test_what_contradicts_an_inspection_counts_under_every_condition() -> None:
+    """A tooth that stands 6 um off where it was inspected to 0.5 um, alike under two conditions that know it far
+    better: either explains the other without a claim, but not the sheet, by (6 / 0.5)^2 = 144."""
+    white, known = [np.full((1, 1), 100.0)] * 2, np.full((1, 1), 0.5**-2)
+    plain = System(white=white, target=[np.array([600.0])] * 2, precision=known, prior=np.zeros(1))
+    assert foretold(plain, plain.with_columns([one.copy() for one in white]), [[0], [1]]) == pytest.approx(
+        144.0, rel=0.01
+    )
+
+
 def test_recordings_of_one_condition_are_held_out_together() -> None:
     """Two recordings of one condition that contradict each other leave its mean, which another confirms."""
     plain, wider = systems([4.0, 0.0, 2.0], [25.0, 25.0, 50.0])

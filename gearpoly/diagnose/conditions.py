@@ -40,9 +40,10 @@ def foretold(plain: System, wider: System, made: Sequence[Recordings]) -> float:
     the misfit of the others when all are fitted at once (the chain rule of normal densities), so a claim that shows
     under one condition only counts as it does there, and one of which two conditions tell opposite sizes counts less
     than nothing: of two that know it equally well, 2 I a b with the sizes a, b and their information I. Derived here.
+    What was known beforehand is seen under every condition and foretold by none, and what contradicts it counts once.
     """
     every = plain.misfit - wider.misfit
-    out = 0.0
+    out = plain.strain - wider.strain
     for held in made:
         rest = [k for k in range(len(plain.target)) if k not in held]
         out += every - (plain.of(rest).misfit - wider.of(rest).misfit)

@@ -102,8 +102,13 @@ class System:
     @cached_property
     def misfit(self) -> float:
         """Twice the negative log of likelihood times prior, but for a constant."""
+        return self.strain + sum(float(r @ r) for r in self.left)
+
+    @property
+    def strain(self) -> float:
+        """The part of the misfit by which the solution contradicts what is known beforehand."""
         off = self.solution - self.prior
-        return float(off @ self.precision @ off) + sum(float(r @ r) for r in self.left)
+        return float(off @ self.precision @ off)
 
     @property
     def samples(self) -> int:
