@@ -41,7 +41,7 @@ def test_gear_of_no_deviation_is_ideal() -> None:
 def prior(*, shared: float, own: float) -> GearPrior:
     return GearPrior(
         z=5, pitch=on_its_own(5, 0.5), slope=0.4, mean_slope=0.0, crowning=0.1, thickness=0.3,
-        shared=(shared, shared), own=own, graded=False,
+        shared=(shared, shared), own=(own, own), graded=False,
     )  # fmt: skip
 
 

@@ -151,7 +151,7 @@ def test_a_healthy_gear_needs_no_coarser_grade_than_its_own() -> None:
 def prior(z: int) -> GearPrior:
     return GearPrior(
         z=z, pitch=on_its_own(z, 3.0), slope=3.0, mean_slope=0.0, crowning=0.01, thickness=3.0, shared=(0.5, 0.5),
-        own=0.0, graded=True,
+        own=(0.0, 0.0), graded=True,
     )  # fmt: skip
 
 

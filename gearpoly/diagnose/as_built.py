@@ -38,7 +38,7 @@ class GearPrior:
     """One gear beforehand: covariance (z, z) in um^2 of its index deviations ``pitch``, standard deviations in um of
     every tooth's ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``.
     ``shared``: part of the drive flank's variance that the coast flank has as well, of pitch and of form (slope and
-    crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it.
+    crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
     ``graded``: nobody inspected it."""
 
     z: int
@@ -48,7 +48,7 @@ class GearPrior:
     crowning: float
     thickness: float
     shared: tuple[float, float]
-    own: float
+    own: tuple[float, float]
     graded: bool
 
 
@@ -170,13 +170,14 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
     for gear in gears:
         # A tooth that stands ahead has more material on its drive flank and less on its coast flank.
         place, form = gear.shared
-        for covariance, alike, coast in (
-            (gear.pitch, -place, gear.thickness**2),
-            (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, 0.0),
-            (np.array([[gear.crowning**2]]), form, 0.0),
+        own_place, own_form = gear.own
+        for covariance, alike, own, coast in (
+            (gear.pitch, -place, own_place, gear.thickness**2),
+            (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, own_form, 0.0),
+            (np.array([[gear.crowning**2]]), form, own_form, 0.0),
         ):
             n = len(covariance)
-            each = {"drive": covariance, "coast": (1.0 + gear.own) * covariance + coast}
+            each = {"drive": covariance, "coast": (1.0 + own) * covariance + coast}
             joint = np.block([[each[a] if a == b else alike * covariance for b in order] for a in order])
             index = np.concatenate([np.arange(at, at + n) + k * flank_size for k in range(len(order))])
             precision[np.ix_(index, index)] = np.linalg.inv(joint)

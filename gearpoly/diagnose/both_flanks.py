@@ -76,20 +76,21 @@ def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
     """The same where the coast flanks of inspected gears, which follow from their drive flanks if nobody measured them,
     scatter about that by more than a reading does.
 
-    What most teeth do against their neighbours is scatter; one tooth, a wave of a low order and what all have in common
-    are not, and stay to be found.
+    What most teeth do against their neighbours is scatter, of pitch and of form each by itself: flanks that lean each
+    their own way need not stand off their place. One tooth, a wave of a low order and what all have in common are not,
+    and stay to be found.
     """
     gears = list(as_built.gears)
-    derived = [gear for gear, one in enumerate(gears) if not one.graded and one.own > 0.0]
+    derived = [gear for gear, one in enumerate(gears) if not one.graded and min(one.own) > 0.0]
     if not derived:
         return as_built
     for gear in derived:
-        gears[gear] = replace(gears[gear], own=FREE)
+        gears[gear] = replace(gears[gear], own=(FREE, FREE))
     free = make_as_built((gears[0], gears[1]), as_built.flanks)
     under = system.believing(slice(0, as_built.size), free.precision)
     for gear in derived:
         one = as_built.gears[gear]
-        own = [one.own]
+        own, seen = list(one.own), False
         for part, sign in ((0, 1.0), (1, -1.0)):
             against = np.zeros((one.z, under.size))
             ways: tuple[tuple[Flank, float], ...] = (("coast", 1.0), ("drive", sign))
@@ -100,9 +101,10 @@ def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
             off = float(np.median(np.abs(against @ under.solution))) / WITHIN_HALF
             known = float(np.median(np.einsum("ij,jk,ik->i", against, under.covariance, against)))
             alone = sum(weight**2 for weight in NEIGHBOURS) * one.slope**2
-            if off**2 > SEEN * (known + one.own * alone):
-                own.append((off**2 - known) / alone)
-        gears[gear] = replace(one, own=max(own))
+            seen = seen or off**2 > SEEN * (known + one.own[part] * alone)
+            own[part] = max(own[part], (off**2 - known) / alone)
+        # Where either is seen not to follow, the other is taken as it looks.
+        gears[gear] = replace(one, own=(own[0], own[1])) if seen else one
     return make_as_built((gears[0], gears[1]), as_built.flanks)
 
 

@@ -144,9 +144,9 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         each = max(section.inspection.uncertainty_um, IDEAL)
         # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
         alone = section.inspection.pitch_coast_um is not None
-        return _known(z, each, shared=0.0 if alone else 1.0, own=0.0 if alone else COAST)
+        return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
     if section.grade is None and section.limits is None:
-        return _known(z, IDEAL, shared=0.0, own=0.0)
+        return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
     mine, mate = nominal_gear(section), gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
@@ -162,12 +162,12 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.
         shared=(0.5, 0.5),
-        own=0.0,
+        own=(0.0, 0.0),
         graded=True,
     )
 
 
-def _known(z: int, each: float, *, shared: float, own: float) -> GearPrior:
+def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> GearPrior:
     """A gear whose teeth are known to ``each`` um."""
     return GearPrior(
         z=z,
