@@ -14,6 +14,7 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.separate import Separation, would_separate
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.scene import Scene
 from gearpoly.units import NM, FloatArray
 from tests.physics_cases import Condition, recorded, rough
 
@@ -21,8 +22,8 @@ from tests.physics_cases import Condition, recorded, rough
 class Trusting(Imagined):
     """The same, taking the compliance laws under a new condition for known."""
 
-    def doubt(self, scene: object) -> tuple[FloatArray, FloatArray]:
-        shared, own = super().doubt(scene)  # type: ignore[arg-type]
+    def doubt(self, scene: Scene) -> tuple[FloatArray, FloatArray]:
+        shared, own = super().doubt(scene)
         return np.zeros_like(shared), np.zeros((own.shape[0], 0))
 
 

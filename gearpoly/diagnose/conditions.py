@@ -20,8 +20,7 @@ Recordings = Sequence[int]
 
 SWELLS, CERTAIN = 0.05, 40.0
 """Part of a claim's gain that letting it swell or fade gains from which it is not steady (one that grows from half to
-one and a half has 0.08), and the least of that gain: six standard deviations.
-"""
+one and a half has 0.08), and the least of that gain: six standard deviations."""
 
 
 def conditions(scope: Scope) -> list[list[int]]:
@@ -84,10 +83,11 @@ def swells(linear: Linear, model: Model, k: int) -> bool:
     """Whether what claim ``k`` explains swells or fades along recordings: no gear does within minutes, and no encoder.
 
     Its columns times Legendre's polynomials 1 and 2 over every recording are weighed against the claim, without waves
-    of unknown make: those have taken what one steady wave leaves at its own order.
+    of unknown make: those have taken what one steady wave leaves at its own order. What is slow, and a resonance in a
+    run-up, is not steady by its nature.
     """
     claim = model.claims[k]
-    if claim.physics.slow:
+    if claim.physics.slow or (claim.physics.fixed_amplitudes and model.scope.run_ups):
         return False
     mine = linear.layout.claims[k]
     foreign = list(range(linear.layout.foreign.start, linear.layout.foreign.stop))
@@ -112,8 +112,11 @@ def take_back(search: Search) -> bool:
     needed: set[tuple[object, ...]] = set()
     gone = False
     while True:
-        dear = [(cost, k) for k, claim in enumerate(search.model.claims) if claim.key not in needed
-                if (cost := _cost(search, k)) is not None]  # fmt: skip
+        dear = [
+            (cost, k)
+            for k, claim in enumerate(search.model.claims)
+            if claim.key not in needed and (cost := _cost(search, k)) is not None
+        ]
         if not dear:
             return gone
         _, k = max(dear)

@@ -14,6 +14,7 @@ from gearpoly.physics.scene import Scene
 def scope_of(model: Model, scenes: Sequence[Scene]) -> Scope:
     """What would be known of recordings of the ``model`` that are only thought of."""
     pair, samples = scenes[0].pair, [scene.samples for scene in scenes]
+    driving, driven = model.as_built.gears
     return Scope(
         file=model.declared,
         gears=(pair.driving.gear, pair.driven.gear),
@@ -24,7 +25,7 @@ def scope_of(model: Model, scenes: Sequence[Scene]) -> Scope:
         timed=all(one.time is not None for one in samples),
         counted=True,
         span=2.0 * pair.meshes_per_cycle / pair.driving.gear.z,
-        inspected=tuple(not gear.graded for gear in model.as_built.gears),  # type: ignore[arg-type]
+        inspected=(not driving.graded, not driven.graded),
         reach=reaches(pair),
     )
 
