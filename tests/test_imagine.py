@@ -41,7 +41,8 @@ def fitted(folder: Path, torque_nm: float) -> Fit:
 def told(fit: Fit, kind: type[Imagined], made: NextRecording, rival: Claim) -> Separation:
     """What one further recording would leave between crowning and its rival."""
     thought = kind(model=fit.model, laws=fit.laws)
-    thought.scenes = [(made, imagined(fit.model, made, number=1))]  # type: ignore[misc]
+    # In the place of all that it would think of.
+    vars(thought)["scenes"] = [(made, imagined(fit.model, made, number=1))]
     found = would_separate(
         fit.model, fit.scenes, fit.linear, 0, [rival], nuisance=fit.nuisance, thought=thought, least=-1.0
     )

@@ -92,7 +92,8 @@ def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.b
 
 
 def _comes_again(u: FloatArray, square: FloatArray, one: _Stretch, *, period: float) -> bool:
-    """Whether a recording is loud at the same place (n,) of another hunting cycle too."""
+    """Whether a recording with samples at ``u`` (n,) meshes, of white ``square`` (n,), is loud at the same place of the
+    hunting cycle before or after too; ``period`` in meshes."""
     usual = float(np.median(square)) / MEDIAN_OF_SQUARE
     for later in (period, -period):
         first, last = np.searchsorted(u, (u[one.first] + later, u[one.last - 1] + later))
@@ -102,6 +103,7 @@ def _comes_again(u: FloatArray, square: FloatArray, one: _Stretch, *, period: fl
 
 
 def _entry(k: int, data: AlignedResidual, left: FloatArray, white: FloatArray, noise: Noise, one: _Stretch) -> Entry:
+    """The stretch as an entry, its size beyond the noise as that of a steady wave of the same power."""
     here = slice(one.first, one.last)
     beyond = max(float(np.mean(left[here] ** 2)) - noise.level**2, 0.0)
     length = one.last - one.first

@@ -116,9 +116,8 @@ class Search(Weigh):
                 looked = False
                 continue
             refused.add(best.claim.key)
-            # Nothing has changed, so the next best of the same look is tried.
             self.restore(before)
-            looked = True
+            looked = True  # nothing has changed, so the next best of the same look is tried
             if len(refused) > MOST:
                 break
         return found, roads
