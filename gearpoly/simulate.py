@@ -144,20 +144,24 @@ def simulate(
     speed: float | None = None,
     time: FloatArray | None = None,
     off: FloatArray | None = None,
+    backward: bool = False,
     progress: Progress,
 ) -> Simulation:
     """Both flanks of the pair at driven rotations ``theta_2`` (N,) in rad under ``torque`` (N.mm on the driven
     shaft).
 
     ``speed`` of the driving shaft in rad/s makes a mesh resonance swing, if the pair has one, and over ``time`` (N,) in
-    s it follows a run-up; ``off`` (N,) is the part by which the torque is off along a recording. Evenly spaced
+    s it follows a run-up; ``off`` (N,) is the part by which the torque is off along a recording; ``backward``: the
+    pair runs backwards, ``theta_2`` falling while ``time`` rises. Evenly spaced
     positions (``evenly``) also give the contact ratio. Teeth stay rigid where the pair's file says so.
     Raises ``GeometryError``, ``JammedError`` or ``NotConvergedError`` as the contacts do, ``OutOfRangeError`` for a
     load beyond small deflections.
     """
     pair, bends = assembled.pair, assembled.elasticity
     loaded_teeth = bends is not None and torque > 0.0
-    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None and loaded_teeth else None
+    compliance = None
+    if bends is not None and loaded_teeth:
+        compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank)
     near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
     backlash = both_flanks(pair, theta_2, near=near, fast=fast, progress=progress)
     found = backlash.drive if flank == "drive" else backlash.coast
@@ -178,7 +182,12 @@ def simulate(
 
         # Teeth in mesh change by 1e-3 of a pitch when the torque does by 1 %; finer says nothing.
         ratio = mean_count(pair, theta_2, load.pairs, carrying, resolution=2e-3)
-    further = further_te(assembled, theta_2, torque=torque, flank=flank, speed=speed, time=time)
+    # In the order of angles, time counting back.
+    order = slice(None, None, -1 if backward else 1)
+    ahead = -time[::-1] if backward and time is not None else time
+    further = further_te(
+        assembled, theta_2[order], torque=torque, flank=flank, speed=speed, time=ahead, backward=backward
+    )[order]
     further = further + varied_te(assembled, load, off, torque=torque, flank=flank)
     return Simulation(
         assembled=assembled,
@@ -235,19 +244,21 @@ def swings_at(
     pair: GearPair,
     theta_2: FloatArray,
     *,
-    speed: float,
+    speed: float | None,
     time: FloatArray | None,
     backward: bool = False,
 ) -> FloatArray:
     """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, in its unit:
-    settled at a driving ``speed`` in rad/s, or as it follows where ``time`` (N,) in s says that the speed changes.
-    ``backward``: the last comes first, by a ``time`` that counts back from the end."""
+    settled at a driving ``speed`` in rad/s (None: it swings in a run-up only), or as it follows where ``time`` (N,) in
+    s says that the speed changes. ``backward``: the last comes first, by a ``time`` that counts back from the end."""
     if backward:
         mirrored, ahead = np.roll(te[::-1], 1), None if time is None else time[-1] - time[::-1]
         return swings_at(shafts, mirrored, pair, -theta_2[::-1], speed=speed, time=ahead)[::-1]
     if runs_up(theta_2, time) is not None and time is not None:
         pitch = pair.cycle / pair.meshes_per_cycle
         return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time)
+    if speed is None:
+        return np.zeros(theta_2.size)
     swings = shafts.swings(te, period=pair.cycle / (speed * pair.ratio))
     return np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
 

@@ -56,6 +56,7 @@ class Condition:
     flank: Flank = "drive"
     torque_nm: float = 20.0
     speed_rpm: float = SPEED
+    backward: bool = False
 
 
 NAMES = sorted(catalogue())
@@ -143,6 +144,7 @@ def samples_at(
         direction_1=-1,
         direction_2=1,
         counted=True,
+        backward=condition.backward,
     )
 
 
@@ -188,7 +190,7 @@ def recorded(
         te = stage(assembled, samples).te + rng.normal(0.0, noise_um * UM, n)
         time = place * n * (pair.cycle * cycles / n) / (pair.ratio * condition.speed_rpm * RPM)
         if number < len(drifts) and drifts[number]:
-            along = 2.0 * (time - time[0]) / np.ptp(time) - 1.0
+            along = (2.0 * (time - time[0]) / np.ptp(time) - 1.0) * (-1.0 if condition.backward else 1.0)
             te = te + np.polynomial.legendre.legval(along, (0.0, *drifts[number])) * UM
         theta_1 = (theta_2 - te / pair.r_b2) / pair.ratio
         readings = []
@@ -198,12 +200,15 @@ def recorded(
             for _ in range(40):
                 reading = truth + errors.at(reading)
             readings.append(reading)
+        if condition.backward:
+            time, readings = time[-1] - time[::-1], [reading[::-1] for reading in readings]
         out.append(
             Recording(
                 source=Path(f"{number}.csv"),
                 time_s=time,
                 driving_angle_rad=readings[0],
                 driven_angle_rad=readings[1],
+                backward=condition.backward,
                 torque_nm=condition.torque_nm,
                 speed_rpm=condition.speed_rpm,
                 flank=condition.flank,

@@ -135,7 +135,7 @@ def test_a_pair_that_ran_backwards_is_told_from_one_encoder_that_counts_down() -
         clean(recording(theta_1[::-1].copy(), te[::-1].copy(), t), ratio=RATIO)
     assert "both fall" in caught.value.found
     assert "driving_direction = -1 and driven_direction = -1" in caught.value.wish
-    assert "ran backwards cannot be read" in caught.value.wish
+    assert "reversed = true if the pair ran backwards" in caught.value.wish
     with pytest.raises(InputFileError) as caught:
         clean(recording(theta_1, te, t, driving_angle_rad=-theta_1), ratio=RATIO)
     assert "driven_direction" not in caught.value.wish

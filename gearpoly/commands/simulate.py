@@ -72,6 +72,7 @@ def simulate(
     assembled = assemble(file, path=pair, seed=seed)
     remarks: list[str] = []
     time = off = None
+    backward = False
     torque, speed = file.pair.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
@@ -88,6 +89,7 @@ def simulate(
         theta_2, time = there.theta_2, there.time
         remarks = [*there.remarks, *recording.remarks]
         side = recording.flank if flank is None else side
+        backward = recording.backward
         torque = positions.recorded_torque(recording, default=torque)
         turned = float(np.ptp(theta_2)) / assembled.pair.driven.gear.tau
         off = relative_load(there.torque, torque, meshes=turned)
@@ -110,6 +112,7 @@ def simulate(
             speed=None if speed is None else speed * RPM,
             time=time,
             off=off,
+            backward=backward,
             progress=progress,
         )
     remarks += strength_remarks(simulation)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
@@ -67,6 +68,16 @@ class Aligned:
     def time_s(self) -> FloatArray | None:
         """Time (n,) in s, where recorded."""
         return self.cleaned.time_s
+
+    @property
+    def ran(self) -> str:
+        """On which flank, and which way round if it was not forward, in words."""
+        return f"{self.flank} flank, backwards" if self.cleaned.backward else f"{self.flank} flank"
+
+    def turned_round(self, entry: Entry) -> Entry:
+        """An ``entry`` in the order of these samples, which is not the recording's where the pair ran backwards."""
+        turns = float(np.ptp(self.theta_1)) / (2.0 * np.pi)
+        return entry.turned_round(turns) if self.cleaned.backward else entry
 
     @property
     def mean(self) -> float:

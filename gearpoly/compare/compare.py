@@ -19,19 +19,19 @@ from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.stated import refuse_twins, speed_remarks
-from gearpoly.compare.template import Template, templates_of
+from gearpoly.compare.template import Condition, Template, templates_of
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
-from gearpoly.mesh.shafts import runs_up, swings_along
+from gearpoly.mesh.shafts import runs_up
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.load import relative_load
 from gearpoly.recording.recording import Recording
-from gearpoly.simulate import SWINGS_PER_MESH
+from gearpoly.simulate import SWINGS_PER_MESH, swings_at
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64
@@ -97,7 +97,11 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         None if rpm is None or runs_up(one.theta_2, one.time_s) else rpm * RPM
         for rpm, one in zip(stated, cleaned, strict=True)
     ]
-    templates = templates_of(assembled, [one.recording.flank for one in cleaned], torques, speeds)
+    conditions = [
+        Condition(flank=one.recording.flank, torque=torque, speed=speed, backward=one.backward)
+        for one, torque, speed in zip(cleaned, torques, speeds, strict=True)
+    ]
+    templates = templates_of(assembled, conditions)
     cycle = Cycle(
         z_1=z_1,
         z_2=z_2,
@@ -160,6 +164,7 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
     if drift:
         x = one.theta_2 if one.time_s is None else one.time_s
+        x = -x if one.backward else x
         te = te - slow_curves(x, len(drift) + 1)[:, 1:] @ np.array(drift) * (UM / cycle.r_b2)
     return Curve(
         theta_2=theta_2,
@@ -175,9 +180,9 @@ def _swings(one: Cleaned, template: Template, assembled: Assembled, theta_2: Flo
     """What a declared resonance adds (n,) in mm in a run-up; ``None`` where there is neither."""
     if assembled.shafts.frequency is None or one.time_s is None or runs_up(theta_2, one.time_s) is None:
         return None
-    cycle, pitch = template.cycle, assembled.pair.driven.gear.tau
-    te = template.at(np.linspace(0.0, cycle, round(cycle / pitch) * SWINGS_PER_MESH, endpoint=False))
-    return swings_along(assembled.shafts, te, cycle=cycle, pitch=pitch, theta_2=theta_2, time=one.time_s)
+    pair, cycle = assembled.pair, template.cycle
+    te = template.at(np.linspace(0.0, cycle, pair.meshes_per_cycle * SWINGS_PER_MESH, endpoint=False))
+    return swings_at(assembled.shafts, te, pair, theta_2, speed=None, time=one.time_s, backward=one.backward)
 
 
 def _further(
@@ -268,6 +273,7 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
         residual=one.residual,
         z_2=pair.driven.gear.z,
         time_s=one.time_s,
+        backward=one.cleaned.backward,
         torque=one.torque,
         speed=one.speed,
         flank=one.flank,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Gear = Literal["driving", "driven"]
@@ -69,6 +69,24 @@ class Entry:
         if self.during_turns is not None:
             return f"from turn {self.during_turns[0]:.4g} to {self.during_turns[1]:.4g} of the driving shaft"
         return None
+
+    def turned_round(self, turns: float) -> Entry:
+        """What was found with time counting back from 0, as the recording of ``turns`` driving turns has it, or the
+        other way round: a step up is then one down."""
+        if self.kind != "time":
+            return self
+        jump = self.moment is not None
+        return replace(
+            self,
+            time_s=None if self.time_s is None else -self.time_s,
+            driving_turn=None if self.driving_turn is None else turns - self.driving_turn,
+            during_s=None if self.during_s is None else (-self.during_s[1], -self.during_s[0]),
+            during_turns=None
+            if self.during_turns is None
+            else (turns - self.during_turns[1], turns - self.during_turns[0]),
+            amplitude_um=-self.amplitude_um if jump and self.amplitude_um is not None else self.amplitude_um,
+            phase_deg=None if self.phase_deg is None else -self.phase_deg,
+        )
 
     def to_json(self) -> dict[str, object]:
         """The entry under the contract's keys; what does not apply is left out, but a tooth's number may be null."""

@@ -72,10 +72,12 @@ def locate(
     short: list[AlignedResidual] = []
     sizes: list[int] = []
     squares: list[float] = []
+    turns: list[float] = []
     for r in residuals:
         k = len(short)
         sizes.append(r.residual.size)
         squares.append(float(np.var(r.residual)) * r.residual.size)
+        turns.append(float(np.ptp(r.theta_1)) / (2.0 * math.pi))
         r, jumps = without_jumps(r, k=k, gears=gears, floor=floor)
         entries += jumps
         u, time_s, residual = r.u, r.time_s, r.residual
@@ -116,6 +118,7 @@ def locate(
     entries += tooth_entries(search, solution, numbered=numbered)
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
+    entries = [e.turned_round(turns[k]) if short[k := e.recordings[0]].backward else e for e in entries]
     entries.sort(key=lambda e: -e.gain)
     maps = []
     for s, places in zip(states, search.places, strict=True):

@@ -57,13 +57,14 @@ class GearKnown:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AlignedResidual:
     """One recording minus its simulation. ``theta_1``, ``theta_2`` (n,) in rad, continuous, increasing, 0 at the
-    contract's zero; ``residual`` (n,) in mm along the line of action; ``time_s`` (n,) or ``None``; ``torque`` in N.mm,
-    ``speed`` in rad/s, ``flank`` the condition. ``sharing`` from the simulation; without it each pair counts alike over
-    ``contact`` (begin, end in pitches about the pitch point). ``changes``: how the simulation changes at ``theta_2``
-    (k,) with what is not known exactly (zeros, compliance), (k, m) in mm per standard deviation; ``nuisance`` (n, m)
-    the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over which each
-    sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the ends of contact move when an axis
-    moves by 1 mm.
+    contract's zero; ``residual`` (n,) in mm along the line of action; ``time_s`` (n,), rising, or ``None``;
+    ``backward``: the pair ran backwards, so time counts back from 0 and samples come in the order of angles; ``torque``
+    in N.mm, ``speed`` in rad/s, ``flank`` the condition. ``sharing`` from the simulation; without it each pair counts
+    alike over ``contact`` (begin, end in pitches about the pitch point). ``changes``: how the simulation changes at
+    ``theta_2`` (k,) with what is not known exactly (zeros, compliance), (k, m) in mm per standard deviation;
+    ``nuisance`` (n, m) the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over
+    which each sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the ends of contact move when
+    an axis moves by 1 mm.
     """
 
     theta_1: FloatArray
@@ -71,6 +72,7 @@ class AlignedResidual:
     residual: FloatArray
     z_2: int
     time_s: FloatArray | None = None
+    backward: bool = False
     torque: float | None = None
     speed: float | None = None
     flank: Flank = "drive"

@@ -7,6 +7,7 @@ straight line would miss the curve by more than a stated error.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.simulate import swings_at
 from gearpoly.units import UM, FloatArray, read_only
 
 PER_MESH = 32
@@ -97,6 +99,17 @@ class Template:
         return np.zeros(theta_2.size) if bend is None else bend * load
 
 
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """What a recording was made under: ``flank``, ``torque`` in N.mm, ``speed`` of the driving shaft in rad/s, which
+    makes a mesh resonance swing (None: it does not); ``backward``: the pair runs backwards."""
+
+    flank: Flank
+    torque: float
+    speed: float | None = None
+    backward: bool = False
+
+
 Found = dict[tuple[Flank, str, int], FlankContacts]
 """Contacts of a pair at the places that all its templates begin with: flank, which places, and how many."""
 
@@ -109,12 +122,14 @@ def make_template(
     error: float = ERROR,
     per_mesh: int | None = None,
     speed: float | None = None,
+    backward: bool = False,
     found: Found | None = None,
 ) -> Template:
     """Simulate ``assembled`` over one hunting cycle on ``flank`` under ``torque`` (N.mm), lines true to ``error`` (mm).
 
     Teeth bend where the pair's file says so and the torque is above 0. ``speed`` of the driving shaft in rad/s makes a
-    mesh resonance swing. ``found`` keeps contacts that templates of several torques, the largest first, share. Raises
+    mesh resonance swing; ``backward``: flanks slide the other way, and hand-overs swing before
+    them. ``found`` keeps contacts that templates of several torques, the largest first, share. Raises
     ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified kernel disagrees,
     ``OutOfRangeError`` for a load beyond small deflections.
     """
@@ -122,7 +137,7 @@ def make_template(
     meshes = pair.meshes_per_cycle
     per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
     bends = assembled.elasticity if torque > 0.0 else None
-    compliance = pair_compliance(pair, bends, flank=flank) if bends is not None else None
+    compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank) if bends is not None else None
     near = 0.0 if compliance is None else NEAR + load_reach(compliance, torque)
 
     found = {} if found is None else found
@@ -177,9 +192,10 @@ def make_template(
     shafts = assembled.shafts
     if not shafts.rigid:
         twist = shafts.twist(torque=torque, coast=flank == "coast") * pair.r_b2
-        period = pair.cycle / (speed * pair.ratio) if speed else math.inf
-        swings = shafts.swings(even, period=period) if speed else np.zeros(even.size)
-        places = np.arange(even.size) * (pair.cycle / even.size)
+        places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
+        swings = np.zeros(even.size)
+        if speed and shafts.frequency is not None:
+            swings = swings_at(shafts, even, pair, places, speed=speed, time=None, backward=backward)
         te = te + twist + np.interp(theta_2, places, swings, period=pair.cycle)
         even = even + twist + swings
     return Template(
@@ -221,19 +237,26 @@ def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, b
     )
 
 
-def templates_of(
-    assembled: Assembled, flanks: list[Flank], torques: list[float], speeds: list[float | None]
-) -> list[Template]:
-    """One simulation per recording, by its flank, torque in N.mm and driving speed in rad/s; those of one condition
-    share theirs. Raises what ``make_template`` does."""
-    made: dict[tuple[Flank, float, float | None], Template] = {}
+def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[Template]:
+    """One simulation per recording, by its condition; those of one condition share theirs. Raises what
+    ``make_template`` does."""
+    loads = assembled.elasticity is not None or not assembled.shafts.rigid
+    swings = assembled.shafts.frequency is not None
+    # What a condition changes nothing by does not part two templates.
+    keys = [
+        Condition(
+            flank=one.flank,
+            torque=one.torque if loads else 0.0,
+            speed=one.speed if swings else None,
+            backward=one.backward and loads,
+        )
+        for one in conditions
+    ]
+    made: dict[Condition, Template] = {}
     found: Found = {}
-    keys = []
-    for flank, torque, speed in zip(flanks, torques, speeds, strict=True):
-        loads = assembled.elasticity is not None or not assembled.shafts.rigid
-        turns = None if speed is None or assembled.shafts.frequency is None else speed
-        keys.append((flank, torque if loads else 0.0, turns))
     # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
-    for flank, torque, turns in sorted(set(keys), key=lambda key: -key[1]):
-        made[flank, torque, turns] = make_template(assembled, flank=flank, torque=torque, speed=turns, found=found)
+    for key in sorted(dict.fromkeys(keys), key=lambda one: -one.torque):
+        made[key] = make_template(
+            assembled, flank=key.flank, torque=key.torque, speed=key.speed, backward=key.backward, found=found
+        )
     return [made[key] for key in keys]

@@ -24,7 +24,8 @@ one and a half has 0.08), and the least of that gain: six standard deviations.""
 
 
 def conditions(scope: Scope) -> list[list[int]]:
-    """Numbers of the recordings that were made on the same flank under the same torque, by condition."""
+    """Numbers of the recordings that were made on the same flank under the same torque, by condition, whichever way the
+    pair ran."""
     made: dict[tuple[str, float], list[int]] = {}
     for k, (flank, torque) in enumerate(zip(scope.flanks, scope.torques, strict=True)):
         made.setdefault((flank, round(torque, 3)), []).append(k)

@@ -162,7 +162,7 @@ def _width(entry: Entry) -> int:
 def _columns(entry: Entry, one: Aligned) -> FloatArray:
     """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording."""
     if entry.moment is not None:
-        at = sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+        at = sample_of(one.turned_round(entry), time_s=one.time_s, theta_1=one.theta_1)
         return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
     if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
         angle = 2.0 * math.pi * entry.hz * one.time_s
@@ -175,7 +175,7 @@ def jumps(comparison: Comparison) -> list[list[int]]:
     """Samples at which every recording jumps."""
     return [
         [
-            sample_of(entry, time_s=one.time_s, theta_1=one.theta_1)
+            sample_of(one.turned_round(entry), time_s=one.time_s, theta_1=one.theta_1)
             for entry in comparison.located.entries
             if entry.moment and k in entry.recordings
         ]

@@ -83,7 +83,7 @@ def options(model: Model) -> Iterator[NextRecording]:
     for shaft in (0, 1):
         if scope.encoders[shaft]:
             yield NextRecording(flank=flank, torque=scope.torques[0], refitted=shaft)
-    if full > LIGHT:
+    if full > LIGHT and not any(one.samples.backward for one in model.observed):
         yield NextRecording(flank=flank, torque=full, reversed=True)
 
 

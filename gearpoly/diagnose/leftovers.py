@@ -12,7 +12,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.template import templates_of
+from gearpoly.compare.template import Condition, templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.model import Model
@@ -39,7 +39,8 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     # touch all at once.
     conditions = [scene.samples for scene in search.scenes]
     fitted = templates_of(
-        model.assembled(), [s.flank for s in conditions], [s.torque for s in conditions], [s.speed for s in conditions]
+        model.assembled(),
+        [Condition(flank=s.flank, torque=s.torque, speed=s.speed, backward=s.backward) for s in conditions],
     )
     left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
     for one, scene, rest, template in zip(comparison.aligned, search.scenes, left, fitted, strict=True):
@@ -50,6 +51,7 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
                 residual=rest,
                 z_2=comparison.gears[1].z,
                 time_s=one.time_s,
+                backward=one.cleaned.backward,
                 torque=one.torque,
                 speed=one.speed,
                 flank=one.flank,

@@ -199,6 +199,7 @@ def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Ob
         direction_1=recording.driving_direction,
         direction_2=recording.driven_direction,
         counted=counted,
+        backward=one.cleaned.backward,
         load=one.load,
     )
     estimator = NoiseEstimator(u, z_1=pair.driving.gear.z, z_2=pair.driven.gear.z)

@@ -55,7 +55,9 @@ class Deed:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cleaned:
-    """The samples of a recording that can be compared with a simulation, in the recording's order.
+    """The samples of a recording that can be compared with a simulation, in the order of their angles.
+
+    That is the recording's own order; one of a pair that ran backwards comes last first, and its time counts back.
 
     ``theta_1``, ``theta_2`` (N,): rotations in rad, continuous and forward positive; the stated zero is subtracted,
     and where none is stated they are the encoder's readings. Both are known only up to whole turns. ``te`` (N,) in rad
@@ -94,6 +96,11 @@ class Cleaned:
         return self.te.size
 
     @property
+    def backward(self) -> bool:
+        """Whether the pair ran backwards."""
+        return self.recording.backward
+
+    @property
     def ratio_is_off(self) -> bool:
         """Whether the travels contradict the tooth ratio: encoder count, slip, or a slow drift."""
         return abs(self.ratio_offset) > OFFSET_SIGMAS * self.ratio_offset_std
@@ -121,6 +128,10 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         raise _too_short(recording, f"{keep.size} samples without drop-outs")
     position = keep.astype(np.float64) if recording.time_s is None else recording.time_s[keep]
     _check_time(recording, keep, position)
+    back = recording.backward
+    if back:
+        keep, position = keep[::-1], -position[::-1]
+        _note(done, "reversed", keep.size, "samples of a pair that ran backwards, taken from the last to the first")
     shafts = {
         shaft: _continuous(recording, shaft, values[keep], position, keep, done)
         for shaft, values in readings.items()
@@ -138,7 +149,8 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     theta_1, theta_2, te = theta_1[left], theta_2[left], te[left]
 
     begin, end = _steady(theta_1, position)
-    for what, count in (("start ramp", begin), ("stop ramp", keep.size - end)):
+    ramps = ("stop ramp", "start ramp") if back else ("start ramp", "stop ramp")
+    for what, count in zip(ramps, (begin, keep.size - end), strict=True):
         _note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
     keep, theta_1, theta_2, te = keep[begin:end], theta_1[begin:end], theta_2[begin:end], te[begin:end]
     if not keep.size or theta_1[-1] - theta_1[0] < TURNS_LEAST * TURN:
@@ -159,7 +171,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         theta_1=theta_1,
         theta_2=theta_2,
         te=te,
-        time_s=kept(recording.time_s),
+        time_s=-recording.time_s[keep] if back and recording.time_s is not None else kept(recording.time_s),
         torque_nm=kept(recording.torque_samples_nm),
         speed_rpm=kept(recording.speed_samples_rpm),
         keep=keep,
@@ -218,24 +230,27 @@ def _continuous(
 
 
 def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> None:
-    """Raise where a shaft turns back over the recording: its encoder counts down, or the pair ran backwards."""
+    """Raise where a shaft turns back over the recording: its encoder counts down, or the pair ran the other way."""
     travel = {name: float(np.sum(np.diff(one.angle)[one.ordinary])) for name, one in shafts.items()}
-    falling = [name for name, way in travel.items() if way < 0.0]
-    if not falling:
+    wrong = [name for name, way in travel.items() if way < 0.0]
+    if not wrong:
         return
     ways = {"driving": recording.driving_direction, "driven": recording.driven_direction}
-    keys = " and ".join(f"{name}_direction = {-ways[name]}" for name in falling)
-    first = falling[0]
+    keys = " and ".join(f"{name}_direction = {-ways[name]}" for name in wrong)
+    goes, runs = ("rise", "backwards") if recording.backward else ("fall", "forward")
+    first = wrong[0]
     found, counts = (
-        f"an angle that falls by {-travel[first] / TURN:.2f} turns as the recording runs",
+        f"an angle that {goes}s by {-travel[first] / TURN:.2f} turns as the recording runs",
         "this encoder counts",
     )
-    if len(falling) == 2:
-        turns = " and ".join(f"{-travel[name] / TURN:.2f}" for name in falling)
-        found, counts = f"angles that both fall, by {turns} turns, as the recording runs", "both encoders count"
-    wish = f"want angles that rise as the pair runs forward; state {keys} if {counts} the other way"
-    if len(falling) == len(shafts):
-        wish += "; a pair that really ran backwards cannot be read"
+    if len(wrong) == 2:
+        turns = " and ".join(f"{-travel[name] / TURN:.2f}" for name in wrong)
+        found, counts = f"angles that both {goes}, by {turns} turns, as the recording runs", "both encoders count"
+    wanted = "fall" if recording.backward else "rise"
+    wish = f"want angles that {wanted} as the pair runs {runs}; state {keys} if {counts} the other way"
+    if len(wrong) == len(shafts):
+        way, ran = ("false", "forward") if recording.backward else ("true", "backwards")
+        wish += f", or reversed = {way} if the pair ran {ran}"
     raise InputFileError(recording.source, where=f"column {first}_angle_deg", found=found, wish=wish)
 
 

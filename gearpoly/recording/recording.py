@@ -39,6 +39,7 @@ KEYS = (
     "driven_zero_deg",
     "driving_direction",
     "driven_direction",
+    "reversed",
     *RAW_KEYS,
 )
 """The keys that state the condition and the set-up of a recording."""
@@ -61,7 +62,9 @@ class Recording:
     ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
     to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
-    while the pair runs forward. ``remarks`` say what a reader found, assumed or left out.
+    while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
+    ``time_s`` rises; ``flank`` is still the one that touches. ``remarks`` say what a reader found,
+    assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -81,6 +84,7 @@ class Recording:
     driven_zero_rad: float | None = None
     driving_direction: Literal[1, -1] = 1
     driven_direction: Literal[1, -1] = 1
+    backward: bool = False
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -177,6 +181,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
     if key == "flank":
         good, want = value in ("drive", "coast"), '"drive" or "coast"'
+    elif key == "reversed":
+        # Formats that know no truth values hold 1 or 0.
+        good, want = isinstance(value, bool) or number in (0.0, 1.0), "true where the pair ran backwards, or false"
     elif key.endswith("_direction"):
         good, want = number in (1.0, -1.0), "1, or -1 where the encoder counts down"
     elif key.endswith("_zero_deg"):
@@ -243,5 +250,6 @@ def recording_from_columns(
         driven_zero_rad=stated("driven_zero_deg", DEG),
         driving_direction=-1 if stated("driving_direction") == -1.0 else 1,
         driven_direction=-1 if stated("driven_direction") == -1.0 else 1,
+        backward=bool(keys.get("reversed", False)),
         remarks=tuple(remarks),
     )

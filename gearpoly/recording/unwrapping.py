@@ -53,11 +53,11 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     """Undo the wraps of one encoder.
 
     ``reading`` (m,) in rad without drop-outs, ``position`` (m,) the time in s (or the sample's number), rising,
-    ``sample`` (m,) the number of each sample in the recording, so that drop-outs show as gaps.
+    ``sample`` (m,) the number of each sample in the recording, rising or falling, so that drop-outs show as gaps.
     """
     step, pause = np.diff(reading), np.diff(position)
     usual = float(np.median(pause))
-    ordinary = (np.diff(sample) == 1) & (pause <= GAP_STEPS * usual)
+    ordinary = (np.abs(np.diff(sample)) == 1) & (pause <= GAP_STEPS * usual)
     if not ordinary.any():
         ordinary = np.ones(step.size, dtype=np.bool_)
     expected = _speed(step[ordinary], pause[ordinary]) * pause

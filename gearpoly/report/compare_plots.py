@@ -131,7 +131,7 @@ def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
         top = min((MESHES + 0.5) * per_second, 0.5 / dt)
         frequency, amplitude = _spectrum(time, _parted(one)[0], span, top)
         limit = _threshold(noise, frequency / per_second, one.residual.size, top * span, SHARES.time)
-        label = f"recording {k}: {one.flank}, {one.torque / NM:g} N.m"
+        label = f"recording {k}: {one.ran}, {one.torque / NM:g} N.m"
         axis.semilogy(frequency, amplitude / UM, color=colour, linewidth=0.6, alpha=0.8, label=label)
         axis.semilogy(frequency, limit / UM, color=colour, linewidth=1.0, linestyle="--")
         tops.append((frequency, amplitude / UM, limit / UM))

@@ -65,6 +65,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             {
                 "file": str(one.cleaned.recording.source),
                 "flank": one.flank,
+                **({"reversed": True} if one.cleaned.backward else {}),
                 "torque_nm": one.torque / NM,
                 "speed_rpm": None if one.speed is None else one.speed / RPM,
                 "samples": one.cleaned.size,
@@ -152,7 +153,7 @@ def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
     load = f"{one.torque / NM:g} N.m"
     noise = comparison.located.noises[k].level / UM
     return (
-        f"{one.cleaned.recording.source.name}: {one.flank} flank, {load}{speed}, {one.cleaned.size} samples, "
+        f"{one.cleaned.recording.source.name}: {one.ran}, {load}{speed}, {one.cleaned.size} samples, "
         f"{one.cycles:.3g} hunting cycles; left {one.rms / UM:.3f} um rms about {one.mean / UM:+.3f} um, "
         f"noise {noise:.3f} um"
     )

@@ -66,7 +66,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
 def recording_label(k: int, one: Aligned) -> str:
     """A recording's number, file and condition."""
     speed = "" if one.speed is None else f", {one.speed / RPM:.4g} rpm"
-    return f"{k}: {one.cleaned.recording.source.name} ({one.flank} flank, {one.torque / NM:g} N·m{speed})"
+    return f"{k}: {one.cleaned.recording.source.name} ({one.ran}, {one.torque / NM:g} N·m{speed})"
 
 
 def shares(sizes: list[int], budget: int) -> list[int]:

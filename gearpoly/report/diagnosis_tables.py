@@ -127,7 +127,7 @@ def recordings(diagnosis: Diagnosis) -> str:
         rows.append(
             [
                 f"{k}: {escape(one.cleaned.recording.source.name)}",
-                one.flank,
+                one.ran.replace(" flank", ""),
                 number(one.torque / NM, 2),
                 NONE if one.speed is None else number(one.speed / RPM, 1),
                 str(one.theta_2.size),
