@@ -20,8 +20,10 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.way import misfit_at
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place
 from gearpoly.recording.recording import Recording
-from tests.physics_cases import recorded
+from tests.physics_cases import Condition, recorded, rough
 from tests.test_fit_places import UNLOADED, made_gears
 
 SLOPE = -30.0
@@ -240,3 +242,22 @@ def test_of_several_claims_each_is_fitted_without() -> None:
     pair.model.claims = [named("first"), named("second")]
     Search.withdraw(pair)
     assert [one.key for one in pair.model.claims] == ["first"]
+
+
+@pytest.mark.parametrize("gear", [0, 1])
+def test_thin_teeth_are_told_by_where_their_coast_flanks_meet(gear: int) -> None:
+    """Both gears' make the same lost motion, but where one has it the coast flanks hand over a thousandth of a radian
+    off where they do with the other, and rough teeth place that to a hundredth of it; 40 um between the axes move the
+    ends of the path. Sizes to five standard errors."""
+    known, thinner, apart = rough(), -25.0, 40.0
+    place = Place(gear=gear)
+    true = Claim(physics=catalogue()["tooth_thickness"], place=place, values=(thinner,)).written(known)
+    true = Claim(physics=catalogue()["centre_distance"], place=Place(), values=(apart,)).written(true)
+    both = (Condition(torque_nm=0.0), Condition(torque_nm=0.0, flank="coast"))
+    found = diagnose(known, recorded(true, both, np.random.default_rng(4), cycles=4.0), path=Path("pair.toml")).findings
+    told = {one.claim.physics.name: one for one in found}
+    assert set(told) == {"centre_distance", "tooth_thickness"}
+    assert told["tooth_thickness"].claim.place.gear == gear
+    for name, key, value in (("centre_distance", "offset_um", apart), ("tooth_thickness", "deviation_um", thinner)):
+        size, std = told[name].parameters[key]
+        assert abs(size - value) < 5.0 * std < 0.1 * abs(value)

@@ -42,7 +42,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
-        likenesses = list(_likenesses(search, k)) if search.model.claims[k].physics.mean_tooth else []
+        likenesses = list(_likenesses(search, k))
         if not likenesses:
             continue
         rest(search)
@@ -80,13 +80,21 @@ def rest(search: Search) -> None:
 
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
-    """What may stand in the place of claim ``k``, as far as first order tells."""
+    """What may stand in the place of claim ``k``, as far as first order tells: of the same teeth of all the gear, and
+    of a whole gear that stands off, the other gear."""
     claim = search.model.claims[k]
+    mean_tooth = claim.physics.mean_tooth
+    if not mean_tooth and not claim.physics.whole_gear:
+        return
     bare = search.linear.without(search.linear.layout.places(k))
     gain = bare.system.misfit - bare.system.with_columns(search.linear.white_of(k)).misfit
     others = search.model.but(claim)
     taken = {one.key for one in search.model.claims}
-    places = [(physics, place) for physics, place in all_places(others) if physics.mean_tooth]
+    places = [
+        (physics, place)
+        for physics, place in all_places(others)
+        if (physics.mean_tooth if mean_tooth else physics is claim.physics)
+    ]
     found, _ = scan(others, search.scenes, bare, only=places)
     seen: set[Key] = set()
     for one in found:

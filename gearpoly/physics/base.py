@@ -160,6 +160,9 @@ class Physics:
     mean_tooth: bool = False
     """It is the same at every mesh, where a wrong compliance law shows too."""
 
+    whole_gear: bool = False
+    """It moves all teeth of a gear as one: on the other gear it does the same but for where teeth then meet."""
+
     law_doubt: float = 0.0
     """Relative standard error of its size, one sigma, for what compliance laws differ by."""
 

@@ -40,6 +40,7 @@ PHYSICS = Physics(
     amplitudes=1,
     ordinary=(5.0,),
     places=_places,
+    whole_gear=True,
     effect=_effect,
     write=_write,
     report=plain("deviation_um"),
