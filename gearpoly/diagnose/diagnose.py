@@ -21,6 +21,7 @@ from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.forms import Form, forms, in_doubt
+from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
@@ -114,9 +115,11 @@ def diagnose(
     ]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     thought = Imagined(model=model, laws=search.laws)
-    findings = tuple(
-        _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), thought, watch) for k in order
-    )
+    each = [
+        (k, _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), thought, watch))
+        for k in order
+    ]
+    findings = gathered(search, each, slow=slow_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     if counted is not None:

@@ -45,7 +45,8 @@ class Finding:
     encoder, ``gain`` in misfit, ``p_value`` over the whole search, rms in mm on unseen samples ``without`` and
     ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
     teeth do not touch there; ``foretold``: by how much less of a misfit each torque and flank is foretold by the others
-    with it (None where there is one condition only)."""
+    with it (None where there is one condition only). ``together``: all claims of one slow physics, each about some of
+    the recordings, of which ``claim`` is the first (none: it stands alone)."""
 
     claim: Claim
     parameters: Reported
@@ -59,11 +60,22 @@ class Finding:
     separation: Separation | None
     at_least: bool = False
     foretold: float | None = None
+    together: tuple[Claim, ...] = ()
 
     @property
     def says(self) -> str:
-        """The finding as a sentence; it names no tooth where the numbering is open."""
-        return _said(self.claim, self.tooth)
+        """The finding as a sentence, or one for each claim; it names no tooth where the numbering is open."""
+        return " ".join(_said(claim, self.tooth) for claim in self.claims)
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """All that is claimed."""
+        return self.together or (self.claim,)
+
+    @property
+    def recordings(self) -> tuple[int, ...]:
+        """Numbers of the recordings that it is about (none: all)."""
+        return tuple(sorted({k for claim in self.claims for k in claim.place.recordings}))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -89,7 +89,7 @@ def findings(diagnosis: Diagnosis) -> str:
 
 def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
     claim = one.claim
-    freedoms = len(claim.values)
+    freedoms = sum(len(each.values) for each in one.claims)
     sure = (
         f"Noise alone would do this, anywhere in the whole search, with a chance of <b>{chance(one.p_value)}</b>. "
         f"Left out, the misfit (sum of squares over the noise) rises by <b>{number(one.gain, 1)}</b> for {freedoms} "
@@ -123,9 +123,9 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
 def where(one: Finding) -> str:
     """A finding's place in words."""
     place = one.claim.place
-    if place.recordings:
-        several = "s" if place.recordings[1:] else ""
-        return f"Measuring chain, recording{several} {', '.join(map(str, place.recordings))}"
+    if one.recordings:
+        several = "s" if one.recordings[1:] else ""
+        return f"Measuring chain, recording{several} {', '.join(map(str, one.recordings))}"
     if place.gear_name is None:
         return "The pair as a whole" + ("" if place.flank is None else f", {place.flank} flank")
     out = f"{place.gear_name} gear" if not one.claim.physics.measures else f"measuring chain, {place.gear_name} shaft"

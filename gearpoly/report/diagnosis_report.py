@@ -100,8 +100,9 @@ def _place_json(one: Finding | Rival) -> dict[str, Any]:
         out |= {"tooth": one.tooth, "encoder_deg": one.encoder_deg}
     if place.flank is not None and place.flank != "drive":
         out["flank"] = place.flank
-    if place.recordings:
-        out["recordings"] = list(place.recordings)
+    recordings = one.recordings if isinstance(one, Finding) else place.recordings
+    if recordings:
+        out["recordings"] = list(recordings)
     return out
 
 
