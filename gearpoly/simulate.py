@@ -185,8 +185,9 @@ def simulate(
     # In the order of angles, time counting back.
     order = slice(None, None, -1 if backward else 1)
     ahead = -time[::-1] if backward and time is not None else time
+    te = found.te if load is None else load.te
     further = further_te(
-        assembled, theta_2[order], torque=torque, flank=flank, speed=speed, time=ahead, backward=backward
+        assembled, theta_2[order], te[order], torque=torque, flank=flank, speed=speed, time=ahead, backward=backward
     )[order]
     further = further + varied_te(assembled, load, off, torque=torque, flank=flank)
     return Simulation(
@@ -202,13 +203,14 @@ def simulate(
 
 
 SWINGS_PER_MESH = 128
-"""Places per pitch at which what a resonance adds is known: it bends as sharply as the curve itself does where teeth
-hand over, and straight lines between so many miss it by a thirtieth of its rms."""
+"""Places per pitch at which a curve is known that makes a resonance swing: of 3 um of rough teeth without load, swings
+of 13 um then come out to 7 nm, of 2 um at six times the mesh frequency to 15 nm."""
 
 
 def further_te(
     assembled: Assembled,
     theta_2: FloatArray,
+    te: FloatArray,
     *,
     torque: float,
     flank: Flank,
@@ -216,14 +218,14 @@ def further_te(
     time: FloatArray | None = None,
     backward: bool = False,
 ) -> FloatArray:
-    """What shafts and resonance add to the transmission error (N,) in rad at ``theta_2`` (N,) in rad; arguments as for
-    ``simulate``."""
+    """What shafts and resonance add (N,) in rad to the transmission error ``te`` (N,) in rad of the mesh alone at
+    ``theta_2`` (N,) in rad; arguments as for ``simulate``."""
     pair, shafts = assembled.pair, assembled.shafts
     out = np.full(theta_2.size, shafts.twist(torque=torque, coast=flank == "coast"))
     if shafts.frequency is None or speed is None:
         return out
-    te = cycle_te(assembled, torque=torque, flank=flank, backward=backward)
-    return out + swings_at(shafts, te, pair, theta_2, speed=speed, time=time, backward=backward)
+    whole = cycle_te(assembled, torque=torque, flank=flank, backward=backward)
+    return out + swings_at(shafts, whole, pair, theta_2, te, speed=speed, time=time, backward=backward)
 
 
 def varied_te(
@@ -243,24 +245,28 @@ def swings_at(
     te: FloatArray,
     pair: GearPair,
     theta_2: FloatArray,
+    here: FloatArray,
     *,
     speed: float | None,
     time: FloatArray | None,
     backward: bool = False,
 ) -> FloatArray:
-    """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, in its unit:
-    settled at a driving ``speed`` in rad/s (None: it swings in a run-up only), or as it follows where ``time`` (N,) in
-    s says that the speed changes. ``backward``: the last comes first, by a ``time`` that counts back from the end."""
+    """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, which is
+    ``here`` (N,) there, in its unit: settled at a driving ``speed`` in rad/s (None: it swings in a run-up only), or as
+    it follows where ``time`` (N,) in s says that the speed changes. ``backward``: the last comes first, by a ``time``
+    that counts back from the end."""
     if backward:
         mirrored, ahead = np.roll(te[::-1], 1), None if time is None else time[-1] - time[::-1]
-        return swings_at(shafts, mirrored, pair, -theta_2[::-1], speed=speed, time=ahead)[::-1]
+        return swings_at(shafts, mirrored, pair, -theta_2[::-1], here[::-1], speed=speed, time=ahead)[::-1]
     if runs_up(theta_2, time) is not None and time is not None:
         pitch = pair.cycle / pair.meshes_per_cycle
-        return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time)
+        return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time, here=here)
     if speed is None:
         return np.zeros(theta_2.size)
-    swings = shafts.swings(te, period=pair.cycle / (speed * pair.ratio))
-    return np.interp(theta_2, np.arange(te.size) * (pair.cycle / te.size), swings, period=pair.cycle)
+    period = pair.cycle / (speed * pair.ratio)
+    even = np.arange(te.size) * (pair.cycle / te.size)
+    added, known = (np.interp(theta_2, even, one, period=pair.cycle) for one in (shafts.swings(te, period=period), te))
+    return np.asarray(added + shafts.unmoved(here - known, rate=te.size / period))
 
 
 @lru_cache(maxsize=8)

@@ -153,9 +153,11 @@ def test_a_resonance_lags_in_time_and_so_leads_in_angle() -> None:
     moved = solve_ivp(motion, (0.0, lasts), [te(0.0), 0.0], t_eval=times, max_step=40.0 * step, rtol=1e-7, atol=1e-12)
     expected = moved.y[0] - np.array([te(t) for t in times])
     # In the order of angles, time counting back.
+    ahead = -times[::-1]
     got = further_te(
-        swinging, -rate * times[::-1], torque=TORQUE * NM, flank="drive", speed=speed, time=-times[::-1], backward=True
-    )[::-1]
+        swinging, rate * ahead, np.array([te(-t) for t in ahead]),
+        torque=TORQUE * NM, flank="drive", speed=speed, time=ahead, backward=True,
+    )[::-1]  # fmt: skip
     assert np.std(expected) * pair.r_b2 > 0.3 * UM
     assert np.std(got - expected) < 0.03 * np.std(expected)
 

@@ -46,8 +46,9 @@ def recorded_at(true: PairFile, theta_1: FloatArray, time: FloatArray, rng: np.r
     made = assemble(true, path=Path("true.toml"), seed=0)
     theta_2 = made.pair.ratio * theta_1
     speed = float(np.ptp(theta_1) / np.ptp(time))
-    te = te_of(made, theta_2, flank="drive", torque_nm=0.0) + rng.normal(0.0, NOISE_UM * UM, time.size) / made.pair.r_b2
-    te = te + further_te(made, theta_2, torque=0.0, flank="drive", speed=speed, time=time)
+    te = te_of(made, theta_2, flank="drive", torque_nm=0.0)
+    te = te + further_te(made, theta_2, te, torque=0.0, flank="drive", speed=speed, time=time)
+    te = te + rng.normal(0.0, NOISE_UM * UM, time.size) / made.pair.r_b2
     return Recording(
         source=Path(f"{speed:.0f}.csv"), time_s=time, driving_angle_rad=(theta_2 - te) / made.pair.ratio,
         driven_angle_rad=theta_2, torque_nm=0.0, driving_zero_rad=0.0, driven_zero_rad=0.0,

@@ -182,7 +182,8 @@ def _swings(one: Cleaned, template: Template, assembled: Assembled, theta_2: Flo
         return None
     pair, cycle = assembled.pair, template.cycle
     te = template.at(np.linspace(0.0, cycle, pair.meshes_per_cycle * SWINGS_PER_MESH, endpoint=False))
-    return swings_at(assembled.shafts, te, pair, theta_2, speed=None, time=one.time_s, backward=one.backward)
+    here = template.at(theta_2)
+    return swings_at(assembled.shafts, te, pair, theta_2, here, speed=None, time=one.time_s, backward=one.backward)
 
 
 def _further(

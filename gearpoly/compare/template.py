@@ -193,11 +193,12 @@ def make_template(
     if not shafts.rigid:
         twist = shafts.twist(torque=torque, coast=flank == "coast") * pair.r_b2
         places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
-        swings = np.zeros(even.size)
         if speed and shafts.frequency is not None:
-            swings = swings_at(shafts, even, pair, places, speed=speed, time=None, backward=backward)
-        te = te + twist + np.interp(theta_2, places, swings, period=pair.cycle)
-        even = even + twist + swings
+            te, even = (
+                here + swings_at(shafts, even, pair, at, here, speed=speed, time=None, backward=backward)
+                for at, here in ((theta_2, te), (places, even))
+            )
+        te, even = te + twist, even + twist
     return Template(
         flank=flank,
         torque=torque,

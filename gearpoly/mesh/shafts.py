@@ -28,6 +28,10 @@ it as a part of the recording."""
 BEGUN = 4.0
 """Pitches over which that speed is taken."""
 
+TOO_FAST = 0.25
+"""Part of the rate of even places at which bends between these count as a wave: found as that at which all resonances
+from the mesh frequency to 300 times that come out best."""
+
 LEAST_STEP = 1e-7
 """Shortest step in s: no recording that anyone makes asks for more."""
 
@@ -91,6 +95,13 @@ class Shafts:
         off = te - te[0]
         return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), off, axis=0) - off)
 
+    def unmoved(self, missed: FloatArray, *, rate: float) -> FloatArray:
+        """What the resonance adds (n,) where straight lines between places that come at ``rate`` Hz have ``missed``
+        (n,) of what excites it: bends that are over before it moves, so it stays where it is."""
+        if self.frequency is None:
+            return np.zeros(missed.shape)
+        return -missed / (1.0 + (self.frequency / (TOO_FAST * rate)) ** 2)
+
     def magnified(self, changes: FloatArray, *, time: FloatArray) -> FloatArray:
         """What ``changes`` (n,) or (n, m) of the excitation at ``time`` (n,) in s, in their unit, become, straight from
         sample to sample: for derivatives, since curves may bend between samples."""
@@ -124,11 +135,18 @@ def runs_up(theta: FloatArray, time: FloatArray | None) -> tuple[float, float] |
 
 
 def swings_along(
-    shafts: Shafts, te: FloatArray, *, cycle: float, pitch: float, theta_2: FloatArray, time: FloatArray
+    shafts: Shafts,
+    te: FloatArray,
+    *,
+    cycle: float,
+    pitch: float,
+    theta_2: FloatArray,
+    time: FloatArray,
+    here: FloatArray,
 ) -> FloatArray:
     """What the resonance adds (n,) to a pair's transmission error ``te`` (m,), at even places of a hunting ``cycle``
-    in rad, at ``theta_2`` (n,) in rad passed at ``time`` (n,) in s, however the speed changes; ``pitch`` in rad of
-    driven rotation."""
+    in rad, at ``theta_2`` (n,) in rad passed at ``time`` (n,) in s, however the speed changes, where that error is
+    ``here`` (n,); ``pitch`` in rad of driven rotation."""
     if shafts.frequency is None:
         return np.zeros(theta_2.size)
     ends = runs_up(theta_2, time)
@@ -141,5 +159,7 @@ def swings_along(
     first = (theta_2[begun] - theta_2[0]) / (time[begun] - time[0])
     there = np.where(ahead < 0.0, theta_2[0] + first * ahead, np.interp(ahead, time - time[0], theta_2))
     even = np.arange(te.size) * (cycle / te.size)
-    added = shafts.follows(np.interp(there, even, te, period=cycle), step=step)
-    return np.asarray(np.interp(time - time[0], ahead, added))
+    followed = np.interp(there, even, te, period=cycle)
+    added, known = (np.interp(time - time[0], ahead, one) for one in (shafts.follows(followed, step=step), followed))
+    rate = min(1.0 / step, abs(theta_2[-1] - theta_2[0]) / (time[-1] - time[0]) * te.size / cycle)
+    return np.asarray(added + shafts.unmoved(here - known, rate=rate))

@@ -218,7 +218,10 @@ class Scene:
         s = self.samples
         if s.speed is None:
             return np.zeros(s.size)
-        return swings_at(shafts, self.cycle_te, self.pair, s.theta_2, speed=s.speed, time=s.time, backward=s.backward)
+        here = self.mesh_te / self.pair.r_b2
+        return swings_at(
+            shafts, self.cycle_te, self.pair, s.theta_2, here, speed=s.speed, time=s.time, backward=s.backward
+        )
 
     @cached_property
     def cycle_te(self) -> FloatArray:
@@ -284,16 +287,17 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
 
     r_1 = np.hypot(rows.point[:, 0], rows.point[:, 1])
     r_2 = np.hypot(rows.point[:, 0] - pair.a, rows.point[:, 1])
+    mesh_te = rows.te if load is None else load.te
     further = further_te(
         assembled,
         samples.theta_2,
+        mesh_te,
         torque=torque,
         flank=samples.flank,
         speed=samples.speed,
         time=samples.time,
         backward=samples.backward,
     )
-    mesh_te = rows.te if load is None else load.te
     soft = np.zeros(samples.size)
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
