@@ -13,7 +13,7 @@ from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
-from gearpoly.mesh.shafts import Shafts, runs_up, swings_along
+from gearpoly.mesh.shafts import Shafts, swings_along
 from gearpoly.mesh.transmission import (
     NEAR,
     Backlash,
@@ -252,13 +252,13 @@ def swings_at(
     backward: bool = False,
 ) -> FloatArray:
     """What a resonance adds (N,) at ``theta_2`` (N,) in rad to the curve ``te`` (m,) of a hunting cycle, which is
-    ``here`` (N,) there, in its unit: settled at a driving ``speed`` in rad/s (None: it swings in a run-up only), or as
-    it follows where ``time`` (N,) in s says that the speed changes. ``backward``: the last comes first, by a ``time``
-    that counts back from the end."""
+    ``here`` (N,) there, in its unit: settled at a driving ``speed`` in rad/s (None: it is not turning), or as it
+    follows the speed that ``time`` (N,) in s tells, which near a resonance counts by the thousandth. ``backward``: the
+    last comes first, by a ``time`` that counts back from the end."""
     if backward:
         mirrored, ahead = np.roll(te[::-1], 1), None if time is None else time[-1] - time[::-1]
         return swings_at(shafts, mirrored, pair, -theta_2[::-1], here[::-1], speed=speed, time=ahead)[::-1]
-    if runs_up(theta_2, time) is not None and time is not None:
+    if time is not None and time[-1] > time[0]:
         pitch = pair.cycle / pair.meshes_per_cycle
         return swings_along(shafts, te, cycle=pair.cycle, pitch=pitch, theta_2=theta_2, time=time, here=here)
     if speed is None:

@@ -231,3 +231,36 @@ def test_swings_at_samples_are_those_of_a_far_finer_curve(part: float) -> None:
     error, before = (float(np.std(one[128] - found[2048])) for one in (found, plain))
     assert error < (0.015 if part < 100.0 else 0.05) * UM
     assert error < (0.6 if part < 100.0 else 1.05) * before
+
+
+def test_a_speed_that_wobbles_by_a_thousandth_is_followed() -> None:
+    """Beside a resonance of gain 6 a speed that goes up and down by 0.5 % puts side bands beside the mesh order: a
+    twentieth of what swings, which settled swings at the mean speed lack and the equation of motion has."""
+    assembled = made(rough())
+    pair, speed, shafts = assembled.pair, 300.0 * RPM, Shafts(frequency=62.0, damping=0.08)
+    even = np.linspace(0.0, pair.cycle, pair.meshes_per_cycle * SWINGS_PER_MESH, endpoint=False)
+    curve = stage(assembled, samples_at(assembled, even, Condition(torque_nm=20.0), 0)).mesh_te / pair.r_b2
+    rate = speed * pair.ratio
+    # Two turns of the driving shaft to one wobble.
+    w, slow = 2.0 * math.pi * 62.0, 0.5 * speed
+
+    def at(t: FloatArray) -> FloatArray:
+        return rate * (t + 0.005 / slow * np.sin(slow * t))
+
+    def te(t: FloatArray) -> FloatArray:
+        return np.interp(at(t), even, curve, period=pair.cycle)
+
+    def motion(t: float, x: FloatArray) -> list[float]:
+        return [x[1], w * w * (float(te(np.array(t))) - x[0]) - 2.0 * 0.08 * w * x[1]]
+
+    lasts = 3.0 * pair.cycle / rate
+    times = np.linspace(0.3 * lasts, lasts, 4000)
+    moved = solve_ivp(motion, (0.0, lasts), [0.0, 0.0], t_eval=times, max_step=4e-4, rtol=1e-7, atol=1e-12)
+    expected = moved.y[0] - te(times)
+    followed, settled_ = (
+        swings_at(shafts, curve, pair, at(times), te(times), speed=speed, time=one) for one in (times, None)
+    )
+    later = times > 0.45 * lasts  # what it swung at the beginning has died away
+    size = float(np.std(expected[later]))
+    assert np.std((followed - expected)[later]) < 0.005 * size
+    assert np.std((settled_ - expected)[later]) > 0.02 * size

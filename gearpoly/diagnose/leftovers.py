@@ -72,7 +72,7 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         for entry in found.entries
         if entry.companion_of is None
         and not _claimed(entry, model)
-        and not _by_law(entry, doubt)
+        and not _by_law(entry, doubt * _magnified(entry, search))
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
@@ -126,6 +126,19 @@ def _by_law(entry: Entry, deflection: float) -> bool:
     if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
         part = BY_LAWS["mesh_phase"]
     return size < part * deflection
+
+
+def _magnified(entry: Entry, search: Search) -> float:
+    """By how much a resonance makes more of a wave over angle, and so of what laws differ by in it, at most; 1 where
+    none does."""
+    if entry.order is None:
+        return 1.0
+    z_1, z_2 = (gear.z for gear in search.model.scope.gears)
+    # Of the driving shaft.
+    order = entry.order * {"driving": 1.0, "driven": z_1 / z_2}.get(entry.gear or "", float(z_1))
+    scenes = [search.scenes[k] for k in entry.recordings]
+    hertz = np.array([order * (scene.samples.speed or 0.0) / (2.0 * math.pi) for scene in scenes])
+    return max(1.0, float(np.max(np.abs(scenes[0].assembled.shafts.gain(hertz)))))
 
 
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:

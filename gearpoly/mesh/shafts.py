@@ -11,10 +11,10 @@ from scipy.signal import cont2discrete, lfilter
 from gearpoly.units import FloatArray
 
 UNEVEN = 0.05
-"""Part of its mean by which a recording's speed may go up and down before it counts as a run-up: near a resonance of
-damping 0.05 half of that moves the gain by a tenth at most."""
+"""Part of its mean by which a recording's speed may go up and down before it counts as a run-up, which meets a
+resonance at many speeds: near one of damping 0.05 half of that moves the gain by a tenth at most."""
 
-PER_SWING, PER_PITCH = 24.0, 64.0
+PER_SWING, PER_PITCH = 24.0, 128.0
 """Steps in time per period of the resonance and of the mesh, at the fastest, in which a run-up is followed; straight
 lines between are off by (2 pi / 24)^2 / 12 of what swings at the resonance itself."""
 
