@@ -65,7 +65,8 @@ class Assembled:
 def nominal_gear(section: GearSection) -> Gear:
     """The deviation-free gear of one gear section. Raises ``GeometryError`` where it cannot be cut."""
     alpha, round_ = section.pressure_angle_deg * DEG, section.root_radius
-    if round_ is None:
+    # The default means the same where a file writes it out.
+    if round_ is None or round_ == Rack.rho_fP:
         round_ = max(usual_round(alpha=alpha, h_fP=section.dedendum), 0.0)
     rack = Rack(alpha=alpha, h_aP=section.addendum, h_fP=section.dedendum, rho_fP=round_)
     return Gear(

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearpoly.assemble import nominal_gear
-from gearpoly.errors import InputFileError
+from gearpoly.errors import GeometryError, InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, effective_defaults, moved, profile_csv_path, read_pair
 from tests.made_pairfile import BENCH, CONTRACT, PITCH, ROOT, SMALLEST, write
@@ -54,11 +54,15 @@ def test_defaults_are_iso_53_profile_a_and_steel(tmp_path: Path) -> None:
 
 def test_at_other_angles_the_root_is_as_round_as_fits(tmp_path: Path) -> None:
     """At 25 deg and the usual dedendum a round of 0.38 leaves the cutting rack no land: (pi/4 - 1.25 tan 25) cos 25 /
-    (1 - sin 25) = 0.3179 does."""
-    text = SMALLEST.replace("teeth =", "pressure_angle_deg = 25.0\nteeth =")
-    gear = nominal_gear(read_pair(write(tmp_path, text)).driving)
-    assert gear.rack.rho_fP == pytest.approx(0.3179, abs=1e-4)
-    assert 0.0 <= gear.rack.half_land < 1e-8
+    (1 - sin 25) = 0.3179 does. So it is where a file writes the default out, and no other round is changed."""
+    for more in ("", "root_radius = 0.38\n"):
+        text = SMALLEST.replace("teeth =", f"pressure_angle_deg = 25.0\n{more}teeth =")
+        gear = nominal_gear(read_pair(write(tmp_path, text)).driving)
+        assert gear.rack.rho_fP == pytest.approx(0.3179, abs=1e-4)
+        assert 0.0 <= gear.rack.half_land < 1e-8
+    text = SMALLEST.replace("teeth =", "pressure_angle_deg = 25.0\nroot_radius = 0.37\nteeth =")
+    with pytest.raises(GeometryError, match=r"at most 0\.3179"):
+        nominal_gear(read_pair(write(tmp_path, text)).driving)
 
 
 def test_effective_defaults_name_what_was_left_out_and_nothing_else(tmp_path: Path) -> None:

@@ -30,6 +30,10 @@ with all that teeth as built might take of it."""
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
 
+TWIN = 0.25
+"""The same for a damage of the mate's tooth, whose coarse shapes are laid elsewhere than those of the claim: where two
+teeth always meet, either has it."""
+
 LOOKED_AT = 12
 """Rivals that are looked at closely."""
 
@@ -72,7 +76,12 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted
         one = Candidate(claim=refit.claim, gain=reached, freedoms=freedoms)
         if like(one, reached):
             rivals.append(one)
-    for one in [c for c in found if c.gain > POSSIBLE * gain][: 4 * LOOKED_AT]:
+
+    def possible(one: Candidate) -> bool:
+        twin = one.claim.physics is claim.physics and claim.physics.shaped and one.claim.place.gear != claim.place.gear
+        return one.gain > (TWIN if twin and claim.place.tooth is not None else POSSIBLE) * gain
+
+    for one in [c for c in found if possible(c)][: 4 * LOOKED_AT]:
         if one.claim.key in seen or len(seen) > LOOKED_AT:
             continue
         seen.add(one.claim.key)
