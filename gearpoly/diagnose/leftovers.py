@@ -82,6 +82,11 @@ FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
 
 
+SHARP = 15.0
+"""Standard errors by which a line is above the noise about it whatever colour that has: its power is a hundred times
+what was read off the lines beside it."""
+
+
 def located_on(comparison: Comparison, gear: int) -> list[Entry]:
     """The foremost of what ``compare`` located at single teeth and whole orders of a gear (0, 1), before anything was
     fitted."""
@@ -142,12 +147,15 @@ def _magnified(entry: Entry, search: Search) -> float:
 
 
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
-    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves."""
+    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves, if not
+    so sharp that no colour would be."""
     if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
         return False
     if entry.moment is not None or entry.burst is not None:
         return False
     if entry.order is not None and float(entry.order).is_integer():
+        return False
+    if abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf):
         return False
     return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
 
