@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled
 from gearpoly.mesh.contact import Feature
-from gearpoly.mesh.deflection import pair_compliance
+from gearpoly.mesh.deflection import PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.shafts import Shafts, swings_along
@@ -162,7 +162,8 @@ def simulate(
     compliance = None
     if bends is not None and loaded_teeth:
         compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank)
-    near = NEAR if compliance is None else NEAR + load_reach(compliance, torque)
+    heaviest = torque if off is None else torque * (1.0 + float(np.max(np.abs(off))))
+    near = NEAR if compliance is None else NEAR + load_reach(compliance, heaviest)
     backlash = both_flanks(pair, theta_2, near=near, fast=fast, progress=progress)
     found = backlash.drive if flank == "drive" else backlash.coast
     load = None if compliance is None else loaded(found, compliance, torque=torque, sharing=assembled.sharing)
@@ -189,7 +190,7 @@ def simulate(
     further = further_te(
         assembled, theta_2[order], te[order], torque=torque, flank=flank, speed=speed, time=ahead, backward=backward
     )[order]
-    further = further + varied_te(assembled, load, off, torque=torque, flank=flank)
+    further = further + varied_te(assembled, found, compliance, load, off, torque=torque)
     return Simulation(
         assembled=assembled,
         flank=flank,
@@ -228,16 +229,39 @@ def further_te(
     return out + swings_at(shafts, whole, pair, theta_2, te, speed=speed, time=time, backward=backward)
 
 
+GENTLE, LIGHTEST = 0.05, 0.95
+"""Part by which a torque is off its mean up to which teeth give by their stiffness, and at most where less load is
+simulated."""
+
+
 def varied_te(
-    assembled: Assembled, load: LoadedContacts | None, off: FloatArray | None, *, torque: float, flank: Flank
+    assembled: Assembled,
+    rows: FlankContacts,
+    by: PairCompliance | None,
+    load: LoadedContacts | None,
+    off: FloatArray | None,
+    *,
+    torque: float,
 ) -> FloatArray | float:
     """What a torque adds to the transmission error (N,) in rad that is off its mean ``torque`` (N.mm) by the part
-    ``off`` (N,) of it (None: steady): teeth give to first order, by the stiffness of ``load``, and shafts twist."""
+    ``off`` (N,) of it (None: steady): shafts twist, and teeth give, by the stiffness of ``load`` where that is little,
+    else as a parabola through ``rows`` under the mean, the least and the largest torque has it, which second contacts
+    and Hertz's law bend."""
     if off is None:
         return 0.0
-    coast, r_b2 = flank == "coast", assembled.pair.r_b2
-    gives = np.zeros(off.size) if load is None else (1.0 if coast else -1.0) * torque / (load.stiffness * r_b2**2)
-    return off * (gives + assembled.shafts.twist(torque=torque, coast=coast))
+    coast = rows.flank == "coast"
+    twist = off * assembled.shafts.twist(torque=torque, coast=coast)
+    if load is None or by is None:
+        return twist
+    most = float(np.max(np.abs(off)))
+    if most < GENTLE:
+        return twist + off * ((1.0 if coast else -1.0) * torque / (load.stiffness * assembled.pair.r_b2**2))
+    least = min(most, LIGHTEST)
+    more, less = (
+        loaded(rows, by, torque=part * torque, sharing=assembled.sharing).te for part in (1.0 + most, 1.0 - least)
+    )
+    up, down = (more - load.te) / most, (load.te - less) / least
+    return twist + off * (up * least + down * most + off * (up - down)) / (most + least)
 
 
 def swings_at(

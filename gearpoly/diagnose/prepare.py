@@ -66,6 +66,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
             any(r.driven_angle_rad is not None for r in recordings) or computed,
         ),
         timed=all(one.samples.time is not None for one in observed),
+        varied=any(one.samples.load is not None for one in observed),
         counted=all(compared),
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),

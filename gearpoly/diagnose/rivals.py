@@ -21,6 +21,10 @@ LIKE = 0.05
 """Sine of the angle below which two signals differ by what only a perfect simulation could tell: corners, second
 order, the fourth figure of a shape."""
 
+EITHER = 0.1
+"""The same of what all teeth of one gear have or all of the other: a wear of either differed by a sine of 0.076 in what
+another simulation made under load, and the wrong gear was ahead, by what compliance laws differ in."""
+
 CORNERS, FINE = 0.02, 0.01
 """Parts of a claim's whole effect below which two signals differ by what no two models agree on, of all teeth in corner
 contact, and of anything else: a slope or a crowning of one gear and of the other, which are one on the path of contact,
@@ -66,8 +70,9 @@ def judge(model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted
         # A simpler rival may explain a little less; a richer one that explains as much is not refuted by being rich.
         simpler = max(0.0, 2.0 * (len(claim.values) - one.freedoms))
         told = reached <= gain - CLOSE - simpler
-        part = CORNERS if claim.physics.mean_tooth and one.claim.physics.mean_tooth else FINE
-        return not told or gain - reached < max(LIKE**2 * gain, part**2 * alone)
+        both = claim.physics.mean_tooth and one.claim.physics.mean_tooth
+        sine = EITHER if both and one.claim.physics is claim.physics else LIKE
+        return not told or gain - reached < max(sine**2 * gain, (CORNERS if both else FINE) ** 2 * alone)
 
     for refit in refitted:
         seen.add(refit.claim.key)

@@ -46,6 +46,9 @@ class Scope:
     run_ups: tuple[tuple[float, float], ...] = ()
     """The least and the largest driving speed in rad/s of every recording whose speed changes much."""
 
+    varied: bool = False
+    """Whether the torque of any recording was read along it, and varies."""
+
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""

@@ -266,7 +266,8 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     pair, torque = assembled.pair, samples.torque
     bends = assembled.elasticity if torque > 0.0 else None
     by = _compliance(pair, bends.running(backward=samples.backward), samples.flank) if bends is not None else None
-    rows = _rows(pair, samples, near=NEAR if by is None else BEYOND + SOFTER * load_reach(by, torque))
+    heaviest = torque if samples.load is None else torque * (1.0 + float(np.max(np.abs(samples.load))))
+    rows = _rows(pair, samples, near=NEAR if by is None else BEYOND + SOFTER * load_reach(by, heaviest))
     load = None if by is None else loaded(rows, by, torque=torque, sharing=assembled.sharing)
     weight, force = _weights(rows, load, by)
     held = weight > 0.0
@@ -302,7 +303,7 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
         soft = 1.0 / load.stiffness
-    further = further + varied_te(assembled, load, samples.load, torque=torque, flank=samples.flank)
+    further = further + varied_te(assembled, rows, by, load, samples.load, torque=torque)
     return Scene(
         samples=samples,
         assembled=assembled,

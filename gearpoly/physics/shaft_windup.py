@@ -13,8 +13,9 @@ from gearpoly.units import NM, URAD, FloatArray
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    # Only what changes from one recording to the next shows: a single one has no zero to compare with.
-    if scope.counted and (len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)):
+    # Only what changes shows, along a recording or from one to the next: a steady one has no zero to compare with.
+    between = len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)
+    if scope.varied or (scope.counted and between):
         yield Place()
 
 
