@@ -66,13 +66,12 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
         floor=pair.chord_noise + max(template.error for template in fitted),
         numbered=comparison.alignment.numbered,
     )
-    doubt = search.deflection / UM
     return tuple(
         entry
         for entry in found.entries
         if entry.companion_of is None
         and not _claimed(entry, model)
-        and not _by_law(entry, doubt * _magnified(entry, search))
+        and not _by_law(entry, search)
         and not _by_grade(entry, max(model.scope.form))
         and not _by_colour(entry, model, search.noises)
     )
@@ -121,29 +120,17 @@ def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entr
     return ()
 
 
-def _by_law(entry: Entry, deflection: float) -> bool:
-    """Whether an entry is below what compliance laws and corner contact differ by, ``deflection`` in um being bent:
-    that repeats with the pair."""
+def _by_law(entry: Entry, search: Search) -> bool:
+    """Whether an entry is below what compliance laws and corner contact differ by, magnified by a resonance if there is
+    one: that repeats with the pair."""
     if is_foreign(entry) or entry.burst is not None:
         return False
     size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
     part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
     if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
         part = BY_LAWS["mesh_phase"]
-    return size < part * deflection
-
-
-def _magnified(entry: Entry, search: Search) -> float:
-    """By how much a resonance makes more of a wave over angle, and so of what laws differ by in it, at most; 1 where
-    none does."""
-    if entry.order is None:
-        return 1.0
-    z_1, z_2 = (gear.z for gear in search.model.scope.gears)
-    # Of the driving shaft.
-    order = entry.order * {"driving": 1.0, "driven": z_1 / z_2}.get(entry.gear or "", float(z_1))
-    scenes = [search.scenes[k] for k in entry.recordings]
-    hertz = np.array([order * (scene.samples.speed or 0.0) / (2.0 * math.pi) for scene in scenes])
-    return max(1.0, float(np.max(np.abs(scenes[0].assembled.shafts.gain(hertz)))))
+    swings = 1.0 if entry.order is None else search.magnified(entry.order, entry.gear, entry.recordings)
+    return size < part * swings * search.deflection / UM
 
 
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:

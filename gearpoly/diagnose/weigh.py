@@ -158,12 +158,21 @@ class Weigh(Softness):
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
-                part = OTHERS_BY_LAWS
+                part = OTHERS_BY_LAWS * self.magnified(place.order, place.gear_name)
         # What is left of a tooth that follows the law is no more than that of all.
         floor = max(part * self.deflection, min(more, BESIDE_ANOTHER * self.deflection))
         if place.tooth is not None and self.size(one) <= OTHERS_BY_LAWS * self.deflection:
             floor = max(floor, OTHERS_BY_LAWS * self.bent_where(one))
         return floor * self.reached(one) if self.size(one) <= floor else floor
+
+    def magnified(self, order: float, gear: str | None, recordings: Sequence[int] = ()) -> float:
+        """By how much a resonance makes more of a wave of ``order`` per turn of a ``gear`` (None: per mesh), and so of
+        what laws differ by in it, at most in any of ``recordings`` (none: in all); 1 where none does."""
+        z_1, z_2 = (one.z for one in self.model.scope.gears)
+        per_driving = order * {"driving": 1.0, "driven": z_1 / z_2}.get(gear or "", float(z_1))
+        scenes = [self.scenes[k] for k in recordings] or self.scenes
+        hertz = np.array([per_driving * (scene.samples.speed or 0.0) / (2.0 * math.pi) for scene in scenes])
+        return max(1.0, float(np.max(np.abs(scenes[0].assembled.shafts.gain(hertz)))))
 
     def reached(self, one: Candidate) -> float:
         """Part of what may be left in the recordings that can pass for an effect: less than all of it where teeth as
