@@ -273,3 +273,20 @@ def test_a_pit_of_teeth_that_always_meet_has_the_mate_s_as_its_rival() -> None:
     (found,) = diagnose(known, one, path=Path("pair.toml")).findings
     both = [found.claim, *(rival.claim for rival in found.rivals)]
     assert {(c.physics.name, c.place.gear, c.place.tooth) for c in both} >= {("tooth_spall", k, 4) for k in (0, 1)}
+
+
+def test_teeth_far_thinner_than_their_limits_are_named_however_little_noise_there_is(tmp_path: Path) -> None:
+    """What is known of thickness are its limits, and in 0.04 um of noise that is a millionth of what recordings of both
+    flanks tells of the sum of both gears': no rounding, but 40 um beyond limits that leave 3. Either gear may be it."""
+    true, known = made_gears(np.random.default_rng(7))
+    sheet = true.driven.inspection
+    assert sheet is not None
+    thin = sheet.model_copy(update={"tooth_thickness_um": -100.0})
+    true = true.model_copy(update={"driven": true.driven.model_copy(update={"inspection": thin})})
+    both = (UNLOADED, Condition(torque_nm=0.0, flank="coast"))
+    made = recorded(true, both, np.random.default_rng(3), cycles=2.0, per_mesh=40, noise_um=0.04)
+    (found,) = diagnose(known, made, path=tmp_path / "pair.toml").findings
+    named = [found.claim, *(rival.claim for rival in found.rivals)]
+    assert {(one.physics.name, one.place.gear) for one in named} >= {("tooth_thickness", 0), ("tooth_thickness", 1)}
+    value, std = found.parameters["deviation_um"]
+    assert abs(value + 40.0) < 3.0 * std < 20.0
