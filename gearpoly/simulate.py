@@ -230,8 +230,8 @@ def further_te(
 
 
 GENTLE, LIGHTEST = 0.05, 0.95
-"""Part by which a torque is off its mean up to which teeth give by their stiffness, and at most where less load is
-simulated."""
+"""Part of the mean by which a torque may be off it for teeth to give by their stiffness alone (at 0.02 a straight line
+errs by 0.04 of what changes), and the most by which less load is simulated: without load there is no stiffness."""
 
 
 def varied_te(

@@ -80,8 +80,8 @@ def rest(search: Search) -> None:
 
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
-    """What may stand in the place of claim ``k``, as far as first order tells: of the same teeth of all the gear, and
-    of a whole gear that stands off, the other gear."""
+    """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
+    else that is so, for a gear whose flanks stand off the other gear; nothing for other claims."""
     claim = search.model.claims[k]
     mean_tooth = claim.physics.mean_tooth
     if not mean_tooth and not claim.physics.whole_gear:

@@ -15,7 +15,7 @@ UNEVEN = 0.05
 resonance at many speeds: near one of damping 0.05 half of that moves the gain by a tenth at most."""
 
 PER_SWING, PER_PITCH = 24.0, 128.0
-"""Steps in time per period of the resonance and of the mesh, at the fastest, in which a run-up is followed; straight
+"""Steps in time per period of the resonance and of the mesh, at the fastest, in which a speed is followed; straight
 lines between are off by (2 pi / 24)^2 / 12 of what swings at the resonance itself."""
 
 FINER = 4.0
@@ -29,8 +29,8 @@ BEGUN = 4.0
 """Pitches over which that speed is taken."""
 
 TOO_FAST = 0.25
-"""Part of the rate of even places at which bends between these count as a wave: found as that at which all resonances
-from the mesh frequency to 300 times that come out best."""
+"""Frequency at which bends between even places count as a wave, as a part of the places' rate. Found here: of 0.25, 0.5
+and 1 that at which resonances from the mesh frequency to 300 times that come out best beside a far finer curve."""
 
 LEAST_STEP = 1e-7
 """Shortest step in s: no recording that anyone makes asks for more."""
