@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import Road, Search
+from gearpoly.diagnose.search import MANY, MOST, Road, Search
 from gearpoly.errors import GeometryError
 
 
@@ -26,17 +27,14 @@ class Linear:
 class Walk(Search):
     """A search whose state is a name, whose first end is contested, and whose other ends are as good as ``worths``."""
 
-    def __init__(self, worths: dict[str, float], *, broken: tuple[str, ...] = ()) -> None:
-        self.worths, self.broken = worths, broken
+    def __init__(self, worths: dict[str, float], *, broken: tuple[str, ...] = (), gain: float = 0.0) -> None:
+        self.worths, self.broken, self.gain = worths, broken, gain
         self.here = "start"
         self.linear: Any = Linear()
         self.noises: list[Any] = []
         self.looked: Any = None
 
-        class Model:
-            ratio = 1.0
-
-        self.model: Any = Model()
+        self.model: Any = SimpleNamespace(claims=[])
 
     def forward(self) -> tuple[list[Candidate], list[Road]]:
         if self.here == "start":
@@ -77,8 +75,20 @@ class Walk(Search):
     def forget(self) -> None:
         pass
 
-    def declared_ratio(self) -> float:
-        return 1.0
+    def gain_without(self, k: int) -> float:
+        return self.gain
+
+    def settle(self) -> None:
+        pass
+
+    def drop_idle(self) -> None:
+        pass
+
+
+def claimed(*, tooth: int | None = None, shaped: bool = False) -> Any:
+    """A claim about a tooth, or about all, of a size alone or of a shape too."""
+    physics = SimpleNamespace(mean_tooth=tooth is None, shaped=shaped)
+    return SimpleNamespace(physics=physics, place=SimpleNamespace(tooth=tooth))
 
 
 @pytest.fixture(autouse=True)
@@ -101,6 +111,45 @@ def test_what_makers_choose_is_tried_as_a_whole(
     walk = Walk(worths)
     walk.run()
     assert walk.here == end
+
+
+@pytest.mark.parametrize(
+    ("claims", "end"),
+    [
+        ([claimed(), claimed()], "bending+reliefs"),  # less bending and wear fit one torque as well, or nearly
+        ([claimed(tooth=k) for k in range(MANY)], "bending+reliefs"),  # pits that each take a little
+        ([claimed(), claimed(shaped=True), claimed(shaped=True)], "first"),  # it is what would be tried
+        ([claimed(), claimed(tooth=3)], "first"),
+    ],
+)
+def test_what_makers_choose_is_tried_where_claims_may_be_parts_of_it(
+    claims: list[Any], end: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the torque of the design little is left once some of it has been taken for something else."""
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
+    walk = Walk({"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0})
+    walk.linear.system.beyond = 0.0
+    walk.model.claims = claims
+    walk.run()
+    assert walk.here == end
+
+
+@pytest.mark.parametrize(
+    ("beyond", "teeth", "gain", "kept"),
+    [
+        (300.0, MOST - 1, 400.0, 1),  # of 1000 missing a part is left, and there is no end
+        (300.0, MOST - 1, 200.0, 0),  # nor is what explains less than that
+        (30.0, MOST - 1, 400.0, MOST),  # so many pits explain it
+        (300.0, MOST - 2, 400.0, MOST - 1),  # the search has come to an end
+    ],
+)
+def test_faults_of_teeth_that_do_not_end_keep_no_name(beyond: float, teeth: int, gain: float, kept: int) -> None:
+    walk = Walk({"start": 100.0}, gain=gain)
+    walk.linear.system.beyond = beyond
+    walk.model.claims = [claimed(), *(claimed(tooth=k) for k in range(teeth))]
+    walk.disown(1000.0)
+    assert len(walk.model.claims) == kept
+    assert walk.disowned == teeth + 1 - kept
 
 
 @pytest.mark.parametrize(

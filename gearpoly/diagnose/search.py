@@ -3,34 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
+from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
-from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relieved import relieved
-from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.scan import Candidate, polished, scan
+from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
-from gearpoly.physics.tooth_pitch import PHYSICS as PITCH
 from gearpoly.threads import each
-from gearpoly.units import UM
-
-ALIKE = 0.1
-"""Part of its mean by which a value of twins may differ for both to be alike."""
-
-SWAPS = 4
-"""Most exchanges after a claim."""
-
-LIGHT, FAR = 0.5, 4.0
-"""Part of what other teeth of its gear carry, in the mean, below which a tooth may have left the mesh; and how far back
-it is set for a trial, as a multiple of what its claim does and pairs are bent: well out of it."""
-
-LIKELY = 0.7
-"""Part of a claim's gain that its substitute must reach by its coarse shapes to be polished, and that another first
-step must have reached to be gone back to."""
 
 ROADS, LEFT = 2, 0.2
 """Other steps that are gone back to, where the search ended with more misfit beyond noise than this part of noise's
@@ -38,6 +20,9 @@ own."""
 
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
+
+MANY = 4
+"""Claims from which on one end is doubted however well it fits: so many may each take a little of what two are."""
 
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
@@ -57,37 +42,71 @@ class Road:
 
 
 @dataclass(kw_only=True, eq=False)
-class Search(Weigh):
-    """The search in progress."""
+class Search(Exchange):
+    """The search in progress; ``disowned`` counts claims that were taken back since they did not end."""
+
+    disowned: int = 0
 
     def run(self) -> list[Candidate]:
         """Make claims until none pays; return the candidates of the last look.
 
         Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
         show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
-        tried together, and the other steps are gone too, and the end that fits best is kept.
+        tried together, also where few claims or many seem to do; the other steps are gone too, and the best end is
+        kept.
         """
         self.forget()
-        start = without_columns(self.kept())
+        start, missing = without_columns(self.kept()), self.linear.system.beyond
         found, roads = self.forward()
-        ways = [(road.state, [road.claim]) for road in sorted(roads, key=lambda one: -one.part)[:ROADS]]
-        for state, road in [(start, None), *ways]:
-            if self.linear.system.beyond < LEFT * self.linear.system.samples:
-                break
-            claims = relieved(self.model) if road is None else road
-            if not claims:
-                continue
-            end, looked = self.kept(), self.looked
-            self.restore(state)
-            other = self.forward()[0] if self.accept(claims) else None
-            if other is not None and self.gained(end) > BETTER:
-                found = other
-            else:
-                self.restore(end)
-                self.looked = looked
+        if self.strained or self.several_of_all:
+            found = self.otherwise(start, relieved(self.model), found)
+        for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
+            if self.strained:
+                found = self.otherwise(road.state, [road.claim], found)
+        self.disown(missing)
         self.withdraw()
         self.widen()
         return found
+
+    @property
+    def strained(self) -> bool:
+        """Whether the search has ended with much left, or with so many claims that few others may be what they are."""
+        much = self.linear.system.beyond >= LEFT * self.linear.system.samples
+        return much or len(self.model.claims) >= MANY
+
+    @property
+    def several_of_all(self) -> bool:
+        """Whether several physics of all teeth are claimed that may be what bending leaves of reliefs together."""
+        ones = [one.physics for one in self.model.claims if one.physics.mean_tooth]
+        return len(ones) > 1 and sum(one.shaped for one in ones) < 2
+
+    def otherwise(self, state: Kept, claims: list[Claim], found: list[Candidate]) -> list[Candidate]:
+        """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits
+        better; the candidates of its last look, ``found`` or others."""
+        if not claims:
+            return found
+        end, looked = self.kept(), self.looked
+        self.restore(state)
+        other = self.forward()[0] if self.accept(claims) else None
+        if other is not None and self.gained(end) > BETTER:
+            return other
+        self.restore(end)
+        self.looked = looked
+        return found
+
+    def disown(self, missing: float) -> None:
+        """Take back claims about single teeth that do not end and leave a good part of the misfit beyond noise that was
+        ``missing`` before any, and all others that explain less than is left: whatever it is, it looks like each of
+        them here and there, and keeps no name."""
+        left = self.linear.system.beyond
+        if len(self.model.claims) < MOST or left < MOSTLY * missing:
+            return
+        ones = enumerate(self.model.claims)
+        kept = [one for k, one in ones if one.place.tooth is None and self.gain_without(k) > left]
+        self.disowned = len(self.model.claims) - len(kept)
+        self.model.claims = kept
+        self.settle()
+        self.drop_idle()
 
     def forward(self) -> tuple[list[Candidate], list[Road]]:
         """Make claims until none pays; the candidates of the last look, and the steps that might have been taken."""
@@ -121,16 +140,6 @@ class Search(Weigh):
             if len(refused) > MOST:
                 break
         return found, roads
-
-    def gained(self, kept: Kept) -> float:
-        """By how much less the present state costs than a ``kept`` one, in misfit and in freedoms, both by the noise of
-        that and by what is known of teeth now: misfits under different priors do not compare."""
-        noises, teeth = kept[1]["noises"], self.model.as_built
-        before: Linear = kept[1]["linear"]
-        if kept[0]["as_built"] is not teeth:
-            before = before.under(noises, teeth)
-        saved = before.system.misfit - self.linear.under(noises).system.misfit
-        return saved + 2.0 * (freedoms(kept[0]["claims"]) - freedoms(self.model.claims))
 
     def accept(self, claims: Sequence[Claim]) -> bool:
         """Make claims and fit everything again; whether they stand, and leave gears that can still run."""
@@ -170,115 +179,6 @@ class Search(Weigh):
         done = each(lambda one: polished(self.model, self.scenes, self.linear, one, roughly=True), chosen)
         done.sort(key=lambda one: -self.looked.worth(one))
         return [one for one in done if self.significant(one)]
-
-    def swap(self) -> None:
-        """Exchange claims for others that explain more, now that all the rest is known."""
-        for _ in range(SWAPS):
-            better = max(
-                (one for k in range(len(self.model.claims)) for one in self._better(k)),
-                key=lambda one: one[1],
-                default=None,
-            )
-            if better is None:
-                return
-            k, _, claims = better
-            self.join(claims, instead=k)
-            self.settle()
-            self.drop_idle()
-
-    def _better(self, k: int) -> list[tuple[int, float, list[Claim]]]:
-        """What would explain more in the place of claim ``k``, with how much more: another physics, or one of both
-        gears, of which it may be the likeness."""
-        claim = self.model.claims[k]
-        if claim.physics.wavelike:
-            return []
-        leave = self.linear.layout.places(k) + self.linear.layout.form_places(self.model, k)
-        bare = self.linear.without(leave)
-        gain = bare.system.misfit - bare.system.with_columns(self.linear.white_of(k)).misfit
-        others = self.model.but(claim)
-        places = [
-            (physics, place)
-            for physics, place in all_places(others)
-            if (not physics.wavelike and (place.gear, place.tooth) == (claim.place.gear, claim.place.tooth))
-            or (place.tooth is None and claim.place.tooth is None and not physics.wavelike)
-        ]
-        found, _ = scan(others, self.scenes, bare, only=places)
-        out = []
-        known = claim.physics
-        shaped = [one for one in self.model.method.physics if one.mean_tooth and one.shaped and one is not known]
-        for physics in shaped if known.mean_tooth else ():
-            both, claims = together(others, self.scenes, bare, physics)
-            if claims and both - 2.0 * freedoms(claims) > gain - 2.0 * len(claim.values) + BETTER:
-                out.append((k, both - gain, claims))
-        for one in [c for c in found if c.claim.key != claim.key and c.gain > LIKELY * gain][:2]:
-            done = polished(others, self.scenes, bare, one)
-            if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER:
-                out.append((k, done.gain - gain, [done.claim]))
-        return out
-
-    def reshape(self) -> None:
-        """Exchange claims for the same in another form, where that fits better: else other physics draw the rest."""
-        for k, claim in enumerate(self.model.claims):
-            any(self._exchanged(k, one, by=BETTER) for one in claim.otherwise(self.model.scope))
-
-    def set_back(self) -> None:
-        """Exchange a claim about a tooth that hardly carries for one that it stands back, where that fits better. Once
-        it has left the mesh no column tells so: to first order a tooth that gives way is all that is left of it."""
-        for k, claim in enumerate(self.model.claims):
-            # A pit over all of a flank does as much, with more to choose.
-            if any(self._exchanged(k, made, by=0.0) for made in self._standing_back(claim)):
-                return
-
-    def _exchanged(self, k: int, made: Claim, *, by: float) -> bool:
-        """Whether ``made`` has taken the place of claim ``k``: where that fits better by more than ``by`` in misfit."""
-        begun = self.kept()
-        try:
-            self.join([made], instead=k)
-            self.settle()
-            better = self.gained(begun) > by
-        except GearpolyError:
-            better = False
-        if not better:
-            self.restore(begun)
-        return better
-
-    def _standing_back(self, claim: Claim) -> list[Claim]:
-        """Claims that the tooth of ``claim`` stands well out of the mesh, on any flank; none where it carries as others
-        do."""
-        gear, tooth = claim.place.gear, claim.place.tooth
-        if gear is None or tooth is None or claim.physics is PITCH or PITCH not in self.model.method.physics:
-            return []
-        if all(scene.carried(gear, tooth) > LIGHT for scene in self.scenes):
-            return []
-        without = self.model.but(claim).scenes()
-        most = max(float(np.max(np.abs(here.te - gone.te))) for here, gone in zip(self.scenes, without, strict=True))
-        values = (-FAR * max(most, self.deflection) / UM,)
-        taken = {one.key for one in self.model.claims}
-        places = [p for p in PITCH.places(self.model.scope) if (p.gear, p.tooth) == (gear, tooth)]
-        made = [Claim(physics=PITCH, place=place, values=values) for place in places]
-        return [one for one in made if one.key not in taken]
-
-    def even(self) -> None:
-        """Begin once more with both gears alike, by the declared compliance law, where a shaped physics is claimed of
-        both: what one takes of the other bends the valley between them into several, each with a law of its own, and
-        makers relieve both gears alike."""
-        for k, one in enumerate(self.model.claims):
-            twins = [j for j, other in enumerate(self.model.claims) if _are_twins(one, other)]
-            if not twins:
-                continue
-            before, there = self.kept(), self.linear.system.misfit
-            both = np.array([one.values, self.model.claims[twins[0]].values])
-            values = tuple(np.mean(both, axis=0).tolist())
-            if np.all(np.ptp(both, axis=0) < ALIKE * np.abs(values)):
-                return
-            for j in (k, twins[0]):
-                self.model.claims[j] = replace(self.model.claims[j], values=values)
-            self.take_declared_law()
-            self.settle()
-            self.choose_law()
-            if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
-                self.restore(before)
-            return
 
     def withdraw(self) -> None:
         """Take back claims about all teeth without which the rest fits hardly worse, and what was believed beside them
@@ -320,38 +220,3 @@ class Search(Weigh):
         graded = any(gear.graded for gear in self.model.as_built.gears)
         beside = [one.physics for one in self.model.claims if one is not claim]
         return (graded and claim.place.gear is not None) or any(one.mean_tooth and one.shaped for one in beside)
-
-    def drop_idle(self) -> None:
-        """Take back claims that no longer gain more than chance would, weakest first.
-
-        What no column tells but as the set-up with it is simulated bends with its size: of a gap that has closed the
-        next micrometre is like softer teeth, the whole of it is not. Such a claim goes only if all fits well without.
-        """
-        needed: set[tuple[object, ...]] = set()
-        while True:
-            claims = [(k, claim) for k, claim in enumerate(self.model.claims) if claim.key not in needed]
-            gains = {k: self.gain_without(k) for k, _ in claims}
-            ones = {k: Candidate(claim=one, gain=gains[k], freedoms=len(one.values)) for k, one in claims}
-            weakest = min(
-                (k for k, one in ones.items() if not self.significant(one)), key=gains.__getitem__, default=None
-            )
-            if weakest is None:
-                return
-            gone, begun = self.model.claims[weakest], self.kept()
-            del self.model.claims[weakest]
-            self.settle()
-            lost = 2.0 * len(gone.values) - self.gained(begun)
-            if gone.physics.effect is None and self.significant(replace(ones[weakest], gain=lost)):
-                self.restore(begun)
-                needed.add(gone.key)
-
-
-def freedoms(claims: Sequence[Claim]) -> int:
-    """Coordinates of all ``claims``."""
-    return sum(len(claim.values) for claim in claims)
-
-
-def _are_twins(one: Claim, other: Claim) -> bool:
-    """Whether two claims are the same shaped physics of the mean tooth in the same form, one of each gear."""
-    alike = one.physics.shaped and one.physics.mean_tooth and other.physics is one.physics
-    return alike and one.place.form == other.place.form and one.place.gear == 0 and other.place.gear == 1
