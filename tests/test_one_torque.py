@@ -38,7 +38,7 @@ def test_all_three_are_named_and_no_pit(found: Diagnosis) -> None:
 
 
 def test_stated_errors_hold_what_one_torque_leaves_open(case: Case, found: Diagnosis) -> None:
-    """Within two of them the bench's own law and reliefs; and no less than a twentieth, since one torque tells no law."""
+    """Within two of them the bench's own law and reliefs; at least a twentieth, since one torque tells no law."""
     truth = {(one["physics"], one.get("gear")): one for one in case.truth["truth"]}
     checked = 0
     for one in found.findings:
