@@ -24,6 +24,7 @@ from gearpoly.mesh.transmission import (
     mean_count,
     mean_pairs,
 )
+from gearpoly.mesh.varied import GENTLE, giving
 from gearpoly.units import ARCMIN, DEG, NM, UM, URAD, BoolArray, FloatArray, IntArray, read_only
 
 
@@ -229,11 +230,6 @@ def further_te(
     return out + swings_at(shafts, whole, pair, theta_2, te, speed=speed, time=time, backward=backward)
 
 
-GENTLE, LIGHTEST = 0.05, 0.95
-"""Part of the mean by which a torque may be off it for teeth to give by their stiffness alone (at 0.02 a straight line
-errs by 0.04 of what changes), and the most by which less load is simulated: without load there is no stiffness."""
-
-
 def varied_te(
     assembled: Assembled,
     rows: FlankContacts,
@@ -256,12 +252,7 @@ def varied_te(
     most = float(np.max(np.abs(off)))
     if most < GENTLE:
         return twist + off * ((1.0 if coast else -1.0) * torque / (load.stiffness * assembled.pair.r_b2**2))
-    least = min(most, LIGHTEST)
-    more, less = (
-        loaded(rows, by, torque=part * torque, sharing=assembled.sharing).te for part in (1.0 + most, 1.0 - least)
-    )
-    up, down = (more - load.te) / most, (load.te - less) / least
-    return twist + off * (up * least + down * most + off * (up - down)) / (most + least)
+    return twist + giving(rows, by, load.te, torque=torque, most=most, sharing=assembled.sharing).by(off)
 
 
 def swings_at(

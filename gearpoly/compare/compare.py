@@ -29,7 +29,7 @@ from gearpoly.mesh.shafts import runs_up
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
-from gearpoly.recording.load import relative_load
+from gearpoly.recording.load import most_off, relative_load
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import SWINGS_PER_MESH, swings_at
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
@@ -97,9 +97,13 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         None if rpm is None or runs_up(one.theta_2, one.time_s) else rpm * RPM
         for rpm, one in zip(stated, cleaned, strict=True)
     ]
+    loads = [
+        relative_load(one.torque_nm, torque / NM, meshes=float(np.ptp(one.theta_2)) / pair.driven.gear.tau)
+        for one, torque in zip(cleaned, torques, strict=True)
+    ]
     conditions = [
-        Condition(flank=one.recording.flank, torque=torque, speed=speed, backward=one.backward)
-        for one, torque, speed in zip(cleaned, torques, speeds, strict=True)
+        Condition(flank=one.recording.flank, torque=torque, speed=speed, backward=one.backward, varies=most_off(load))
+        for one, torque, speed, load in zip(cleaned, torques, speeds, loads, strict=True)
     ]
     templates = templates_of(assembled, conditions)
     cycle = Cycle(
@@ -112,10 +116,6 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
     drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
     curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
-    loads = [
-        relative_load(one.torque_nm, torque / NM, meshes=float(np.ptp(one.theta_2)) / pair.driven.gear.tau)
-        for one, torque in zip(cleaned, torques, strict=True)
-    ]
     before = [
         _further(one, c.template, assembled, c.theta_2, load)
         for one, c, load in zip(cleaned, curves, loads, strict=True)
@@ -326,8 +326,7 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
         spread = float(np.nanstd(samples))
         if spread * NM > VARIES * max(one.torque, NM):
             out.append(
-                f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}; the simulation "
-                "follows it as if deflection were proportional to it"
+                f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}, and is followed"
             )
     out += speed_remarks(aligned)
     wrong = alignment.contradicted

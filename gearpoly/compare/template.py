@@ -19,6 +19,7 @@ from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.varied import Giving, giving
 from gearpoly.simulate import swings_at
 from gearpoly.units import UM, FloatArray, read_only
 
@@ -54,6 +55,7 @@ class Template:
     straight lines between; ``error`` in mm, the most by which a line was still seen to miss the curve. ``even``
     (meshes * per_mesh,) in mm is the same curve on even places of the cycle. ``torque`` in N.mm. ``sharing`` says which
     pairs carry there, and ``rigid`` (n,) in mm is the curve without load at ``theta_2``, None where nothing bends.
+    ``twist`` in mm is what shafts add, and ``giving`` how teeth give where the torque varies, None where it does not.
     """
 
     flank: Flank
@@ -65,6 +67,8 @@ class Template:
     error: float
     sharing: Sharing
     rigid: FloatArray | None
+    twist: float
+    giving: Giving | None
 
     @property
     def cycle(self) -> float:
@@ -93,21 +97,24 @@ class Template:
         return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te - self.rigid)
 
     def varied(self, theta_2: FloatArray, load: FloatArray) -> FloatArray:
-        """What is added (n,) in mm where the torque is off by the part ``load`` (n,) of it: deflection is nearly
-        proportional to it."""
-        bend = self.deflection(theta_2)
-        return np.zeros(theta_2.size) if bend is None else bend * load
+        """What is added (n,) in mm where the torque is off by the part ``load`` (n,) of it."""
+        twisted = self.twist * load
+        if self.giving is None:
+            return twisted
+        return twisted + self.giving.interpolated(np.mod(theta_2, self.cycle), self.theta_2).by(load)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
     """What a recording was made under: ``flank``, ``torque`` in N.mm, ``speed`` of the driving shaft in rad/s, which
-    makes a mesh resonance swing (None: it does not); ``backward``: the pair runs backwards."""
+    makes a mesh resonance swing (None: it does not); ``backward``: the pair runs backwards; ``varies``: the most by
+    which the torque is off its mean, as a part of it."""
 
     flank: Flank
     torque: float
     speed: float | None = None
     backward: bool = False
+    varies: float = 0.0
 
 
 Found = dict[tuple[Flank, str, int], FlankContacts]
@@ -123,22 +130,23 @@ def make_template(
     per_mesh: int | None = None,
     speed: float | None = None,
     backward: bool = False,
+    varies: float = 0.0,
     found: Found | None = None,
 ) -> Template:
     """Simulate ``assembled`` over one hunting cycle on ``flank`` under ``torque`` (N.mm), lines true to ``error`` (mm).
 
     Teeth bend where the pair's file says so and the torque is above 0. ``speed`` of the driving shaft in rad/s makes a
-    mesh resonance swing; ``backward``: flanks slide the other way, and hand-overs swing before
-    them. ``found`` keeps contacts that templates of several torques, the largest first, share. Raises
-    ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified kernel disagrees,
-    ``OutOfRangeError`` for a load beyond small deflections.
+    mesh resonance swing; ``backward``: flanks slide the other way, and hand-overs swing before them. ``varies``: the
+    most by which the torque is off, as a part of it. ``found`` keeps contacts that templates of several torques, the
+    largest first, share. Raises ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified
+    kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
     """
     pair = assembled.pair
     meshes = pair.meshes_per_cycle
     per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
     bends = assembled.elasticity if torque > 0.0 else None
     compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank) if bends is not None else None
-    near = 0.0 if compliance is None else NEAR + load_reach(compliance, torque)
+    near = 0.0 if compliance is None else NEAR + load_reach(compliance, (1.0 + varies) * torque)
 
     found = {} if found is None else found
 
@@ -189,7 +197,12 @@ def make_template(
         low = np.sort(np.concatenate((first, first + 1)))
     else:
         missed = max(missed, 2.0 * float(np.max(off)))
-    shafts = assembled.shafts
+    give, twist, shafts = None, 0.0, assembled.shafts
+    if varies and compliance is not None:
+        # At the places that the curve bends at; how teeth give bends where it does.
+        there = contacts(pair, theta_2, flank=flank, near=near, fast=True)
+        by = giving(there, compliance, te / pair.r_b2, torque=torque, most=varies, sharing=assembled.sharing)
+        give = by.times(pair.r_b2)
     if not shafts.rigid:
         twist = shafts.twist(torque=torque, coast=flank == "coast") * pair.r_b2
         places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
@@ -209,6 +222,8 @@ def make_template(
         error=missed,
         sharing=_sharing(pair, rows, load, compliance),
         rigid=None if compliance is None else read_only(free),
+        twist=twist,
+        giving=give,
     )
 
 
@@ -250,14 +265,21 @@ def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[
             torque=one.torque if loads else 0.0,
             speed=one.speed if swings else None,
             backward=one.backward and loads,
+            varies=one.varies if loads else 0.0,
         )
         for one in conditions
     ]
     made: dict[Condition, Template] = {}
     found: Found = {}
     # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
-    for key in sorted(dict.fromkeys(keys), key=lambda one: -one.torque):
+    for key in sorted(dict.fromkeys(keys), key=lambda one: -one.torque * (1.0 + one.varies)):
         made[key] = make_template(
-            assembled, flank=key.flank, torque=key.torque, speed=key.speed, backward=key.backward, found=found
+            assembled,
+            flank=key.flank,
+            torque=key.torque,
+            speed=key.speed,
+            backward=key.backward,
+            varies=key.varies,
+            found=found,
         )
     return [made[key] for key in keys]

@@ -29,3 +29,9 @@ def relative_load(torque: FloatArray | None, mean: float, *, meshes: float) -> F
     last = np.minimum(np.arange(n) + width - width // 2, n)
     load = (sums[last] - sums[first]) / (last - first) / mean - 1.0
     return np.asarray(load) if np.hypot(np.mean(load), np.std(load)) > STEADY else None
+
+
+def most_off(load: FloatArray | None) -> float:
+    """The most by which a torque is off its mean, as a part of it: 0 where ``load``, as ``relative_load`` has it, is
+    steady."""
+    return 0.0 if load is None else float(np.max(np.abs(load)))
