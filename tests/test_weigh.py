@@ -315,3 +315,18 @@ def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows() -> None
     assert weigh.law_floor(pit) == pytest.approx(0.006 * 10.0 * UM * math.sqrt(0.5 * 0.04))
     weigh.deflections = (0.0, 0.0)
     assert weigh.law_floor(pit) == 0.0
+
+
+def test_a_thickness_under_load_has_to_beat_what_laws_leave_of_the_turns() -> None:
+    """Where both flanks have a mean of their own, thickness moves eccentric teeth along their turns and no more: 36.9
+    um of it were made of 12 nm that a law had left beside 11.5 um of deflection, on a pair within its limits."""
+    weigh = scales(np.zeros(N))
+    weigh.noises, weigh.scenes, weigh.model.claims, weigh.of_teeth = [SimpleNamespace(innovation=UM)], [], [], 0.0
+    thickness = claim_of("tooth_thickness", Place(gear=1))
+    faint, plain = (Candidate(claim=thickness, gain=N * size**2, freedoms=1) for size in (0.012, 20.0))
+    weigh.deflections = (11.5 * UM,)
+    weigh.reached = lambda one: 0.4
+    assert weigh.law_floor(faint) / UM == pytest.approx(0.006 * 11.5 * 0.4)
+    assert weigh.law_floor(plain) < weigh.size(plain)
+    weigh.deflections = (0.0,)
+    assert weigh.law_floor(faint) == 0.0

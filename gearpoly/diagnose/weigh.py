@@ -155,6 +155,9 @@ class Weigh(Softness):
             part, more = MEAN_TOOTH_BY_LAWS, self.of_teeth
             if any(made.physics.mean_tooth and made.key != one.claim.key for made in self.model.claims):
                 part = BESIDE_ANOTHER
+        if physics.whole_gear:
+            # Where the rig took the means off, it is told by how eccentric teeth bend along their turns, or by nothing.
+            part = OTHERS_BY_LAWS
         if physics.wavelike and place.order is not None:
             z = self.model.scope.gears[place.gear or 0].z
             if place.order > z // 2 and abs((place.order + z // 2) % z - z // 2) <= BESIDE_MESH:
