@@ -15,7 +15,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose import placing
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, _best_of, first, off_by, opening, placed
+from gearpoly.diagnose.placing import ENOUGH, _best_of, first, off_by, opening, placed, well_placed
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
@@ -134,6 +134,32 @@ def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
     placed(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
     assert len(told) == 1
     assert model.offset == pytest.approx(at, abs=1e-12)
+
+
+def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What shortened ones left seven teeth off is mended; from the right place a wrong step is taken back, teeth as
+    built and all."""
+    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
+    model.moved((-7.0 - aside) * TURN / Z[1])
+    model.elsewhere = (TURN / Z[1],)
+    foreign = [np.zeros((model.observed[0].samples.size, 0))]
+
+    def begin() -> Fit:
+        return Fit.begun(model, foreign, lambda _: None)
+
+    fit = well_placed(model, begin)
+    assert abs(off_pitches_of(model.observed[0].samples.theta_2, one)) < 0.2
+    misfit, built = fit.linear.system.misfit, model.built.copy()
+    monkeypatch.setattr(placing, "off_by", lambda fit: 1)
+    model.restore(replace(model, built=np.zeros_like(built)).kept())
+    again = well_placed(model, begin)
+    assert abs(off_pitches_of(model.observed[0].samples.theta_2, one)) < 0.2
+    assert again.linear.system.misfit == pytest.approx(misfit, rel=1e-3)
+    assert again.model.built == pytest.approx(built, abs=0.2)
 
 
 def off_pitches_of(theta_2: FloatArray, one: Recording) -> float:

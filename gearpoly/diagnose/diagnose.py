@@ -28,7 +28,7 @@ from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import placed
+from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.rivals import Judged, judge
@@ -94,7 +94,7 @@ def diagnose(
     model.observed = beside_jumps(model.observed, jumps(comparison))
     waves, preparing = foreign(comparison, model, entries), watch.stage("prepare")
     placed(model, waves, preparing)
-    search = Search.begun(model, waves, preparing)
+    search = well_placed(model, lambda: Search.begun(model, waves, preparing))
     if model.offset:
         comparison = comparison.moved(model.offset)
     if model.turned_by:
