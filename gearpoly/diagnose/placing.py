@@ -83,7 +83,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
         _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
         return
-    if not any(model.scope.section(gear).eccentricity for gear in (0, 1)):
+    if not _eccentric(model):
         return
     before: Fit | None = None
     by = 0
@@ -104,12 +104,17 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         model.moved(by * pitch)
 
 
+def _eccentric(model: Model) -> bool:
+    """Whether a gear is declared eccentric."""
+    return any(model.scope.section(gear).eccentricity is not None for gear in (0, 1))
+
+
 def well_placed(model: Model, begin: Callable[[], F]) -> F:
     """The fit of whole recordings that ``begin`` begins, begun again elsewhere in the hunting cycle as long as declared
     eccentricities are told to stand there and it then fits better: shortened recordings do not tell those of a few
     tenths of a micrometre."""
     clean, fit = model.kept(), begin()
-    if not model.elsewhere or any(model.scope.inspected):
+    if not model.elsewhere or any(model.scope.inspected) or not _eccentric(model):
         return fit
     pitch = model.scope.gears[1].tau
     for _ in range(MOVES):
