@@ -450,21 +450,3 @@ def test_a_new_file_is_found_without_registration(tmp_path: Path, monkeypatch: p
             sys.modules.pop(f"gearpoly.physics.{name}", None)
             if hasattr(package, name):
                 delattr(package, name)
-
-
-def test_a_spall_is_no_narrower_than_its_walls() -> None:
-    """A floor that its walls leave no room for could be as deep as one likes: below one wall the edges stay one wall
-    apart about their middle, and what is not told of their distance is no error of theirs."""
-    physics = catalogue()["tooth_spall"]
-    place = Place(gear=0, tooth=3)
-    covariance = np.diag([0.04, 0.01, 0.01, 0.0025])
-    apart = np.array([0.0, 1.0, -1.0, 0.0])
-    narrow = physics.report(place, np.array([5.0, 17.01, 17.0, 0.05]), covariance + 1e6 * np.outer(apart, apart))
-    assert narrow["from_mm"][0] == pytest.approx(16.98)
-    assert narrow["to_mm"][0] == pytest.approx(17.03)
-    # Of the middle, and of half a wall.
-    assert narrow["from_mm"][1] == pytest.approx(math.sqrt(0.5 * 0.01 + 0.25 * 0.0025), rel=1e-3)
-    wide = physics.report(place, np.array([5.0, 17.2, 17.0, 0.05]), covariance)
-    assert [wide[name][0] for name in ("from_mm", "to_mm")] == pytest.approx([17.0, 17.2])
-    assert wide["from_mm"][1] == pytest.approx(0.1)
-    assert "between the radii 16.98 and 17.03 mm" in physics.says(place, (5.0, 17.01, 17.0, 0.05))

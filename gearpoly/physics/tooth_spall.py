@@ -48,49 +48,34 @@ def _places(scope: Scope) -> Iterable[Place]:
                 yield Place(gear=gear, tooth=tooth, shape=(float(edges[i]), float(edges[j]), WALL * ideal.m))
 
 
-def _edges(values: Values) -> tuple[float, float, float]:
-    """Where a spall begins and ends and the rise of its walls, in mm: no narrower than a wall, since a floor that its
-    walls leave no room for is as deep as one likes. A fit may have moved one edge past the other."""
-    low, high = sorted(values[1:3])
-    wall = max(values[3], LEAST)
-    middle, half = 0.5 * (low + high), 0.5 * max(high - low, wall)
-    return middle - half, middle + half, wall
-
-
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     if scene.samples.coast:
         return np.zeros(scene.samples.size)
     gear = place.gear or 0
     ideal = scene.gear(gear)
-    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, *_edges(values))
+    low, high = sorted(values[1:3])
+    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, high, max(values[3], LEAST))
+
     return scene.deviated_tooth(gear, place.tooth, pit.along)
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
-    low, high, wall = _edges(values)
+    low, high = sorted(values[1:3])
     spall = Spall.model_construct(
-        tooth=place.tooth or 0, depth_um=max(values[0], 0.0), from_mm=low, to_mm=high, wall_mm=wall
+        tooth=place.tooth or 0,
+        depth_um=max(values[0], 0.0),
+        from_mm=low,
+        to_mm=max(high, low + 1e-3),
+        wall_mm=max(values[3], LEAST),
     )
     return on_gear(file, place.gear, spall=(*gear_section(file, place.gear).spall, spall))
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-    low, high, wall = _edges(tuple(values.tolist()))
-    first, second = (1, 2) if values[1] <= values[2] else (2, 1)
-    edges = np.zeros((4, 4))
-    edges[0, 0] = edges[3, 3] = 1.0
-    if abs(values[2] - values[1]) < wall:
-        # Where both are is told, how far apart is the wall's matter.
-        edges[1:3, 1:3], edges[1, 3], edges[2, 3] = 0.5, -0.5, 0.5
-    else:
-        edges[1, first] = edges[2, second] = 1.0
-    found = np.array([values[0], low, high, values[3]])
-    return plain("depth_um", "from_mm", "to_mm", "wall_mm")(place, found, edges @ covariance @ edges.T)
-
-
-def _says(place: Place, values: Values) -> str:
-    low, high, _ = _edges(values)
-    return f"{tooth_of(place)} has lost {values[0]:.1f} um between the radii {low:.2f} and {high:.2f} mm."
+    # A fit may have moved one edge past the other: the pit is between them.
+    low, high = (1, 2) if values[1] <= values[2] else (2, 1)
+    index = np.array([0, low, high, 3])
+    return plain("depth_um", "from_mm", "to_mm", "wall_mm")(place, values[index], covariance[np.ix_(index, index)])
 
 
 PHYSICS = Physics(
@@ -107,6 +92,8 @@ PHYSICS = Physics(
     effect=_effect,
     write=_write,
     report=_report,
-    says=_says,
+    says=lambda place, v: (
+        f"{tooth_of(place)} has lost {v[0]:.1f} um between the radii {min(v[1:3]):.2f} and {max(v[1:3]):.2f} mm."
+    ),
     equation="d = -depth/2 [tanh((r - from)/wall) - tanh((r - to)/wall)] on one tooth",
 )
