@@ -16,6 +16,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.nuisance import softened
 from gearpoly.files.pairfile import dump_pair
 from gearpoly.mesh.pair import Flank
+from gearpoly.mesh.varied import Giving
 from gearpoly.physics.scene import stage
 from gearpoly.recording.load import relative_load
 from gearpoly.units import NM, UM, FloatArray
@@ -43,6 +44,17 @@ def test_a_scene_under_varying_torque_is_each_sample_under_its_own(flank: Flank)
     plain = stage(assembled, samples).te
     assert np.std(follows - more) < 0.06 * float(np.sqrt(np.mean((more - plain) ** 2)))
     assert np.sign(np.mean(follows - plain)) == (-1.0 if flank == "drive" else 1.0)
+
+
+def test_a_parabola_goes_through_the_three_loads_that_made_it() -> None:
+    """Nothing at the mean, and at both ends what was seen there, however far apart they lie; exact but for rounding."""
+    rng = np.random.default_rng(2)
+    up, down = rng.normal(0.0, 3.0, (2, 50))
+    one = Giving(up=up, down=down, most=0.8, least=0.5)
+    for off, added in ((0.0, 0.0 * up), (0.8, 0.8 * up), (-0.5, -0.5 * down)):
+        assert one.by(np.full(50, off)) == pytest.approx(added, abs=1e-12)
+    # Of what is in proportion to the load a straight line is left.
+    assert replace(one, down=up).by(np.full(50, 0.3)) == pytest.approx(0.3 * up, abs=1e-12)
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])

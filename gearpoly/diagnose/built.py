@@ -57,7 +57,7 @@ def _flank(one: Running) -> BuiltFlank:
 def compliance_scale(search: Search) -> tuple[float, float] | None:
     """The compliance over the declared and its standard error, where the recordings bend declared teeth."""
     place, model = search.nuisance.scale, search.model
-    if place is None or any(claim.physics.name == "tooth_deflection" for claim in model.claims):
+    if place is None or model.bending is not None:
         return None
     at = search.linear.layout.nuisance.start + place
     scale = model.ratio * model.scale

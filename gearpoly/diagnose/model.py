@@ -17,6 +17,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Scope, Values, changed
 from gearpoly.physics.samples import Samples
 from gearpoly.physics.scene import Scene
+from gearpoly.physics.tooth_deflection import PHYSICS as TOOTH_DEFLECTION
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
@@ -100,16 +101,19 @@ class Model:
         for name, value in kept.items():
             setattr(self, name, list(value) if isinstance(value, list) else value)
 
+    @property
+    def bending(self) -> Claim | None:
+        """The claim that teeth bend, where the file says that they do not; None where nobody claims it."""
+        return next((one for one in self.claims if one.physics is TOOTH_DEFLECTION), None)
+
     def soften(self, ratio: float) -> None:
         """Multiply the compliance of all pairs, declared or claimed."""
         if self.declared.model.tooth_deflection:
             self.scale *= ratio
-        self.claims = [
-            replace(one, values=(ratio * one.values[0], *one.values[1:]))
-            if one.physics.name == "tooth_deflection"
-            else one
-            for one in self.claims
-        ]
+        bends = self.bending
+        if bends is not None:
+            softer = replace(bends, values=(ratio * bends.values[0], *bends.values[1:]))
+            self.claims = [softer if one is bends else one for one in self.claims]
 
     def moved(self, offset: float) -> None:
         """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together; the encoders' zeros

@@ -20,7 +20,7 @@ from gearpoly.physics.base import Claim, Place
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.units import FloatArray
 
-F = TypeVar("F", bound=Fit)
+Begun = TypeVar("Begun", bound=Fit)
 
 PHASES = 8
 """Phases of a pitch that are tried where the curves do not place the teeth."""
@@ -109,10 +109,10 @@ def _eccentric(model: Model) -> bool:
     return any(model.scope.section(gear).eccentricity is not None for gear in (0, 1))
 
 
-def well_placed(model: Model, begin: Callable[[], F]) -> F:
+def well_placed(model: Model, begin: Callable[[], Begun]) -> Begun:
     """The fit of whole recordings that ``begin`` begins, begun again elsewhere in the hunting cycle as long as declared
     eccentricities are told to stand there and it then fits better: shortened recordings do not tell those of a few
-    tenths of a micrometre."""
+    tenths of a micrometre. Raises what ``begin`` does at the first place."""
     clean, fit = model.kept(), begin()
     if not model.elsewhere or any(model.scope.inspected) or not _eccentric(model):
         return fit
@@ -121,14 +121,18 @@ def well_placed(model: Model, begin: Callable[[], F]) -> F:
         by = off_by(fit)
         if by == 0:
             break
-        state, before = fit.kept(), fit
+        here = fit.kept()
         model.restore(clean)
         model.moved(by * pitch)
-        fit = begin()
-        if _misfit(fit, by=before) > _misfit(before, by=before) - BETTER[0]:
+        try:
+            there: Begun | None = begin()
+        except GearpolyError:  # gears that jam where they do not stand
+            there = None
+        if there is None or _misfit(there, by=fit) > _misfit(fit, by=fit) - BETTER[0]:
             model.moved(-by * pitch)
-            before.restore(state)
-            return before
+            fit.restore(here)
+            break
+        fit = there
     return fit
 
 
