@@ -50,7 +50,7 @@ def inspected(
     gears = {"driving": (z_1, *one(z_1)), "driven": (z_2, *one(z_2))}
 
     def text(noise: float, extra: str) -> str:
-        lines = ['name = "made"', "[model]", f"tooth_deflection = {str(bends).lower()}"]
+        lines = ['name = "made [front]"', "[model]", f"tooth_deflection = {str(bends).lower()}"]
         for name, (z, pitch, slope) in gears.items():
             lists = [(values + noise * rng.normal(size=z)).round(4).tolist() for values in (pitch, slope)]
             lines += [

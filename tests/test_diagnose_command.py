@@ -225,6 +225,8 @@ def test_the_terminal_says_where_what_how_sure_what_else_and_what_next(bench: Pa
     for row in ("declared simulation", "with as-built teeth", "with what was missing", "driving gear as it runs fits"):
         assert row in printed
     assert "as built, drive flanks: pitch" in printed
+    # What stands in brackets is said too.
+    assert printed.startswith("made [front]")
 
 
 def test_the_fitted_file_simulates_and_compares_to_the_noise(

@@ -48,4 +48,4 @@ def compare(
     if plot is not None:
         plot_comparison(comparison, target=plot)
     if str(json) != "-":
-        print_comparison(Console(), comparison)
+        print_comparison(Console(markup=False), comparison)

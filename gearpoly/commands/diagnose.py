@@ -52,4 +52,4 @@ def diagnose(
     for target, text in made:
         write_text(target, text)
     if all(str(target) != "-" for target, _ in made):
-        print_diagnosis(Console(), diagnosis)
+        print_diagnosis(Console(markup=False), diagnosis)

@@ -31,4 +31,4 @@ def plan(
     if json is not None:
         write_text(json, json_text(made))
     if str(json) != "-":
-        print_plan(Console(), made)
+        print_plan(Console(markup=False), made)

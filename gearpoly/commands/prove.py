@@ -47,7 +47,7 @@ def prove(
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
     stream = sys.stderr if str(json) == "-" else sys.stdout
-    console = Console(file=stream, width=None if stream.isatty() else 160)
+    console = Console(file=stream, width=None if stream.isatty() else 160, markup=False)
 
     def say(what: str) -> None:
         console.print(what, highlight=False, soft_wrap=True)

@@ -99,7 +99,7 @@ def simulate(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
     to_stdout = any(str(target) == "-" for target in outputs)
-    console = Console(stderr=to_stdout)
+    console = Console(stderr=to_stdout, markup=False)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,

@@ -37,4 +37,4 @@ def study(
     outcome = run_study(read_study(study), out=out, workers=workers or os.cpu_count() or 1, scheduler=scheduler)
     if csv is not None:
         outcome.store.to_csv(csv)
-    print_outcome(Console(), outcome)
+    print_outcome(Console(markup=False), outcome)

@@ -40,6 +40,6 @@ def study_report(
     if json is not None:
         write_text(json, dumps(answers_json(answers), allow_nan=False, indent=1))
     if str(json) != "-":
-        console = Console()
+        console = Console(markup=False)
         # Tables of intervals are wider than the 80 columns that a pipe is taken for.
-        print_answers(console if console.is_terminal else Console(width=120), answers, page=page)
+        print_answers(console if console.is_terminal else Console(width=120, markup=False), answers, page=page)

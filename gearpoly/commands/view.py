@@ -77,7 +77,7 @@ def view(
     text = page_text(document(scene))
     write_text(target, text)
     if str(target) != "-":
-        console = Console()
+        console = Console(markup=False)
         console.print(
             f"{target}: {len(text.encode()) / 1e6:.2f} MB, open it in a browser", highlight=False, soft_wrap=True
         )

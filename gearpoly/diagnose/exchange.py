@@ -26,6 +26,10 @@ LIGHT, FAR = 0.5, 4.0
 """Part of what other teeth of its gear carry, in the mean, below which a tooth may have left the mesh; and how far back
 it is set for a trial, as a multiple of what its claim does and pairs are bent: well out of it."""
 
+LEFT_OF_TOOTH, ASIDE = 0.5, 16.0
+"""Misfit beyond noise over that of noise, where a claimed tooth is in mesh, from which its shape is doubted; and the
+steps of a coordinate by which it is begun elsewhere: twice what a shape was polished by."""
+
 LIKELY = 0.7
 """Part of a claim's gain that its substitute must reach by its coarse shapes to be polished, and that another first
 step must have reached to be gone back to."""
@@ -93,7 +97,31 @@ class Exchange(Weigh):
     def reshape(self) -> None:
         """Exchange claims for the same in another form, where that fits better: else other physics draw the rest."""
         for k, claim in enumerate(self.model.claims):
-            any(self._exchanged(k, one, by=BETTER) for one in claim.otherwise(self.model.scope))
+            # What takes less of a flank and has no other form need only be as good.
+            by = BETTER if claim.place.form else 0.0
+            any(self._exchanged(k, one, by=by) for one in claim.otherwise(self.model.scope))
+            for _ in range(SWAPS):
+                if not sum(self._exchanged(k, one, by=BETTER) for one in self._aside(self.model.claims[k])):
+                    break
+
+    def _aside(self, claim: Claim) -> list[Claim]:
+        """A shaped claim about a single tooth with each coordinate of its shape moved, where it leaves more than noise
+        of that tooth: an edge may have come to rest beside the true one. None where nothing is left."""
+        gear, tooth, a = claim.place.gear or 0, claim.place.tooth, claim.physics.amplitudes
+        if tooth is None or len(claim.values) == a:
+            return []
+        lefts = [
+            left[scene.samples.meshing(gear, tooth, z=scene.gear(gear).z)]
+            for scene, left in zip(self.scenes, self.linear.system.left, strict=True)
+        ]
+        if float(np.mean(np.concatenate(lefts) ** 2)) < 1.0 + LEFT_OF_TOOTH:
+            return []
+        out = []
+        for k, one in enumerate(claim.physics.coordinates[a:], start=a):
+            for step in (-ASIDE * one.step, ASIDE * one.step):
+                moved = min(max(claim.values[k] + step, one.low), one.high)
+                out.append(replace(claim, values=(*claim.values[:k], moved, *claim.values[k + 1 :])))
+        return out
 
     def set_back(self) -> None:
         """Exchange a claim about a tooth that hardly carries for one that it stands back, where that fits better. Once

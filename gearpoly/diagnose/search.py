@@ -27,6 +27,9 @@ MANY = 4
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
 
+GROWN = 10.0
+"""Times that polishing a shape may make a size larger before that is doubted."""
+
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
 
@@ -125,8 +128,7 @@ class Search(Exchange):
                 break
             before = self.kept()
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
-            # What was exchanged for it may have gone again, and left all worse than before.
-            if self.accept([best.claim]) and self.gained(before) > 0.0:
+            if self.taken(best, found, before):
                 roads += [
                     Road(state=without_columns(before), claim=one.claim, part=one.gain / best.gain)
                     for one in ones
@@ -135,11 +137,23 @@ class Search(Exchange):
                 looked = False
                 continue
             refused.add(best.claim.key)
-            self.restore(before)
             looked = True  # nothing has changed, so the next best of the same look is tried
             if len(refused) > MOST:
                 break
         return found, roads
+
+    def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
+        """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
+        polished, as it was ``found`` before: of a pit as narrow as its walls, columns promise what no polygon shows."""
+        claims, before_it = [best.claim], next(one.claim for one in found if one.claim.key == best.claim.key)
+        if abs(best.claim.values[0]) > GROWN * abs(before_it.values[0]):
+            claims.append(before_it)
+        for claim in claims:
+            # What was exchanged for it may have gone again, and left all worse than before.
+            if self.accept([claim]) and self.gained(before) > 0.0:
+                return True
+            self.restore(before)
+        return False
 
     def accept(self, claims: Sequence[Claim]) -> bool:
         """Make claims and fit everything again; whether they stand, and leave gears that can still run."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -36,6 +37,13 @@ WALL = 0.05
 LEAST = 0.01
 """mm. Walls steeper than this show no more."""
 
+SHALLOWER = (0.1, 0.2, 0.3)
+"""Parts of its depth at which a pit's bottom may lie as well: where teeth lose touch over it, a deep bowl with walls
+that rise slowly looks like a shallow pit whose walls are steep where the bowl is as deep."""
+
+BOWL = 8.0
+"""Walls that the edges of such a bowl are apart at most."""
+
 
 def _places(scope: Scope) -> Iterable[Place]:
     if "drive" not in scope.flanks:
@@ -57,6 +65,25 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, high, max(values[3], LEAST))
 
     return scene.deviated_tooth(gear, place.tooth, pit.along)
+
+
+def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Place, Values]]:
+    """A bowl as pits with a flat bottom, whose edges lie where it is half as deep as they are, and rise as it does."""
+    depth, wall = values[0], max(values[3], values[0] * UM, LEAST)  # no steeper than a pit is drawn
+    middle, half = 0.5 * (values[1] + values[2]), 0.5 * abs(values[2] - values[1])
+    if depth <= 0.0 or 2.0 * half > BOWL * wall:
+        return
+    # depth sinh(2 u) / (cosh(2 u) + cosh(2 v)), with u = half / wall and v = (r - middle) / wall.
+    u = 2.0 * half / wall
+    for part in SHALLOWER:
+        level = 2.0 / part * math.sinh(u) - math.cosh(u)
+        if level <= 1.0:
+            continue  # the bowl is nowhere as deep
+        v = math.acosh(level)
+        steep = 2.0 * depth * math.sinh(u) * math.sinh(v) / (math.cosh(u) + level) ** 2 / wall
+        edge = 0.5 * v * wall
+        rise = min(max(0.5 * part * depth / steep, LEAST), 1.0)
+        yield place, (part * depth, middle - edge, middle + edge, rise)
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
@@ -90,6 +117,7 @@ PHYSICS = Physics(
     ordinary=(5.0,),
     places=_places,
     effect=_effect,
+    otherwise=_otherwise,
     write=_write,
     report=_report,
     says=lambda place, v: (

@@ -6,11 +6,14 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
 """Rows that a case misses by design, or along with another that says the same."""
 
-MARKS = {True: "[green]reached[/green]", False: "[red]missed[/red]", None: ""}
+MARKS: dict[bool | None, Text] = {
+    True: Text("reached", style="green"), False: Text("missed", style="red"), None: Text(""),
+}  # fmt: skip
 
 
 def percent(found: dict[str, Any]) -> str:
@@ -34,8 +37,8 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     """Print goals and figures, size against detection, controls, and the cases that failed."""
     table = _table("goals", ("figure", "found (95 % interval)", "goal", ""))
     for row in board["rows"]:
-        note = f" [dim]({row['note']})[/dim]" if row["note"] else ""
-        table.add_row(row["text"] + note, value(row), row["goal"], MARKS[row["reached"]])
+        note = f" ({row['note']})" if row["note"] else ""
+        table.add_row(Text.assemble(row["text"], (note, "dim")), value(row), row["goal"], MARKS[row["reached"]])
     console.print(table)
     sizes = _table("single effects by size over the theoretical limit", ("size", "reported", "named", "in the set"))
     for one in board["by_size"]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
@@ -29,7 +30,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     store, file = outcome.store, outcome.store.plan.file
     status = store.column("status")
     count = {name: int((status == name).sum()) for name in ("done", "jams", "refused")}
-    console.print(file.name, style="bold", highlight=False, markup=False)
+    console.print(file.name, style="bold", highlight=False)
     console.print(
         f"{outcome.rows} pairs ({_counted(store.plan.design.combinations)}), {outcome.made} of them made now"
         + (f" in {outcome.seconds:.1f} s, {outcome.made / outcome.seconds:.2f} pairs/s" if outcome.made else "")
@@ -42,9 +43,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
             style="yellow",
             highlight=False,
         )
-    console.print(
-        f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False, markup=False
-    )
+    console.print(f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False)
 
 
 def _counted(combinations: int) -> str:
@@ -83,16 +82,16 @@ def _short(one: Interval) -> str:
 
 def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
     """Print percentiles of every output, yields, and the cheapest grade."""
-    console.print(answers.name, style="bold", highlight=False, markup=False)
+    console.print(answers.name, style="bold", highlight=False)
     for remark in answers.remarks:
-        console.print(f"note: {remark}", style="yellow", highlight=False, markup=False)
+        console.print(f"note: {remark}", style="yellow", highlight=False)
     table = Table(box=None, pad_edge=False)
     table.add_column("output", no_wrap=True)
     for name in ("pairs", "median", "95 %", "99 %"):
         table.add_column(name, justify="right", no_wrap=True)
     for output in answers.store.plan.file.outputs:
         if len(answers.groups) > 1:
-            table.add_row(f"[bold]{output}[/bold]")
+            table.add_row(Text(output, style="bold"))
         for group in answers.groups[:PRINTED]:
             sample = group.sample(output)
             found = dict(sample.percentiles)
@@ -102,11 +101,11 @@ def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
     if len(answers.groups) > PRINTED:
         console.print(f"{len(answers.groups) - PRINTED} more combinations are on the page", highlight=False)
     for one in answers.yields:
-        console.print(f"\n{words(one.limit)}", style="bold", highlight=False, markup=False)
+        console.print(f"\n{words(one.limit)}", style="bold", highlight=False)
         for group, kept, verdict in list(zip(answers.groups, one.shares, one.verdicts, strict=True))[:PRINTED]:
             share = f"{100.0 * kept.value:.4g} % ({100.0 * kept.low:.4g} to {100.0 * kept.high:.4g} %)"
-            console.print(f"  {group.label}: {share}, {verdict}", highlight=False, markup=False)
+            console.print(f"  {group.label}: {share}, {verdict}", highlight=False)
     for cheapest in answers.cheapest:
         for line in cheapest.says:
-            console.print(f"  {line}", style="green", highlight=False, markup=False)
-    console.print(f"\npage: {page}", highlight=False, markup=False)
+            console.print(f"  {line}", style="green", highlight=False)
+    console.print(f"\npage: {page}", highlight=False)
