@@ -153,7 +153,7 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
         if len(seen) == 10 and not killed:
             killed = True
             children = subprocess.run(
-                ["ps", "--ppid", str(os.getpid()), "-o", "pid,args"], capture_output=True, text=True
+                ["ps", "-ww", "--ppid", str(os.getpid()), "-o", "pid,args"], capture_output=True, text=True
             )
             workers = [int(line.split()[0]) for line in children.stdout.splitlines() if "spawn_main" in line]
             assert len(workers) == 2
