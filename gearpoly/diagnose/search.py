@@ -145,9 +145,9 @@ class Search(Exchange):
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
         polished, as it was ``found`` before: of a pit as narrow as its walls, columns promise what no polygon shows."""
-        claims, before_it = [best.claim], next(one.claim for one in found if one.claim.key == best.claim.key)
-        if abs(best.claim.values[0]) > GROWN * abs(before_it.values[0]):
-            claims.append(before_it)
+        claims, coarse = [best.claim], next(one.claim for one in found if one.claim.key == best.claim.key)
+        if abs(best.claim.values[0]) > GROWN * abs(coarse.values[0]):
+            claims.append(coarse)
         for claim in claims:
             # What was exchanged for it may have gone again, and left all worse than before.
             if self.accept([claim]) and self.gained(before) > 0.0:

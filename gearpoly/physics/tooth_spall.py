@@ -42,7 +42,7 @@ SHALLOWER = (0.1, 0.2, 0.3)
 that rise slowly looks like a shallow pit whose walls are steep where the bowl is as deep."""
 
 BOWL = 8.0
-"""Walls that the edges of such a bowl are apart at most."""
+"""Walls that the edges of such a bowl are apart at most: at eight its bottom is flat to 0.1 %, and it is a pit."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
