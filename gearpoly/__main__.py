@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import sys
 
 INTERRUPTED = 130
+
+
+def command() -> None:
+    """``main`` as a process: it ends with an interrupt, whatever threads are at work on what nobody waits for."""
+    try:
+        main()
+    except SystemExit as end:
+        if end.code != INTERRUPTED:
+            raise
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError):  # a closed pipe, a closed stream
+                stream.flush()
+        os._exit(INTERRUPTED)
 
 
 def main() -> None:
@@ -30,4 +45,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command()

@@ -7,8 +7,6 @@ import math
 import os
 import signal
 import subprocess
-import sys
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,7 +15,9 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
 from gearpoly.recording.recording import Recording
+from tests import made_process
 from tests.made_command import Command
+from tests.made_process import read_until
 from tests.made_recordings import Rig, inspected, record
 from tests.physics_cases import CONTRACT
 from tests.recording_files import write_csv
@@ -52,12 +52,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def begun(*arguments: object, stderr: int = subprocess.PIPE) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "gearpoly", "diagnose", *map(str, arguments)]
-    # Shells start what runs beside them deaf to interrupts; a user's command is not.
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=stderr, text=True, env=os.environ | {"COLUMNS": "200"},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
+    return made_process.begun("-m", "gearpoly", "diagnose", *arguments, stdout=subprocess.PIPE, stderr=stderr)
 
 
 @pytest.fixture(scope="module")
@@ -262,9 +257,9 @@ def test_an_interrupt_in_the_search_leaves_nothing_behind(bench: Path, tmp_path:
     ours, theirs = os.openpty()
     run = begun(bench / "pair.toml", bench / "rec.csv", *targets, stderr=theirs)
     os.close(theirs)
-    seen = read_until(ours, "looking for what is missing")
+    seen = read_until(ours, "looking for what is missing", of=run)
     run.send_signal(signal.SIGINT)
-    seen += read_until(ours, None)
+    seen += read_until(ours, None, of=run)
     os.close(ours)
     out, _ = run.communicate(timeout=120)
     assert run.returncode == 130, seen
@@ -272,18 +267,3 @@ def test_an_interrupt_in_the_search_leaves_nothing_behind(bench: Path, tmp_path:
     assert "gearpoly: interrupted; nothing half-written was left behind" in seen
     assert "Traceback" not in seen
     assert list(folder.iterdir()) == []
-
-
-def read_until(terminal: int, words: str | None) -> str:
-    """What a terminal shows until ``words`` come, or until nobody writes to it any more."""
-    seen = ""
-    while words is None or words not in seen:
-        try:
-            more = os.read(terminal, 4096)
-        except OSError:  # the other end is closed
-            more = b""
-        if not more:
-            assert words is None, seen
-            break
-        seen += more.decode(errors="replace")
-    return seen

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +32,7 @@ from gearpoly.prove.page import board_text, draw, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
 from gearpoly.study import progress
 from proving.ground import plan
+from tests import made_process
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
 
 
@@ -136,7 +136,7 @@ from gearpoly.prove import run
 from tests.made_prove import stuck
 if __name__ == "__main__":
     run.prove_folder = partial(run.prove_folder, diagnoser=stuck)
-    __main__.main()
+    __main__.command()
 """
 
 
@@ -147,12 +147,9 @@ def begun(bench: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     script.write_text(STUCK)
     root = Path(__file__).resolve().parents[1]
     place = tmp_path / "out" / "verdicts" / "plain"
-    command = [sys.executable, str(script), "prove", "--on", str(bench), "--out", str(tmp_path / "out")]
-    process = subprocess.Popen(
-        [*command, "--workers", "2"], cwd=root, env={**os.environ, "PYTHONPATH": str(root)}, text=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
-        # What runs in the background of a shell is deaf to interrupts, and passes that on.
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+    process = made_process.begun(
+        script, "prove", "--on", bench, "--out", tmp_path / "out", "--workers", "2", env={"PYTHONPATH": str(root)},
+        cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     marks = [tmp_path / "beta.begun", tmp_path / "gamma.begun", place / "alpha.json", place / "delta.json"]
     deadline = time.monotonic() + 120.0  # two starts of Python on a busy machine

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 import threading
+from pathlib import Path
 
 import pytest
 
 from gearpoly.threads import each
+from tests.made_process import begun, read_until
 
 
 def test_results_come_in_the_order_of_the_items() -> None:
@@ -25,3 +30,30 @@ def test_an_error_of_one_is_the_error_of_all() -> None:
 
 def test_one_item_stays_where_it_is() -> None:
     assert each(lambda _: threading.current_thread(), [1]) == [threading.current_thread()]
+
+
+BUSY = """
+import os, time
+from gearpoly import __main__, cli, threads
+threads._threads = lambda: 2  # also where there is one core
+def work(item):
+    os.write(2, b"busy ")
+    time.sleep(3600.0)
+cli.app = lambda: threads.each(work, range(2))
+__main__.command()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a terminal of its own")
+def test_an_interrupt_waits_for_no_thread(tmp_path: Path) -> None:
+    script = tmp_path / "busy.py"
+    script.write_text(BUSY)
+    ours, theirs = os.openpty()
+    run = begun(script, stdout=subprocess.DEVNULL, stderr=theirs)
+    os.close(theirs)
+    read_until(ours, "busy busy", of=run)
+    run.send_signal(signal.SIGINT)
+    seen = read_until(ours, None, of=run, patience=60.0)  # it takes a moment; an hour if it waited
+    os.close(ours)
+    assert run.wait(60.0) == 130
+    assert "gearpoly: interrupted" in seen
