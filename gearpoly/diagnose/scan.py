@@ -265,10 +265,11 @@ def together(model: Model, scenes: list[Scene], linear: Linear, physics: Physics
 
 
 def polished(
-    model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate, *, roughly: bool = False
-) -> Candidate:
-    """The candidate at the shape that gains most; ``roughly``: as long as much else may be wrong, such as how far teeth
-    bend, what is there or is not may be there in part."""
+    model: Model, scenes: list[Scene], linear: Linear, candidate: Candidate, *, roughly: bool = False,
+    grown: float = math.inf,
+) -> Candidate:  # fmt: skip
+    """The candidate at the shape that gains most and makes its size at most ``grown`` times as large; ``roughly``: as
+    long as much else may be wrong, such as how far teeth bend, what is there or is not may be there in part."""
     physics, claim = candidate.claim.physics, candidate.claim
     q = physics.amplitudes
     start = np.array(claim.values[q:])
@@ -285,7 +286,7 @@ def polished(
             return 0.0
         trial = replace(claim, values=(*(0.0,) * q, *shape.tolist()))
         found = _weigh(model, scenes, linear, [trial], roughly=roughly)
-        if not found:
+        if not found or abs(found[0].claim.values[0]) > grown * abs(claim.values[0]):
             return 0.0
         if found[0].gain > best.gain:
             best = found[0]

@@ -28,7 +28,7 @@ POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
 
 GROWN = 10.0
-"""Times that polishing a shape may make a size larger before that is doubted."""
+"""Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
@@ -144,13 +144,14 @@ class Search(Exchange):
 
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
-        polished, as it was ``found`` before: of a pit as narrow as its walls, columns promise what no polygon shows."""
-        claims, coarse = [best.claim], next(one.claim for one in found if one.claim.key == best.claim.key)
-        if abs(best.claim.values[0]) > GROWN * abs(coarse.values[0]):
-            claims.append(coarse)
-        for claim in claims:
+        polished, of it grown less than it was ``found``: of a pit as narrow as its walls, columns promise what no
+        polygon shows."""
+        coarse = next(one for one in found if one.claim.key == best.claim.key)
+        for again in range(2 if abs(best.claim.values[0]) > GROWN * abs(coarse.claim.values[0]) else 1):
+            if again:
+                best = polished(self.model, self.scenes, self.linear, coarse, roughly=True, grown=GROWN)
             # What was exchanged for it may have gone again, and left all worse than before.
-            if self.accept([claim]) and self.gained(before) > 0.0:
+            if self.accept([best.claim]) and self.gained(before) > 0.0:
                 return True
             self.restore(before)
         return False

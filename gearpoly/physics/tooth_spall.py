@@ -41,8 +41,9 @@ SHALLOWER = (0.1, 0.2, 0.3)
 """Parts of its depth at which a pit's bottom may lie as well: where teeth lose touch over it, a deep bowl with walls
 that rise slowly looks like a shallow pit whose walls are steep where the bowl is as deep."""
 
-BOWL = 8.0
-"""Walls that the edges of such a bowl are apart at most: at eight its bottom is flat to 0.1 %, and it is a pit."""
+BOWL = 12.0
+"""Walls that the edges of such a bowl are apart at most: at twelve its bottom is flat to 1e-5, and it is a pit,
+however little of its depth teeth see."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
