@@ -144,16 +144,21 @@ class Search(Exchange):
 
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
-        polished, of it grown less than it was ``found``: of a pit as narrow as its walls, columns promise what no
+        polished, of it ``found`` coarsely and grown less: of a pit as narrow as its walls, columns promise what no
         polygon shows."""
+        if self._stands(best, before):
+            return True
         coarse = next(one for one in found if one.claim.key == best.claim.key)
-        for again in range(2 if abs(best.claim.values[0]) > GROWN * abs(coarse.claim.values[0]) else 1):
-            if again:
-                best = polished(self.model, self.scenes, self.linear, coarse, roughly=True, grown=GROWN)
-            # What was exchanged for it may have gone again, and left all worse than before.
-            if self.accept([best.claim]) and self.gained(before) > 0.0:
-                return True
-            self.restore(before)
+        if abs(best.claim.values[0]) <= GROWN * abs(coarse.claim.values[0]):
+            return False
+        return self._stands(polished(self.model, self.scenes, self.linear, coarse, roughly=True, grown=GROWN), before)
+
+    def _stands(self, one: Candidate, before: Kept) -> bool:
+        """Whether the claim of a candidate was made and has left the fit better than ``before``, which is back if not:
+        what was exchanged for it may have gone again, and left all worse."""
+        if self.accept([one.claim]) and self.gained(before) > 0.0:
+            return True
+        self.restore(before)
         return False
 
     def accept(self, claims: Sequence[Claim]) -> bool:
