@@ -74,14 +74,14 @@ def test_a_grade_leaves_a_bulge_open_but_no_relief(physics: str, values: tuple[f
 
 @pytest.mark.parametrize("at", [0.2, 0.36, 0.5])
 def test_a_step_explains_more_than_a_line_where_there_is_one(at: float) -> None:
-    """A line takes 3 p (1 - p) of a step at part p, at most three quarters; 48 moments miss its place by a hundredth of
-    the recording at most, which costs 1 % / (p (1 - p)) of its gain."""
+    """A line takes 3 p (1 - p) of a step at part p, at most three quarters; 48 moments, and 48 between the neighbours of
+    the best, miss its place by 0.0005 of the recording at most, which costs 0.05 % / (p (1 - p)) of its gain."""
     rng = np.random.default_rng(1)
     recorded = 0.5 * (np.arange(N) > at * N) + rng.normal(0.0, 1.0, N)
     assert scales(recorded).stepped() > gain_of_slope(recorded)
     clean = 0.5 * (np.arange(N) > at * N)
     whole = float(np.sum((clean - clean.mean()) ** 2))
-    assert (1.0 - 0.011 / (at * (1.0 - at))) * whole < scales(clean).stepped() <= whole * (1.0 + 1e-9)
+    assert (1.0 - 0.0006 / (at * (1.0 - at))) * whole < scales(clean).stepped() <= whole * (1.0 + 1e-9)
 
 
 def test_a_line_explains_more_than_any_step_where_there_is_one() -> None:
@@ -113,8 +113,8 @@ def test_recordings_that_drift_alike_may_jump_alike() -> None:
 
 
 def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_slow() -> None:
-    """Three slow terms gain more than the best step by what is asked in 1 of 40 steps of 6 standard deviations: of 400
-    in 10, and in 20 in less than 1 of 500 trials."""
+    """Three slow terms gain more than the best step by what is asked in 1 of 100 steps of 6 standard deviations: of 400
+    in 4, and in 12 in less than 1 of 1000 trials."""
     rng = np.random.default_rng(4)
     slow, _ = np.linalg.qr(slow_curves(np.linspace(-1.0, 1.0, N)))
     outdone = 0
@@ -125,7 +125,7 @@ def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_sl
         gain = float(np.sum((slow[:, 1:].T @ recorded) ** 2))
         one = Candidate(claim=drift_claim(), gain=gain, freedoms=3)
         outdone += not scales(recorded).sudden(one)
-    assert outdone < 20
+    assert outdone < 12
     ramp = np.linspace(-1.0, 1.0, N)
     recorded = 12.0 * ramp / float(np.linalg.norm(ramp)) + rng.normal(0.0, 1.0, N)
     gain = float(np.sum((slow[:, 1:].T @ recorded) ** 2))

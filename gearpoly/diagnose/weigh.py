@@ -13,7 +13,7 @@ from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
-from gearpoly.diagnose.system import Sums, System
+from gearpoly.diagnose.system import System
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
@@ -43,12 +43,13 @@ SIMILAR = 0.5
 COINCIDENCE = 0.1
 """Waves of unknown make that may be expected to lie at an order of a shaft by chance, beyond which none is named."""
 
-STEPS = 48
-"""Moments of a recording at which a step is tried."""
+STEPS, CLOSER = 48, 2
+"""Moments of a recording at which a step is tried, at first in all of it, and how often so: the second time between the
+neighbours of the best."""
 
 SUDDEN = 4.0
 """Gain by which what is slow must be better than the best step to be told from one: of steps at 5 to 8 standard
-deviations whose moment nobody knows, three slow terms gained more than that in 1 of 40."""
+deviations whose moment nobody knows, three slow terms gained more than that in 1 of 100."""
 
 POLISH = 1.6
 """Gain of a polished shape over the nearest that was tried, at most to be hoped for."""
@@ -138,14 +139,34 @@ class Weigh(Softness):
     def stepped(self, recordings: Sequence[int] = ()) -> float:
         """Gain of the best steps in ``recordings`` (none: in all), one in each. What happens at once looks like
         something slow, and is not. Every step but the first costs its freedom and the choice of its moment."""
-        n = [observed.samples.size for observed in self.model.observed]
-        moments = np.linspace(0.0, 1.0, STEPS + 2)[1:-1]
-        steps = [(np.arange(size)[:, None] >= size * moments).astype(np.float64) for size in n]
-        sums = [self.linear.sums(k, one) for k, one in enumerate(steps) if not recordings or k in recordings]
-        best, *others = sorted((_best(self.linear.system, [one]) for one in sums), reverse=True)
+        these = [k for k, _ in enumerate(self.model.observed) if not recordings or k in recordings]
+        best, *others = sorted((self._best_step([k]) for k in these), reverse=True)
         apart = best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
         # Recordings that drift alike may jump alike.
-        return max(apart, _best(self.linear.system, sums))
+        return max(apart, self._best_step(these))
+
+    def _best_step(self, recordings: Sequence[int]) -> float:
+        """Gain of the best step of ``recordings`` that all jump alike and at the same part of each, its moment found
+        coarsely and then between the neighbours: one that is tried beside the true moment loses part of its gain."""
+        most, low, high = 0.0, 0.0, 1.0
+        for _ in range(CLOSER):
+            moments = np.linspace(low, high, STEPS + 2)[1:-1]
+            gains = self._steps(recordings, moments)
+            at, apart = int(np.argmax(gains)), float(moments[1] - moments[0])
+            most, low, high = max(most, float(gains[at])), moments[at] - apart, moments[at] + apart
+        return most
+
+    def _steps(self, recordings: Sequence[int], moments: FloatArray) -> FloatArray:
+        """Gain (q,) of a step at each of ``moments`` (q,), parts of a recording, in all of ``recordings`` alike; 0
+        where it is told from nothing."""
+        sums = []
+        for k in recordings:
+            n = self.model.observed[k].samples.size
+            sums.append(self.linear.sums(k, (np.arange(n)[:, None] >= n * moments).astype(np.float64)))
+        score, information = self.linear.system.beside(sums)
+        known = np.diag(information)
+        told = known > KNOWN * np.max(known, initial=0.0)
+        return np.where(told, score**2 / np.where(told, known, 1.0), 0.0)
 
     def law_floor(self, one: Candidate) -> float:
         """Rms in mm below which an effect may be what no compliance law gets right, as far as that reaches it."""
@@ -281,14 +302,6 @@ class Weigh(Softness):
         if any(size <= one.low for size, one in zip(sizes, claim.physics.coordinates[:a], strict=True)):
             return 0.0
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
-
-
-def _best(system: System, sums: list[Sums]) -> float:
-    """Gain of the best of some columns beside all that is believed."""
-    score, information = system.beside(sums)
-    known = np.diag(information)
-    told = known > KNOWN * np.max(known, initial=0.0)
-    return float(np.max(score[told] ** 2 / known[told], initial=0.0))
 
 
 def participation(effect: FloatArray) -> float:
