@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
@@ -142,5 +143,29 @@ def _cost(search: Search, k: int) -> float | None:
     made = conditions(search.model.scope)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, k)
     cost = -foretold(plain, wider, made) if len(made) > 1 else 0.0
-    pays = cost <= 0.0 and search.paid(search.model.claims[k], plain, wider)
+    pays = cost <= 0.0 and search.paid(search.model.claims[k], plain, _as_it_is(search, k, wider))
     return None if pays and not swells(search.linear, search.model, k) else cost
+
+
+def _as_it_is(search: Search, k: int, wider: System) -> System:
+    """The system with claim ``k``, as `with_and_without` has it, and a single tooth's shape held as it stands."""
+    claim = search.model.claims[k]
+    mine = set(search.linear.layout.places(k))
+    # What bends with its size stands there in one column, without a shape.
+    return wider.without([p for p in shaped_teeth(search) if p in mine]) if claim.physics.effect is not None else wider
+
+
+def held_places(search: Search) -> list[int]:
+    """Parameters that no part of the recordings tells the other: of what goes on over a whole recording and never
+    repeats (slow claims, and wandering), and the shapes of single teeth."""
+    layout, claims = search.linear.layout, search.model.claims
+    wandering = (SLOW - 1) * sum(search.model.scope.wanders)
+    slow = [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
+    return [*range(layout.foreign.stop - wandering, layout.foreign.stop), *slow, *shaped_teeth(search)]
+
+
+def shaped_teeth(search: Search) -> list[int]:
+    """Parameters of the shapes of claims about single teeth. A part of a recording sees such a tooth a few times and
+    would move its edges farther than straight lines from the present ones hold; they are foretold as they stand."""
+    claims = [(k, claim) for k, claim in enumerate(search.model.claims) if claim.place.tooth is not None]
+    return [p for k, claim in claims for p in search.linear.layout.places(k)[claim.physics.amplitudes :]]

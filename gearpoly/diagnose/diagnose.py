@@ -13,19 +13,17 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
-from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
-from gearpoly.diagnose.conditions import elsewhere, take_back
+from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
-from gearpoly.diagnose.forms import Form, forms, in_doubt
+from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
-from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
@@ -111,6 +109,8 @@ def diagnose(
     if take_back(search):
         refitted = contest(search)
     shapes = forms(search)
+    search.step("asking how deep")
+    leasts = [only_the_least(search, k) for k, _ in enumerate(model.claims)]
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
     search.step("weighing rivals")
@@ -121,10 +121,10 @@ def diagnose(
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     thought = Imagined(model=model, laws=search.laws)
     each = [
-        (k, _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), thought, watch))
+        (k, _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), leasts[k], thought, watch))
         for k in order
     ]
-    findings = gathered(search, each, slow=slow_places(search))
+    findings = gathered(search, each, hold=held_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     if counted is not None:
@@ -150,8 +150,8 @@ def diagnose(
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison, model),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
-        after=cross_validated(search.linear, masks, hold=slow_places(search)),
-        held_out_by=_held_out_by(model, jumped=any(jumps(comparison))),
+        after=cross_validated(search.linear, masks, hold=held_places(search)),
+        held_out_by=_held_out_by(search, jumped=any(jumps(comparison))),
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
@@ -188,20 +188,13 @@ class _Watch:
         return tuple(self._spent.items())
 
 
-def slow_places(search: Search) -> list[int]:
-    """Parameters of what goes on over a whole recording and never repeats: slow claims, and wandering."""
-    layout, claims = search.linear.layout, search.model.claims
-    wandering = (SLOW - 1) * sum(search.model.scope.wanders)
-    slow = [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
-    return [*range(layout.foreign.stop - wandering, layout.foreign.stop), *slow]
-
-
 def _finding(
     search: Search,
     comparison: Comparison,
     k: int,
     judged: Judged,
     shapes: Sequence[Form],
+    at_least: bool,
     thought: Imagined,
     watch: _Watch,
 ) -> Finding:
@@ -209,12 +202,11 @@ def _finding(
     claim = model.claims[k]
     at = linear.layout.claims[k]
     covariance = linear.system.covariance[at, at].copy()
-    at_least = out_of_mesh(model, search.scenes, claim)
     if at_least:
         covariance[0, 0] += (AT_LEAST * claim.values[0]) ** 2
     masks = [one.fit for one in model.observed]
     mine = linear.layout.places(k) + linear.layout.form_places(model, k)
-    slow = slow_places(search)
+    hold = held_places(search)
     rivals = tuple(
         Rival(
             claim=one.claim,
@@ -242,8 +234,8 @@ def _finding(
         encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
-        without=cross_validated(linear, masks, leave=mine, hold=[p for p in slow if p not in mine]),
-        with_=cross_validated(linear, masks, hold=slow),
+        without=cross_validated(linear, masks, leave=mine, hold=[p for p in hold if p not in mine]),
+        with_=cross_validated(linear, masks, hold=hold),
         rivals=rivals,
         separation=separation,
         at_least=at_least,
@@ -300,16 +292,21 @@ def _declared(comparison: Comparison, model: Model) -> Rms:
     return Rms(seen=rms, unseen=rms)
 
 
-def _held_out_by(model: Model, *, jumped: bool) -> str:
-    if not all(bool(np.any(~one.fit)) for one in model.observed):
+def _held_out_by(search: Search, *, jumped: bool) -> str:
+    observed = search.model.observed
+    if not all(bool(np.any(~one.fit)) for one in observed):
         return "nothing could be held out"
     if jumped:
-        return "every other block between jumps, and of recordings without any, whole hunting cycles"
-    if model.scope.run_ups:
-        return "every other turn of what runs up or down, and of other recordings whole hunting cycles"
-    if all(one.whole for one in model.observed):
-        return "whole hunting cycles"
-    return "every other of eight blocks, since a recording holds less than two hunting cycles"
+        way = "every other block between jumps, and of recordings without any, whole hunting cycles"
+    elif search.model.scope.run_ups:
+        way = "every other turn of what runs up or down, and of other recordings whole hunting cycles"
+    elif all(one.whole for one in observed):
+        way = "whole hunting cycles"
+    else:
+        way = "every other of eight blocks, since a recording holds less than two hunting cycles"
+    return way + (
+        "; where a tooth's pit begins and ends is held as all of them have it" if shaped_teeth(search) else ""
+    )
 
 
 def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear]) -> tuple[str, ...]:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.contest import Key, rest
+from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.search import Search
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim, Reported
+
+DEEPER, STAYS, AS_WELL = 3.0, 2.0, 4.0
+"""Times the size of a shaped claim about a single tooth that is tried in its stead, times that size at which it has to
+come to rest, and the misfit that it may then cost, two standard deviations, for the first to be only the least."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,3 +70,23 @@ def in_doubt(found: Reported, others: Iterable[tuple[Reported, float]]) -> Repor
         name: (value, math.hypot(std, *(math.sqrt(chance) * (one[name][0] - value) for one, chance in listed)))
         for name, (value, std) in found.items()
     }
+
+
+def only_the_least(search: Search, k: int) -> bool:
+    """Whether of the size of claim ``k`` only the least is known: its tooth has left the mesh, or its pit is one over
+    which others carry, and several times as deep with walls elsewhere fits as well."""
+    claim = search.model.claims[k]
+    if out_of_mesh(search.model, search.scenes, claim):
+        return True
+    if claim.place.tooth is None or len(claim.values) == claim.physics.amplitudes:
+        return False
+    begun = search.kept()
+    try:
+        search.join([replace(claim, values=(DEEPER * claim.values[0], *claim.values[1:]))], instead=k)
+        rest(search)
+        deep = search.model.claims[k].values[0] > STAYS * claim.values[0]
+        return deep and search.gained(begun) > -AS_WELL
+    except GearpolyError:
+        return False
+    finally:
+        search.restore(begun)

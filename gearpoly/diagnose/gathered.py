@@ -13,9 +13,9 @@ from gearpoly.diagnose.verdict import Finding, Rival
 from gearpoly.physics.base import Reported
 
 
-def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, slow: list[int]) -> tuple[Finding, ...]:
+def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, hold: list[int]) -> tuple[Finding, ...]:
     """The findings, each beside its claim's number, with those of one slow physics as one in the place of the first;
-    ``slow`` are the parameters of all that goes on over a whole recording."""
+    ``hold`` are the parameters that no part of the recordings tells the other."""
     out: list[Finding] = []
     for k, one in findings:
         physics = one.claim.physics
@@ -23,11 +23,11 @@ def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, slow: l
         if not physics.slow or len(same) == 1:
             out.append(one)
         elif same[0][0] == k:
-            out.append(_as_one(search, same, slow))
+            out.append(_as_one(search, same, hold))
     return tuple(out)
 
 
-def _as_one(search: Search, same: Sequence[tuple[int, Finding]], slow: list[int]) -> Finding:
+def _as_one(search: Search, same: Sequence[tuple[int, Finding]], hold: list[int]) -> Finding:
     """Findings of one physics as the first of them, with what they gain and leave out together."""
     linear, layout, first = search.linear, search.linear.layout, same[0][1]
     mine = [place for k, _ in same for place in layout.places(k)]
@@ -49,7 +49,7 @@ def _as_one(search: Search, same: Sequence[tuple[int, Finding]], slow: list[int]
             linear,
             [one.fit for one in search.model.observed],
             leave=mine,
-            hold=[place for place in slow if place not in mine],
+            hold=[place for place in hold if place not in mine],
         ),
         rivals=tuple(rivals.values()),
         separation=separations[0] if rivals and separations else None,
