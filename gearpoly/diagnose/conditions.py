@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.slow import SLOW
-from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.linear import Linear, whole_effect
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
@@ -54,15 +54,19 @@ def foretold(plain: System, wider: System, made: Sequence[Recordings]) -> float:
 def with_and_without(model: Model, scenes: list[Scene], linear: Linear, k: int) -> tuple[System, System]:
     """The systems without claim ``k`` and with it.
 
-    A claim that bends with its size (the set-up with it is simulated) stands there by its whole effect: of a gap that
-    has closed the next micrometre is like softer teeth, the whole of it is not.
+    A claim that bends with its size (the set-up with it is simulated, or its tooth may lose touch where it is pitted)
+    stands there by its whole effect: of a gap that has closed the next micrometre is like softer teeth, the whole of it
+    is not. A shape is then held as it stands: a part of a short recording would lead straight lines to others.
     """
     claim, layout = model.claims[k], linear.layout
     mine = layout.places(k) + layout.form_places(model, k)
     plain = linear.system.without(mine)
-    if claim.physics.effect is not None:
+    if not claim.simulated:
         return plain, linear.system
-    whole = model.change(scenes, claim, claim.values, but=claim)
+    if claim.place.tooth is None:
+        whole = model.change(scenes, claim, claim.values, but=claim)
+    else:
+        whole = whole_effect(model, scenes, claim)
     held = [*claim.values[: claim.physics.amplitudes], *(0.0,) * (len(claim.values) - claim.physics.amplitudes)]
     columns, target = [], []
     for noise, effect, white, y in zip(linear.noises, whole, linear.white_of(k), linear.system.target, strict=True):
@@ -143,16 +147,8 @@ def _cost(search: Search, k: int) -> float | None:
     made = conditions(search.model.scope)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, k)
     cost = -foretold(plain, wider, made) if len(made) > 1 else 0.0
-    pays = cost <= 0.0 and search.paid(search.model.claims[k], plain, _as_it_is(search, k, wider))
+    pays = cost <= 0.0 and search.paid(search.model.claims[k], plain, wider)
     return None if pays and not swells(search.linear, search.model, k) else cost
-
-
-def _as_it_is(search: Search, k: int, wider: System) -> System:
-    """The system with claim ``k``, as `with_and_without` has it, and a single tooth's shape held as it stands."""
-    claim = search.model.claims[k]
-    mine = set(search.linear.layout.places(k))
-    # What bends with its size stands there in one column, without a shape.
-    return wider.without([p for p in shaped_teeth(search) if p in mine]) if claim.physics.effect is not None else wider
 
 
 def held_places(search: Search) -> list[int]:

@@ -14,7 +14,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
-from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
+from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back, with_and_without
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
@@ -222,7 +222,9 @@ def _finding(
         separation = would_separate(
             model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance, thought=thought
         )
-    weighed = Candidate(claim=claim, gain=judged.gain, freedoms=len(claim.values))
+    plain, wider = with_and_without(model, search.scenes, linear, k)
+    gain = max(judged.gain, plain.misfit - wider.misfit) if claim.simulated else judged.gain
+    weighed = Candidate(claim=claim, gain=gain, freedoms=len(claim.values))
     chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(
         claim=claim,
@@ -232,7 +234,7 @@ def _finding(
         ),
         tooth=_numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),
-        gain=judged.gain,
+        gain=gain,
         p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
         without=cross_validated(linear, masks, leave=mine, hold=[p for p in hold if p not in mine]),
         with_=cross_validated(linear, masks, hold=hold),

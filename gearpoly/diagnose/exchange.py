@@ -186,7 +186,8 @@ class Exchange(Weigh):
         """Take back claims that no longer gain more than chance would, weakest first.
 
         What no column tells but as the set-up with it is simulated bends with its size: of a gap that has closed the
-        next micrometre is like softer teeth, the whole of it is not. Such a claim goes only if all fits well without.
+        next micrometre is like softer teeth, the whole of it is not; and so does a pit over which teeth lose touch, of
+        which the next micrometre is hardly seen. Such a claim goes only if all fits well without.
         """
         needed: set[tuple[object, ...]] = set()
         while True:
@@ -202,7 +203,7 @@ class Exchange(Weigh):
             del self.model.claims[weakest]
             self.settle()
             lost = 2.0 * len(gone.values) - self.gained(begun)
-            if gone.physics.effect is None and self.significant(replace(ones[weakest], gain=lost)):
+            if gone.simulated and self.significant(replace(ones[weakest], gain=lost)):
                 self.restore(begun)
                 needed.add(gone.key)
 

@@ -79,7 +79,7 @@ def only_the_least(search: Search, k: int) -> bool:
     claim = search.model.claims[k]
     if out_of_mesh(search.model, search.scenes, claim):
         return True
-    if claim.place.tooth is None or len(claim.values) == claim.physics.amplitudes:
+    if claim.place.tooth is None or not claim.physics.shaped:
         return False
     steep = (*claim.values[1:-1], claim.physics.coordinates[-1].low)
     return any(_as_well_deeper(search, k, shape) for shape in (claim.values[1:], steep))

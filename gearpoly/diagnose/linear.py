@@ -133,12 +133,12 @@ def _left_mesh(model: Model, scenes: list[Scene], claim: Claim, columns: list[Fl
     carrying = [np.bincount(s.teeth(gear)[s.weight > 0.0], minlength=s.gear(gear).z) for s in scenes]
     if all(one[tooth] > SELDOM * np.median(one) for one in carrying):
         return []
-    whole = _whole_effect(model, scenes, claim)
+    whole = whole_effect(model, scenes, claim)
     told = sum(float(np.sum((claim.values[0] * c[:, 0]) ** 2)) for c in columns)
     return whole if told < IDLE**2 * sum(float(np.sum(effect**2)) for effect in whole) else []
 
 
-def _whole_effect(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
+def whole_effect(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
     """What a claimed tooth changes (n_k,) in mm of every recording: simulated without it where it may touch, and
     everywhere where what it changes goes on swinging."""
     others, gear, tooth = model.but(claim), claim.place.gear or 0, claim.place.tooth or 0

@@ -192,6 +192,12 @@ class Claim:
         p = self.place
         return self.physics.name, p.gear, p.tooth, p.order, p.flank, p.recordings
 
+    @property
+    def simulated(self) -> bool:
+        """Whether only the set-up simulated with it tells all that it does, and no column: it has none, or a tooth may
+        lose touch over it."""
+        return self.physics.effect is None or (self.place.tooth is not None and self.physics.shaped)
+
     def written(self, file: PairFile) -> PairFile:
         """The pair file with this in it."""
         return self.physics.write(file, self.place, self.values)
