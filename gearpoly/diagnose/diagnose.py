@@ -110,7 +110,7 @@ def diagnose(
         refitted = contest(search)
     shapes = forms(search)
     search.step("asking how deep")
-    leasts = [only_the_least(search, k) for k, _ in enumerate(model.claims)]
+    leasts = [only_the_least(search, k, shapes.get(one.key, ())) for k, one in enumerate(model.claims)]
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
     search.step("weighing rivals")
@@ -230,7 +230,8 @@ def _finding(
         claim=claim,
         parameters=in_doubt(
             parameters(model, claim, covariance),
-            ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes),
+            # Where only the least is known its error holds all that is larger.
+            ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes if not at_least),
         ),
         tooth=_numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),

@@ -10,6 +10,7 @@ import numpy as np
 from gearpoly.diagnose.fit import BETTER, Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
+from gearpoly.diagnose.way import misfit_at
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -48,6 +49,12 @@ class Exchange(Weigh):
             before = before.under(noises, teeth)
         saved = before.system.misfit - self.linear.under(noises).system.misfit
         return saved + 2.0 * (freedoms(kept[0]["claims"]) - freedoms(self.model.claims))
+
+    @property
+    def promised(self) -> float:
+        """By how much more the present state misfits than a straight line from it promises: little where a fit has come
+        to rest, much where no step led on; what no step made true is not explained."""
+        return misfit_at(self.linear.system, self.present()) - self.linear.system.misfit
 
     def swap(self) -> None:
         """Exchange claims for others that explain more, now that all the rest is known."""
@@ -200,9 +207,10 @@ class Exchange(Weigh):
             if weakest is None:
                 return
             gone, begun = self.model.claims[weakest], self.kept()
+            promised = self.promised
             del self.model.claims[weakest]
             self.settle()
-            lost = 2.0 * len(gone.values) - self.gained(begun)
+            lost = 2.0 * len(gone.values) - self.gained(begun) - promised
             if gone.simulated and self.significant(replace(ones[weakest], gain=lost)):
                 self.restore(begun)
                 needed.add(gone.key)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.contest import Key, rest
@@ -30,7 +30,8 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
     """Fit every claim in its other forms, keep the best there, and return the others by the claim's key.
 
     Of forms with as many parameters, equally likely beforehand, one that is behind by d in misfit has exp(-d/2) of the
-    best one's chance.
+    best one's chance. Of what a single tooth has the smallest is kept of those that fit as well: teeth may lose touch
+    over a pit, and then it is a deep bowl as well as the shallow pit that is all that they see of it.
     """
     out: dict[Key, tuple[Form, ...]] = {}
     for k in range(len(search.model.claims)):
@@ -38,8 +39,8 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
         if not others:
             continue
         rest(search)
-        stands, most, best, begun = search.model.claims[k], 0.0, search.kept(), search.kept()
-        fitted: list[tuple[Claim, float]] = [(stands, 0.0)]
+        begun = search.kept()
+        fitted = [(search.model.claims[k], 0.0, begun)]
         for one in others:
             search.step(f"fitting {one.physics.name.replace('_', ' ')} in another form")
             try:
@@ -48,16 +49,16 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
             except GearpolyError:
                 pass
             else:
-                made, gained = search.model.claims[k], search.gained(begun)
-                fitted.append((made, gained))
-                if gained > most:
-                    stands, most, best = made, gained, search.kept()
+                fitted.append((search.model.claims[k], search.gained(begun), search.kept()))
             search.restore(begun)
+        most = max(gained for _, gained, _ in fitted)
+        alike = AS_WELL if fitted[0][0].place.tooth is not None else 0.0
+        stands, _, best = min((one for one in fitted if one[1] >= most - alike), key=lambda one: abs(one[0].values[0]))
         search.restore(best)
-        odds = [math.exp(0.5 * (gained - most)) for _, gained in fitted]
+        odds = [math.exp(0.5 * (gained - most)) for _, gained, _ in fitted]
         out[stands.key] = tuple(
             Form(claim=claim, chance=one / sum(odds))
-            for (claim, _), one in zip(fitted, odds, strict=True)
+            for (claim, _, _), one in zip(fitted, odds, strict=True)
             if claim is not stands
         )
     return out
@@ -73,14 +74,18 @@ def in_doubt(found: Reported, others: Iterable[tuple[Reported, float]]) -> Repor
     }
 
 
-def only_the_least(search: Search, k: int) -> bool:
+def only_the_least(search: Search, k: int, others: Sequence[Form]) -> bool:
     """Whether of the size of claim ``k`` only the least is known: its tooth has left the mesh, or its pit is one over
-    which others carry, and several times as deep, with walls as they are or as steep as any, fits as well."""
+    which others carry, and several times as deep fits as well, in one of its ``others`` forms, or begun with walls as
+    they are or as steep as any."""
     claim = search.model.claims[k]
     if out_of_mesh(search.model, search.scenes, claim):
         return True
     if claim.place.tooth is None or not claim.physics.shaped:
         return False
+    deeper = [one.chance for one in others if one.claim.values[0] > STAYS * claim.values[0]]
+    if max(deeper, default=0.0) > math.exp(-0.5 * AS_WELL):
+        return True
     steep = (*claim.values[1:-1], claim.physics.coordinates[-1].low)
     return any(_as_well_deeper(search, k, shape) for shape in (claim.values[1:], steep))
 

@@ -155,8 +155,9 @@ class Search(Exchange):
 
     def _stands(self, one: Candidate, before: Kept) -> bool:
         """Whether the claim of a candidate was made and has left the fit better than ``before``, which is back if not:
-        what was exchanged for it may have gone again, and left all worse."""
-        if self.accept([one.claim]) and self.gained(before) > 0.0:
+        what was exchanged for it may have gone again, and left all worse; and a fit that came to rest where it explains
+        less than it promises is no fit."""
+        if self.accept([one.claim]) and self.gained(before) > max(0.0, 2.0 * self.promised):
             return True
         self.restore(before)
         return False
