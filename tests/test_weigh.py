@@ -74,8 +74,8 @@ def test_a_grade_leaves_a_bulge_open_but_no_relief(physics: str, values: tuple[f
 
 @pytest.mark.parametrize("at", [0.2, 0.36, 0.5])
 def test_a_step_explains_more_than_a_line_where_there_is_one(at: float) -> None:
-    """A line takes 3 p (1 - p) of a step at part p, at most three quarters; 48 moments, and 48 between the neighbours of
-    the best, miss its place by 0.0005 of the recording at most, which costs 0.05 % / (p (1 - p)) of its gain."""
+    """A line takes 3 p (1 - p) of a step at part p, at most three quarters; 48 moments, and 48 more about the best,
+    miss its place by 0.0005 of the recording at most, which costs 0.05 % / (p (1 - p)) of its gain."""
     rng = np.random.default_rng(1)
     recorded = 0.5 * (np.arange(N) > at * N) + rng.normal(0.0, 1.0, N)
     assert scales(recorded).stepped() > gain_of_slope(recorded)
