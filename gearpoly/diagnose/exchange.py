@@ -50,10 +50,11 @@ class Exchange(Weigh):
         saved = before.system.misfit - self.linear.under(noises).system.misfit
         return saved + 2.0 * (freedoms(kept[0]["claims"]) - freedoms(self.model.claims))
 
-    @property
-    def promised(self) -> float:
-        """By how much more the present state misfits than a straight line from it promises: little where a fit has come
-        to rest, much where no step led on; what no step made true is not explained."""
+    def promised(self, claim: Claim) -> float:
+        """By how much more the present state misfits than a straight line from it promises, where a ``claim`` shapes a
+        single tooth: much if no step led on, and what no step made true is not explained. Else nothing."""
+        if claim.place.tooth is None or not claim.physics.shaped:
+            return 0.0
         return misfit_at(self.linear.system, self.present()) - self.linear.system.misfit
 
     def swap(self) -> None:
@@ -207,7 +208,7 @@ class Exchange(Weigh):
             if weakest is None:
                 return
             gone, begun = self.model.claims[weakest], self.kept()
-            promised = self.promised
+            promised = self.promised(gone)
             del self.model.claims[weakest]
             self.settle()
             lost = 2.0 * len(gone.values) - self.gained(begun) - promised

@@ -155,9 +155,9 @@ class Search(Exchange):
 
     def _stands(self, one: Candidate, before: Kept) -> bool:
         """Whether the claim of a candidate was made and has left the fit better than ``before``, which is back if not:
-        what was exchanged for it may have gone again, and left all worse; and a fit that came to rest where it explains
-        less than it promises is no fit."""
-        if self.accept([one.claim]) and self.gained(before) > max(0.0, 2.0 * self.promised):
+        what was exchanged for it may have gone again, and left all worse. A pit that came to rest where it explains
+        less than half of what it promises is of another shape."""
+        if self.accept([one.claim]) and self.gained(before) > 2.0 * self.promised(one.claim):
             return True
         self.restore(before)
         return False
