@@ -65,15 +65,19 @@ def test_the_declared_softness_is_gone_back_to_where_that_fits_better(
 
 
 @pytest.mark.parametrize(
-    ("simulated", "without", "stands"), [(True, 900.0, True), (True, 115.0, False), (False, 900.0, False)]
+    ("simulated", "without", "promised", "stands"),
+    [
+        (True, 900.0, 0.0, True),
+        (True, 115.0, 0.0, False),
+        (False, 900.0, 0.0, False),
+        (True, 900.0, 790.0, False),  # all but ten of it no step made true
+    ],
 )
 def test_a_claim_that_bends_with_its_size_goes_only_where_all_fits_without_it(
-    simulated: bool, without: float, stands: bool
+    simulated: bool, without: float, promised: float, stands: bool
 ) -> None:
     """To first order the last micrometre of a closed gap is like softer teeth. Gains of more than 20 count."""
-    claim = SimpleNamespace(
-        key="gap", values=(20.0,), physics=SimpleNamespace(effect=None if simulated else (lambda *given: 0.0))
-    )
+    claim = SimpleNamespace(key="gap", values=(20.0,), simulated=simulated)
     claims = [claim]
 
     def cost() -> float:
@@ -87,6 +91,7 @@ def test_a_claim_that_bends_with_its_size_goes_only_where_all_fits_without_it(
         settle=lambda: None,
         gained=lambda kept: kept[1] - cost() + 2.0 * (1 - len(claims)),
         restore=lambda kept: claims.extend(kept[0]),
+        promised=lambda claim: promised,
     )
     Search.drop_idle(search)
     assert bool(claims) is stands

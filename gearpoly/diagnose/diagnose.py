@@ -230,8 +230,7 @@ def _finding(
         claim=claim,
         parameters=in_doubt(
             parameters(model, claim, covariance),
-            # Where only the least is known its error holds all that is larger.
-            ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes if not at_least),
+            ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes),
         ),
         tooth=_numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),

@@ -30,8 +30,7 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
     """Fit every claim in its other forms, keep the best there, and return the others by the claim's key.
 
     Of forms with as many parameters, equally likely beforehand, one that is behind by d in misfit has exp(-d/2) of the
-    best one's chance. Of what a single tooth has the smallest is kept of those that fit as well: teeth may lose touch
-    over a pit, and then it is a deep bowl as well as the shallow pit that is all that they see of it.
+    best one's chance.
     """
     out: dict[Key, tuple[Form, ...]] = {}
     for k in range(len(search.model.claims)):
@@ -39,8 +38,8 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
         if not others:
             continue
         rest(search)
-        begun = search.kept()
-        fitted = [(search.model.claims[k], 0.0, begun)]
+        stands, most, best, begun = search.model.claims[k], 0.0, search.kept(), search.kept()
+        fitted: list[tuple[Claim, float]] = [(stands, 0.0)]
         for one in others:
             search.step(f"fitting {one.physics.name.replace('_', ' ')} in another form")
             try:
@@ -49,16 +48,16 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
             except GearpolyError:
                 pass
             else:
-                fitted.append((search.model.claims[k], search.gained(begun), search.kept()))
+                made, gained = search.model.claims[k], search.gained(begun)
+                fitted.append((made, gained))
+                if gained > most:
+                    stands, most, best = made, gained, search.kept()
             search.restore(begun)
-        most = max(gained for _, gained, _ in fitted)
-        alike = AS_WELL if fitted[0][0].place.tooth is not None else 0.0
-        stands, _, best = min((one for one in fitted if one[1] >= most - alike), key=lambda one: abs(one[0].values[0]))
         search.restore(best)
-        odds = [math.exp(0.5 * (gained - most)) for _, gained, _ in fitted]
+        odds = [math.exp(0.5 * (gained - most)) for _, gained in fitted]
         out[stands.key] = tuple(
             Form(claim=claim, chance=one / sum(odds))
-            for (claim, _, _), one in zip(fitted, odds, strict=True)
+            for (claim, _), one in zip(fitted, odds, strict=True)
             if claim is not stands
         )
     return out
