@@ -222,8 +222,10 @@ def _finding(
         separation = would_separate(
             model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance, thought=thought
         )
-    plain, wider = with_and_without(model, search.scenes, linear, k)
-    gain = max(judged.gain, plain.misfit - wider.misfit) if claim.simulated else judged.gain
+    gain = judged.gain
+    if claim.simulated:
+        plain, wider = with_and_without(model, search.scenes, linear, k)
+        gain = max(gain, plain.misfit - wider.misfit)
     weighed = Candidate(claim=claim, gain=gain, freedoms=len(claim.values))
     chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(

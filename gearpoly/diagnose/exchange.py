@@ -53,7 +53,7 @@ class Exchange(Weigh):
     def promised(self, claim: Claim) -> float:
         """By how much more the present state misfits than a straight line from it promises, where a ``claim`` shapes a
         single tooth: much if no step led on, and what no step made true is not explained. Else nothing."""
-        if claim.place.tooth is None or not claim.physics.shaped:
+        if not claim.shapes_tooth:
             return 0.0
         return misfit_at(self.linear.system, self.present()) - self.linear.system.misfit
 

@@ -193,10 +193,15 @@ class Claim:
         return self.physics.name, p.gear, p.tooth, p.order, p.flank, p.recordings
 
     @property
+    def shapes_tooth(self) -> bool:
+        """Whether it is about a single tooth, and has a shape there beside its size."""
+        return self.place.tooth is not None and self.physics.shaped
+
+    @property
     def simulated(self) -> bool:
         """Whether only the set-up simulated with it tells all that it does, and no column: it has none, or a tooth may
         lose touch over it."""
-        return self.physics.effect is None or (self.place.tooth is not None and self.physics.shaped)
+        return self.physics.effect is None or self.shapes_tooth
 
     def written(self, file: PairFile) -> PairFile:
         """The pair file with this in it."""
