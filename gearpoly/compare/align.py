@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.among import turns_between
+from gearpoly.compare.among import further_on
 from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
 from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
@@ -44,6 +44,9 @@ PHASED = 0.1
 
 DIPS = 16
 """Places within a pitch from which the best is refined; dips are a tenth of a pitch wide, as corners are."""
+
+TOLD = 1.0
+"""Sigmas squared by which some turns must fit worse than others for the simulation to tell them."""
 
 WARY = 12
 """Mesh orders in doubt where the standard error is asked for. Corners place the teeth, and where laws of compliance put
@@ -277,21 +280,18 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
     turns = np.zeros((len(fits), cycle.size), dtype=np.int64)
     # The first curve is where shifts count from; the first counted one is where turns count from.
     origin = next((k for k, turn in enumerate(apart) if turn >= 0), 0)
-    for k in sorted(range(len(fits)), key=lambda k: k != 0):
-        fit = fits[k]
+    for k, fit in enumerate(fits):
         misfit = fit.over_all_shifts() / fit.sigma**2
         turn = fit.curve.turn * cycle.per_mesh
         if k == 0:
             total += misfit
             continue
-        if apart[k] >= 0 and apart[0] >= 0:
-            turns[k] = ((apart[k] - apart[0]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
-        elif apart[k] >= 0 and k != origin:
+        if apart[k] >= 0 and k != origin:
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
-            apart_by = ((j, turns_between(fits[j].curve, fit.curve, cycle)) for j in range(k))
-            known = next((turns[j] + n * turn for j, n in apart_by if n is not None), None)
+            blind = float(np.max(np.ptp(ways, axis=0))) < TOLD
+            known = further_on(fit.curve, [(turns[j], fits[j].curve) for j in range(k)], cycle, blind=blind)
             turns[k] = np.argmin(ways, axis=0) * turn if known is None else known
         total += misfit[(index + turns[k]) % cycle.size]
     return total, turns

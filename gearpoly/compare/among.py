@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from gearpoly.compare.curve import Curve, Cycle
-from gearpoly.units import FloatArray
+from gearpoly.units import FloatArray, IntArray
 
 ALIKE = 0.5
 """Least correlation of the two recordings, mesh by mesh, at the place taken."""
@@ -24,18 +26,44 @@ LEAST = 8
 COVERED = 0.5
 """Part of the hunting cycle's meshes that both recordings must hold."""
 
+REPEATED = 2
+"""Turns from which on what a tooth of the shaft that turned wholly makes in the mean is known apart from its mates."""
 
-def turns_between(first: Curve, other: Curve, cycle: Cycle) -> int | None:
-    """How many turns of its encoder's shaft, modulo the hunting cycle, ``other`` lies further on than ``first``; None
-    where the recordings do not tell. Both count from the same zero.
+
+class Turns(NamedTuple):
+    """Whole ``turns`` of the encoder's shaft by which one recording lies further on than another, modulo the hunting
+    cycle: the most alike; ``clear``: more so than any other beyond chance."""
+
+    turns: int
+    clear: bool
+
+
+def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cycle, *, blind: bool) -> IntArray | None:
+    """Steps (size,) of the cycle that ``other`` lies further on, told by the recordings ``among`` which it lies, each
+    with its own steps; None where none tells it clearly. ``blind``: nothing else tells, so the most alike will do, or
+    else the angles as they read."""
+    told = [(lies, turns) for lies, one in among if (turns := turns_between(one, other, cycle)) is not None]
+    told.sort(key=lambda one: not one[1].clear)
+    if told and (told[0][1].clear or blind):
+        lies, turns = told[0]
+        return lies + turns.turns * other.turn * cycle.per_mesh
+    return among[0][0] if blind else None
+
+
+def turns_between(first: Curve, other: Curve, cycle: Cycle) -> Turns | None:
+    """How many turns of its encoder's shaft ``other`` lies further on than ``first``; None where they are alike
+    nowhere. Both count from the same zero.
 
     After whole turns of one shaft its teeth are the same and the mate's are not. Means over each mesh know all teeth,
-    also those that nobody inspected, and little of load, which changes all meshes alike. They know nothing of the other
-    flank, on which an eccentricity comes at another angle and teeth have other errors.
+    also those that nobody inspected, and little of load, which changes all meshes alike. What teeth of that shaft make
+    in the mean is the same wherever the other lies, and load changes it, so it is taken off. Means know nothing of the
+    other flank, on which an eccentricity comes at another angle and teeth have other errors.
     """
     if first.template.flank != other.template.flank:
         return None
     one, two = _by_mesh(first, cycle), _by_mesh(other, cycle)
+    if min(np.count_nonzero(np.isfinite(means)) for means in (one, two)) >= REPEATED * other.turn:
+        one, two = _of_the_mate(one, other.turn), _of_the_mate(two, other.turn)
     ways = cycle.meshes // math.gcd(other.turn, cycle.meshes)
     alike, count = np.full(ways, -1.0), np.zeros(ways)
     for n in range(ways):
@@ -51,11 +79,18 @@ def turns_between(first: Curve, other: Curve, cycle: Cycle) -> int | None:
     if alike[best] <= ALIKE:
         return None
     if not others:
-        return best
+        return Turns(best, clear=True)
     # Fisher (1921): the inverse hyperbolic tangent of a correlation is normal, its variance 1/(n - 3).
     sure, doubt = np.arctanh(np.clip(alike[[best, others[0]]], -PERFECT, PERFECT))
-    told = float(sure - doubt) / math.sqrt(2.0 / (count[best] - 3.0)) > CLEARLY
-    return best if told else None
+    return Turns(best, clear=float(sure - doubt) / math.sqrt(2.0 / (count[best] - 3.0)) > CLEARLY)
+
+
+def _of_the_mate(means: FloatArray, turn: int) -> FloatArray:
+    """The same (meshes,) without what each of the ``turn`` teeth of the shaft that turns wholly makes in the mean."""
+    turns = means.reshape(-1, turn)
+    seen = np.isfinite(turns)
+    mean = np.where(seen, turns, 0.0).sum(axis=0) / np.maximum(np.count_nonzero(seen, axis=0), 1)
+    return np.asarray((turns - mean).ravel())
 
 
 def _by_mesh(curve: Curve, cycle: Cycle) -> FloatArray:
