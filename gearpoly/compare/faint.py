@@ -70,13 +70,16 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
 def _both_ways(
     train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
 ) -> dict[Domain, Train]:
-    """A train of bumps over angle or time, and what it is over the other."""
+    """A train of bumps over angle or time, and what it is over the other, by the same of its lines: one that lies beside
+    an order of a shaft would count for one of them only."""
     other: Domain = "time" if domain == "order" else "order"
     first = searches[train.recordings[0]]
     frequency = train.frequency * first.over(domain)[3] / first.over(other)[3]
-    there = replace(train, frequency=frequency)
-    turned = followed(there, _heard(there, other, searches, whites, noises))
-    return {domain: train} if turned is None else {domain: train, other: turned}
+    here = _heard(train, domain, searches, whites, noises)
+    there = [replace(one, x=searches[k].over(other)[0]) for k, one in zip(train.recordings, here, strict=True)]
+    same = followed(train, here) or train
+    turned = followed(replace(train, frequency=frequency), there)
+    return {domain: same} if turned is None else {domain: same, other: turned}
 
 
 def _heard(
