@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gearpoly.compare.bumps import _filtered, find_bumps
+from gearpoly.compare.bumps import _filtered, find_bumps, followed
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.faint import find_train
-from gearpoly.compare.lines import LineSearch
+from gearpoly.compare.faint import _both_ways, _heard, find_train
+from gearpoly.compare.lines import APART, LineSearch
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.noise_spectrum import windows
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.trains import Lines, lines_of
+from gearpoly.compare.trains import Lines, Train, lines_of
 from tests.residuals import healthy
 
 UM = 1e-3
@@ -87,6 +87,27 @@ def test_what_strikes_in_time_is_told_from_what_turns() -> None:
     assert kind == "time"
     (kind,) = {e.kind for e in entries(struck(uneven, data.theta_1 / (2.0 * math.pi) * ORDER, gain=150.0))}
     assert kind == "shaft_order"
+
+
+def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
+    """At an even speed both explain it alike, also where a harmonic lies just beside an order of a shaft: placed a
+    little off it would fall to that order, and over angle the train would have a line less than over time."""
+    data = made(8)
+    even = replace(data, time_s=0.01 * data.u)
+    assert even.time_s is not None
+    search = LineSearch(u=even.u, time=even.time_s, z_1=18, z_2=25)
+    harmonics, edge = np.arange(1.0, 11.0), APART / search.span  # in cycles per mesh
+    # The fourth harmonic lies hardly beside what may be an order of the driving shaft, and a little off within it.
+    true, off = ((3.0 / 18.0 + beside * edge) / 4.0 for beside in (1.25, 0.97))
+    assert np.array_equal(np.flatnonzero(search.own(off * harmonics) & ~search.own(true * harmonics)), [3])
+    there = struck(even, even.u * true, gain=150.0)
+    noise = estimate_noise(there.u, there.residual, z_1=18, z_2=25)
+    white = noise.whitened(there.residual)
+    train = Train(frequency=off, count=10, recordings=(0,), log_false=-30.0)
+    train = followed(train, _heard(train, "order", [search], [white], [noise])) or train
+    both = _both_ways(train, "order", [search], [white], [noise])
+    assert both["order"].gain == pytest.approx(both["time"].gain, rel=1e-3)  # frequencies are tried on two grids
+    assert both["order"].gain > 1.02 * train.gain  # it had a line less
 
 
 @pytest.mark.parametrize("seed", [5, 6])
