@@ -70,8 +70,8 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
 def _both_ways(
     train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
 ) -> dict[Domain, Train]:
-    """A train of bumps over angle or time, and what it is over the other, by the same of its lines: one that lies beside
-    an order of a shaft would count for one of them only."""
+    """A train of bumps over angle or time, and what it is over the other, by the same of its lines: one that lies
+    beside an order of a shaft would count for one of them only."""
     other: Domain = "time" if domain == "order" else "order"
     first = searches[train.recordings[0]]
     frequency = train.frequency * first.over(domain)[3] / first.over(other)[3]
