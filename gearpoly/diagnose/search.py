@@ -56,11 +56,16 @@ class Search(Exchange):
         Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
         show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
         tried together, also where few claims or many seem to do; the other steps are gone too, and the best end is
-        kept.
+        kept. Many are not waited for where those few explain more.
         """
         self.forget()
         start, missing = without_columns(self.kept()), self.linear.system.beyond
-        found, roads = self.forward()
+        found, roads = self.forward(MANY)
+        if len(self.model.claims) >= MANY:
+            found = self.otherwise(start, relieved(self.model), found, most=MANY)
+        if len(self.model.claims) >= MANY:
+            found, more = self.forward()
+            roads += more
         if self.strained or self.several_of_all:
             found = self.otherwise(start, relieved(self.model), found)
         for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
@@ -83,15 +88,19 @@ class Search(Exchange):
         ones = [one.physics for one in self.model.claims if one.physics.mean_tooth]
         return len(ones) > 1 and sum(one.shaped for one in ones) < 2
 
-    def otherwise(self, state: Kept, claims: list[Claim], found: list[Candidate]) -> list[Candidate]:
+    def otherwise(
+        self, state: Kept, claims: list[Claim], found: list[Candidate], *, most: int = MOST
+    ) -> list[Candidate]:
         """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits
-        better; the candidates of its last look, ``found`` or others."""
+        better, if it comes before ``most`` claims where few were asked for; the candidates of its last look, ``found``
+        or others."""
         if not claims:
             return found
         end, looked = self.kept(), self.looked
         self.restore(state)
-        other = self.forward()[0] if self.accept(claims) else None
-        if other is not None and self.gained(end) > BETTER:
+        other = self.forward(most)[0] if self.accept(claims) else None
+        ended = most == MOST or len(self.model.claims) < most
+        if other is not None and ended and self.gained(end) > BETTER:
             return other
         self.restore(end)
         self.looked = looked
@@ -111,13 +120,14 @@ class Search(Exchange):
         self.settle()
         self.drop_idle()
 
-    def forward(self) -> tuple[list[Candidate], list[Road]]:
-        """Make claims until none pays; the candidates of the last look, and the steps that might have been taken."""
+    def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:
+        """Make claims until none pays or there are so many; the candidates of the last look, and the steps that might
+        have been taken."""
         refused: set[tuple[object, ...]] = set()
         found: list[Candidate] = []
         roads: list[Road] = []
         looked = False
-        while len(self.model.claims) < MOST:
+        while len(self.model.claims) < most:
             if not looked:
                 self.step(f"looking for what is missing ({len(self.model.claims)} found)")
                 found, self.looked = scan(self.model, self.scenes, self.linear)
