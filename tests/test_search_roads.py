@@ -30,13 +30,15 @@ class Walk(Search):
     def __init__(self, worths: dict[str, float], *, broken: tuple[str, ...] = (), gain: float = 0.0) -> None:
         self.worths, self.broken, self.gain = worths, broken, gain
         self.here = "start"
+        self.asked: list[int] = []
         self.linear: Any = Linear()
         self.noises: list[Any] = []
         self.looked: Any = None
 
         self.model: Any = SimpleNamespace(claims=[])
 
-    def forward(self) -> tuple[list[Candidate], list[Road]]:
+    def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:
+        self.asked.append(most)
         if self.here == "start":
             self.here = "first"
             claims: list[Any] = ["other", "third"]
@@ -132,6 +134,38 @@ def test_what_makers_choose_is_tried_where_claims_may_be_parts_of_it(
     walk.model.claims = claims
     walk.run()
     assert walk.here == end
+
+
+@pytest.mark.parametrize(
+    ("few", "worth", "end", "asked"),
+    [
+        (3, 20.0, "bending+reliefs", [MANY, MANY]),  # fewer that explain more: no more are looked for
+        (3, 99.0, "first", [MANY, MANY, MOST, MOST]),  # fewer explain no more, and there is no end yet
+        (MANY, 20.0, "bending+reliefs", [MANY, MANY, MOST, MOST]),  # as many: both are gone on with, then weighed
+    ],
+)
+def test_many_claims_are_not_waited_for_where_few_explain_more(
+    few: int, worth: float, end: str, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
+
+    class Several(Walk):
+        """Many pits, or few claims once bending and reliefs are made."""
+
+        def accept(self, claims: Any) -> bool:
+            self.model.claims = [claimed(tooth=k) for k in range(few)]
+            return super().accept(claims)
+
+        def restore(self, state: Any) -> None:
+            super().restore(state)
+            self.model.claims = [claimed(tooth=k) for k in range(MANY)]
+
+    walk = Several({"first": 100.0, "bending+reliefs": worth}, broken=("other", "third"))
+    walk.linear.system.beyond = 0.0
+    walk.model.claims = [claimed(tooth=k) for k in range(MANY)]
+    walk.run()
+    assert walk.here == end
+    assert walk.asked == asked
 
 
 @pytest.mark.parametrize(
