@@ -64,6 +64,7 @@ class Search(Exchange):
         if len(self.model.claims) >= MANY:
             found = self.otherwise(start, relieved(self.model), found, most=MANY)
         if len(self.model.claims) >= MANY:
+            # Those few are tried once more at the end, without a limit: beside them others may be many as well.
             found, more = self.forward()
             roads += more
         if self.strained or self.several_of_all:
