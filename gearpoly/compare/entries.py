@@ -20,8 +20,8 @@ class Entry:
     ``encoder_deg``; ``phase`` (begin, end) in pitches from the pitch point; ``recordings`` in which it was found.
     ``p_value`` bounds the chance that any such entry arises from noise anywhere in the search. ``companion_of`` the
     order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
-    a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``together``: it
-    stands out only with others like it.
+    a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
+    next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
     """
 
     kind: Kind
@@ -49,6 +49,7 @@ class Entry:
     label: str = ""
     companion_of: str | None = None
     rivals: tuple[str, ...] = ()
+    aliases: tuple[float, ...] = ()
     gain: float = 0.0
     together: bool = False
 
@@ -95,14 +96,14 @@ class Entry:
             "gear", "order", "order_std", "hz", "hz_std", "time_s", "time_s_std", "driving_turn", "driving_turn_std",
             "during_s", "during_turns",
             "amplitude_um", "std_um", "rms_um", "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase",
-            "label", "companion_of", "p_value",
+            "label", "companion_of", "aliases", "p_value",
         )  # fmt: skip
         if self.kind == "tooth":
             out["gear"] = self.gear
             out["tooth"] = self.tooth
         for name in names:
             value = getattr(self, name)
-            if value is None or value == "":
+            if value is None or value in ("", ()):
                 continue
             if name == "order" and float(value).is_integer():
                 value = int(value)
@@ -166,6 +167,9 @@ def says(entry: Entry) -> str:
         extra += f", comes with {entry.companion_of}"
     if entry.rivals:
         extra += "; or " + ", or ".join(entry.rivals)
+    if entry.aliases and (entry.hz_std is not None or entry.order_std is not None):
+        shown = f"{entry.aliases[0]:.6g} Hz" if entry.kind == "time" else f"order {entry.aliases[0]:.6g}"
+        extra += f"; {shown} would look the same in samples so even"
     if entry.kind == "tooth":
         if entry.tooth is None:
             name = f"a tooth of the {entry.gear} gear (numbering unknown)"

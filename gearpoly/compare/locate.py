@@ -19,9 +19,11 @@ from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.even import even_in
 from gearpoly.compare.fast import without_fast_waves
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
+from gearpoly.compare.masked import strong_waves
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.search import Search
@@ -82,20 +84,35 @@ def locate(
         entries += jumps
         u, time_s, residual = r.u, r.time_s, r.residual
         cut = shortening(u, z_1=z_1, z_2=z_2)
-        one = cut.of(r)
+        even = even_in(r.theta_1, r.theta_2, r.time_s)
+        one = replace(cut.of(r), even=even)
         # The searches need the room that a long one takes.
         del r
+        if cut.size < u.size or cut.group > 1:
+            strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
+            waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
+            residual = residual - waves
         if cut.group > 1:
             spacing = cut.group * cut.spacing
             fast = without_fast_waves(
-                u, time_s, residual, k=k, spacing=spacing, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor
+                u,
+                time_s,
+                residual,
+                k=k,
+                spacing=spacing,
+                z_1=z_1,
+                z_2=z_2,
+                recordings=recordings,
+                floor=floor,
+                even=even,
             )
             entries += fast.entries
             all_samples[k] = fast.noise.thinned()
-            one = replace(one, residual=cut.means(fast.residual))
-            del fast
+            one = replace(one, residual=cut.means(fast.residual + waves))
+            del fast, waves
         elif cut.size < u.size:
             all_samples[k] = estimate_noise(u, residual, z_1=z_1, z_2=z_2).thinned()
+            del waves
         del u, time_s, residual
         short.append(one)
     search = Search(short, gears, floor)
@@ -125,9 +142,9 @@ def locate(
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
         maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
     # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
-    noises = tuple(all_samples.get(k, s.noise) for k, s in enumerate(states))
-    raw = [all_samples[k] if k in all_samples else s.estimator.estimate(s.data.residual) for k, s in enumerate(states)]
-    repeats = [n.repeatable for n in raw if n.repeatable is not None]
+    repeatable = [s.estimator.estimate(s.data.residual).repeatable for s in states]
+    noises = tuple(replace(all_samples.get(k, s.noise), repeatable=repeatable[k]) for k, s in enumerate(states))
+    repeats = [one for one in repeatable if one is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
         entries=tuple(with_companions(entries, z_1=search.z_1, z_2=search.z_2)),
