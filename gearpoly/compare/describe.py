@@ -66,7 +66,7 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     return amplitude, std, math.atan2(ab[1], ab[0]), square
 
 
-def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
+def kind_of(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
     """Kind, gear, order, label and rivals of a wave at an integer order, ``frequency`` in cycles per mesh."""
     orders = [frequency * search.z_1, frequency * search.z_2]
     whole = [abs(order - round(order)) < 1e-6 * max(order, 1.0) for order in orders]
@@ -132,7 +132,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     strange = s.search.strange(np.array([peak.frequency]))[0]
     if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
-    kind, gear, order, label, rivals = _kind(search, peak.frequency)
+    kind, gear, order, label, rivals = kind_of(search, peak.frequency)
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1

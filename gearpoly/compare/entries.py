@@ -22,6 +22,7 @@ class Entry:
     order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
     a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
     next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
+    ``as_built``: teeth within what inspection or grade leave open could make it.
     """
 
     kind: Kind
@@ -52,6 +53,7 @@ class Entry:
     aliases: tuple[float, ...] = ()
     gain: float = 0.0
     together: bool = False
+    as_built: bool = False
 
     @property
     def moment(self) -> str | None:
@@ -70,6 +72,17 @@ class Entry:
         if self.during_turns is not None:
             return f"from turn {self.during_turns[0]:.4g} to {self.during_turns[1]:.4g} of the driving shaft"
         return None
+
+    def mean_square(self, z_1: int, z_2: int) -> float:
+        """What it adds to the mean square of a recording's mismatch, um^2: a tooth or a stretch of every mesh only while
+        it is in contact; a jump as if it were half way."""
+        size = self.rms_um if self.rms_um is not None else abs(self.amplitude_um or 0.0) / math.sqrt(2.0)
+        if self.kind == "tooth":
+            low, high = self.phase or (0.0, 1.0)
+            return size**2 * (high - low) / (z_1 if self.gear == "driving" else z_2)
+        if self.kind == "mesh_phase" and self.phase is not None:
+            return size**2 * ((self.phase[1] - self.phase[0]) % 1.0)
+        return size**2
 
     def turned_round(self, turns: float) -> Entry:
         """What was found with time counting back from 0, as the recording of ``turns`` driving turns has it, or the
@@ -109,6 +122,8 @@ class Entry:
                 value = int(value)
             out[name] = list(value) if isinstance(value, tuple) else value
         out["recordings"] = list(self.recordings)
+        if self.as_built:
+            out["as_built"] = True
         if self.rivals:
             out["rivals"] = list(self.rivals)
         return out
@@ -163,6 +178,8 @@ def says(entry: Entry) -> str:
     """One sentence, as an engineer would say it."""
     size = _size(entry)
     extra = f" ({entry.label})" if entry.label else ""
+    if entry.as_built:
+        extra += ", which teeth could hold within what inspection or grade leave open"
     if entry.companion_of:
         extra += f", comes with {entry.companion_of}"
     if entry.rivals:
