@@ -164,13 +164,18 @@ def _order_aliases(even: Even, kind: str, gear: Gear | None, order: float, *, z_
     return aliases(order, even.driven if gear == "driven" else even.driving)
 
 
-def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
+def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[float]) -> list[Entry]:
     """Mark what a shaft's order 1 brings along by second order: its order 2, side bands of the mesh, and the sums and
-    differences with the other shaft."""
+    differences with the other shaft; and what the rounding of readings may have made, by the largest wave of it in um in
+    each recording, ``coarse``."""
+    entries = [_by_rounding(e, z_1=z_1, z_2=z_2, coarse=coarse) for e in entries]
     ones = [e for e in entries if e.kind == "shaft_order" and e.order == 1.0]
     out = []
     for e in entries:
         parent = None
+        if e.companion_of is not None:
+            out.append(e)
+            continue
         if e.kind == "tooth":
             out.append(_echo(e, entries))
             continue
@@ -192,6 +197,19 @@ def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
                 parent = one
         out.append(e if parent is None else replace(e, companion_of=f"order 1 of the {parent.gear} shaft"))
     return out
+
+
+def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[float]) -> Entry:
+    """An entry with its mark if coarse readings at even angles could make it: they make waves of any order, no larger
+    than the first harmonic of their steps. At the low orders of a shaft, which have no more than half a wave per tooth,
+    it is left to stand: there not one in a hundred of such waves falls."""
+    most = max(coarse[k] for k in entry.recordings)
+    size = abs(entry.amplitude_um or 0.0) if entry.rms_um is None else math.sqrt(2.0) * entry.rms_um
+    z = z_2 if entry.gear == "driven" else z_1
+    low = entry.kind == "shaft_order" and entry.order_std is None and (entry.order or 0.0) <= z / 2
+    if low or entry.kind == "condition" or entry.hz == 0.0 or size > most:
+        return entry
+    return replace(entry, companion_of="the rounding of the readings")
 
 
 def _touching(entries: list[Entry]) -> list[Entry]:

@@ -73,6 +73,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
         finest=_finest(observed),
+        stepped=any(one.stepped for one in beside.aligned),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
     return Model(

@@ -53,6 +53,10 @@ class Scope:
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
 
+    stepped: bool = False
+    """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
+    then told from an encoder's or a flank's."""
+
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""
@@ -71,7 +75,10 @@ class Scope:
 
     def shows(self, place: Place) -> bool:
         """Whether the samples can show what a place's order does."""
-        return place.order is None or place.order < self.finest[place.gear or 0]
+        if place.order is None:
+            return True
+        gear = place.gear or 0
+        return place.order < self.finest[gear] and not (self.stepped and place.order > self.gears[gear].z / 2)
 
     @property
     def conditions(self) -> int:

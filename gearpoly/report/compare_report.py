@@ -77,6 +77,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
                 "noise_um": noise.level / UM,
                 "noise_std_um": noise.level_std / UM,
                 "noise_from": noise.basis,
+                "reading_step_deg": dict(zip(("driving", "driven"), map(_deg_step, one.steps), strict=True)),
+                "rounding_um": one.rounding / UM,
                 "divides_um": division_json(located.divisions[k]),
                 "repeatable_rms_um": None if noise.repeatable is None else noise.repeatable / UM,
                 "ratio_off": one.cleaned.ratio_offset / one.cleaned.ratio if one.cleaned.ratio_is_off else None,
@@ -86,6 +88,10 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def _deg_step(step: float | None) -> float | None:
+    return None if step is None else step / DEG
 
 
 def division_json(division: Division) -> dict[str, float]:
