@@ -115,8 +115,8 @@ class Aligned:
 
     @property
     def coarse(self) -> float:
-        """The largest wave in mm that the rounding of both readings makes where they are ``stepped``: the first harmonic
-        of a saw tooth of one step, of an amplitude of a step over pi."""
+        """The largest wave in mm that the rounding of both readings makes where they are ``stepped``: the first
+        harmonic of a saw tooth of one step, of an amplitude of a step over pi."""
         return self.rounding * math.sqrt(12.0) / math.pi if self.stepped else 0.0
 
     @property

@@ -39,6 +39,9 @@ SEEN = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
 
+HALF_A_LINE = 0.5
+"""Independent lines, one per record, within which two orders are not told apart by their place alone."""
+
 SLOW_LINES = 25
 """Turns of the record up to which the noise's wandering is read off for its power law."""
 
@@ -98,6 +101,16 @@ def kind_of(search: Search, frequency: float) -> tuple[str, Gear | None, float, 
     )
 
 
+def label_of(frequency: float, *, z: tuple[int, int], span: float) -> str:
+    """What is said of a wave of no known order, ``frequency`` in cycles per mesh, in a record of ``span`` meshes:
+    within half a line of a whole order it may be that one."""
+    for gear, teeth in zip(GEARS, z, strict=True):
+        near = round(frequency * teeth)
+        if near > 0 and abs(frequency - near / teeth) * span < HALF_A_LINE:
+            return f"within half a line of order {near} of the {gear} shaft"
+    return "no integer of either shaft"
+
+
 def _train(peak: Peak, unit: str, *, scale: float = 1.0) -> str:
     """The train of pulses that a wave belongs to, in words."""
     if not peak.harmonic:
@@ -133,6 +146,8 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
     kind, gear, order, label, rivals = kind_of(search, peak.frequency)
+    if not peak.known:
+        label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.search.span)
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
@@ -166,8 +181,8 @@ def _order_aliases(even: Even, kind: str, gear: Gear | None, order: float, *, z_
 
 def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[float]) -> list[Entry]:
     """Mark what a shaft's order 1 brings along by second order: its order 2, side bands of the mesh, and the sums and
-    differences with the other shaft; and what the rounding of readings may have made, by the largest wave of it in um in
-    each recording, ``coarse``."""
+    differences with the other shaft; and what the rounding of readings may have made, by the largest wave of it in um
+    in each recording, ``coarse``."""
     entries = [_by_rounding(e, z_1=z_1, z_2=z_2, coarse=coarse) for e in entries]
     ones = [e for e in entries if e.kind == "shaft_order" and e.order == 1.0]
     out = []
@@ -272,7 +287,11 @@ def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
     tail = np.asarray(chi2_law.sf(ratio, 1)) @ (weights / np.sum(weights))
     p = float(np.min(tail)) * degree.size * len(search.states)
     curve = s.slow[:, 1:] @ beta
-    amplitude = 0.5 * float(np.ptp(curve))
+    values = s.data.residual
+    # Beside waves of a few turns curves may cancel one another: a drift is what the whole mismatch has of it.
+    if float(np.ptp(curve)) > float(np.ptp(values)):
+        curve = s.slow[:, 1:] @ np.linalg.lstsq(s.slow, values, rcond=None)[0][1:]
+    amplitude = 0.5 * min(float(np.ptp(curve)), float(np.ptp(values)))
     if p > SHARES.drift or amplitude < search.floor:
         return None
     best = int(np.argmin(tail))

@@ -115,7 +115,9 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
     open_[orders.whole.size :] = False
     taken = [int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known]
     mean = float(np.mean(values))
-    rest, heights, curve = values - mean, np.zeros(0), np.zeros(values.size)
+    rest: FloatArray = values - mean
+    heights: FloatArray = np.zeros(0)
+    curve: FloatArray = np.zeros(values.size)
     while True:
         if taken:
             columns = _rows(s, orders.frequency[taken].tolist())

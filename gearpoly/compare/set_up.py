@@ -41,6 +41,13 @@ class GearKnown:
         return self.uncertainty is None and self.F_pT is None
 
     @property
+    def known_by(self) -> str:
+        """Where what is known of its teeth comes from, in a word or two."""
+        if self.uncertainty is not None:
+            return "inspected"
+        return "ideal" if self.ideal else "limits only, not inspected"
+
+    @property
     def prior_std(self) -> tuple[float, float]:
         """Standard deviation in mm of a tooth's pitch (index) and slope about what was simulated.
 

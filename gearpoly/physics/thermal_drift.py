@@ -49,6 +49,12 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return copy
 
 
+def _sensible(scope: Scope, place: Place, values: Values) -> bool:
+    """A drift beyond all that a recording ranges over cancels with something else: then neither is there."""
+    size = float(np.ptp(_curve(values, np.linspace(-1.0, 1.0, 201))))
+    return all(size <= scope.ranges[k] for k in place.recordings if k < len(scope.ranges))
+
+
 def _named(recordings: tuple[int, ...]) -> str:
     if len(recordings) == 1:
         return f"recording {recordings[0]}"
@@ -76,6 +82,7 @@ PHYSICS = Physics(
     effect=_effect,
     measures=True,
     slow=True,
+    sensible=_sensible,
     write=_write,
     report=_report,
     says=lambda place, v: (

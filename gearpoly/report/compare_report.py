@@ -118,14 +118,11 @@ def json_text(comparison: Comparison) -> str:
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
     """Print what an engineer asks first: do they lie on each other, how much is left, how loud is the noise, where."""
-    pair, located = comparison.assembled.pair, comparison.located
+    located = comparison.located
     table = Table(title=comparison.name, title_justify="left", show_header=False, box=None, pad_edge=False)
     table.add_column(style="bold", no_wrap=True)
     table.add_column()
-    gears = " on ".join(
-        f"{z} teeth ({origin})"
-        for z, origin in zip((pair.driving.gear.z, pair.driven.gear.z), comparison.assembled.origin, strict=True)
-    )
+    gears = " on ".join(f"{gear.z} teeth ({gear.known_by})" for gear in comparison.gears)
     table.add_row("gears", gears)
     for k, one in enumerate(comparison.aligned):
         table.add_row(f"recording {k}", _recording_words(comparison, k, one))
