@@ -25,8 +25,8 @@ from proving.scenes import cycle_turns, design_torque
 NOISE = 0.3
 """um rms per sample: two good encoders."""
 COUNT = 1e-5
-"""deg, one count of either encoder and the last digit of a file: 4 nm at the base circle of a gear of 47 mm, a hundredth
-of the noise."""
+"""deg, one count of either encoder and the last digit of a file: 4 nm at the base circle of the larger gear, 47 mm, a
+hundredth of the noise."""
 PER_MESH = 8
 """Samples per mesh: three mesh harmonics show, and two hunting cycles of 18/25 stay below 0.25 MB."""
 GAUGE = 0.2
