@@ -27,7 +27,7 @@ def compare(
 
     from gearpoly.compare.compare import compare as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.compare_report import json_text, print_comparison
@@ -49,3 +49,5 @@ def compare(
         plot_comparison(comparison, target=plot)
     if str(json) != "-":
         print_comparison(Console(markup=False), comparison)
+    say_written(json, "alignment, noise and where they differ")
+    say_written(plot, "maps by tooth and phase, spectra")

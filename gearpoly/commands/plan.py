@@ -19,7 +19,7 @@ def plan(
 
     from gearpoly.diagnose.plan import plan as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.plan_report import json_text, print_plan
     from gearpoly.report.progress import steps
@@ -32,3 +32,4 @@ def plan(
         write_text(json, json_text(made))
     if str(json) != "-":
         print_plan(Console(markup=False), made)
+    say_written(json, "the plan")

@@ -25,7 +25,7 @@ def study(
     from rich.console import Console
 
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target
+    from gearpoly.files.output import check_target, say_written
     from gearpoly.study.read import read_study
     from gearpoly.study.run import run_study
     from gearpoly.study.summary import print_outcome
@@ -38,3 +38,5 @@ def study(
     if csv is not None:
         outcome.store.to_csv(csv)
     print_outcome(Console(markup=False), outcome)
+    say_written(outcome.store.folder, "the table, in rows/")
+    say_written(csv, "the table as CSV")

@@ -25,7 +25,7 @@ def study_report(
 
     from rich.console import Console
 
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.study.answers import answer
     from gearpoly.study.answers_json import answers_json
     from gearpoly.study.page import write_page
@@ -42,4 +42,6 @@ def study_report(
     if str(json) != "-":
         console = Console(markup=False)
         # Tables of intervals are wider than the 80 columns that a pipe is taken for.
-        print_answers(console if console.is_terminal else Console(width=120, markup=False), answers, page=page)
+        print_answers(console if console.is_terminal else Console(width=120, markup=False), answers)
+    say_written(page, "the answers as a page, open it in a browser")
+    say_written(json, "the answers")

@@ -33,7 +33,7 @@ def view(
 
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.progress import steps, watched
     from gearpoly.units import NM
@@ -78,8 +78,6 @@ def view(
     write_text(target, text)
     if str(target) != "-":
         console = Console(markup=False)
-        console.print(
-            f"{target}: {len(text.encode()) / 1e6:.2f} MB, open it in a browser", highlight=False, soft_wrap=True
-        )
         for remark in scene.remarks:
             console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
+    say_written(target, f"{len(text.encode()) / 1e6:.2f} MB, open it in a browser")

@@ -98,3 +98,10 @@ def write_text(target: Path | str, text: str) -> None:
         return
     with written_aside(Path(target)) as aside:
         aside.write_text(text, encoding="utf-8")
+
+
+def say_written(target: Path | str | None, what: str) -> None:
+    """Say on standard error that ``target`` was written and ``what`` is in it; nothing where it was not asked for
+    (None) or was standard output. Standard error, since standard output may hold a result."""
+    if target is not None and str(target) != "-":
+        print(f"wrote {target}: {what}", file=sys.stderr, flush=True)

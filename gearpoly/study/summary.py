@@ -43,7 +43,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
             style="yellow",
             highlight=False,
         )
-    console.print(f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False)
+    console.print(f"answers: gearpoly study-report {store.folder}", highlight=False)
 
 
 def _counted(combinations: int) -> str:
@@ -80,7 +80,7 @@ def _short(one: Interval) -> str:
     return f"{one.value:.3g} [{low}, {high}]" if math.isfinite(one.value) else ""
 
 
-def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
+def print_answers(console: Console, answers: Answers) -> None:
     """Print percentiles of every output, yields, and the cheapest grade."""
     console.print(answers.name, style="bold", highlight=False)
     for remark in answers.remarks:
@@ -108,4 +108,3 @@ def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
     for cheapest in answers.cheapest:
         for line in cheapest.says:
             console.print(f"  {line}", style="green", highlight=False)
-    console.print(f"\npage: {page}", highlight=False)
