@@ -6,9 +6,11 @@ absent is ``None`` where its absence means something (no limits, not inspected, 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Any, Literal, NoReturn, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Discriminator,
@@ -19,10 +21,21 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from gearpoly.errors import shown
+
 # Bounds catch a mistaken unit or digit; whether the gear can be cut is for the geometry to say.
 Um = Annotated[float, Field(ge=-1e4, le=1e4)]
 UmSize = Annotated[float, Field(ge=0.0, le=1e4)]
 Length = Annotated[float, Field(gt=0.0, le=1e5)]
+
+NAME_SHOWN = 120
+"""Characters of a name: what fits the head of a page, a picture and a table."""
+
+Name = Annotated[str, AfterValidator(partial(shown, width=NAME_SHOWN))]
+"""A name as it may be printed and written into any result: one line without control characters, not too long."""
+
+ONE_FAULT = Field(fail_fast=True)
+"""A list is checked as far as its first bad value: one is told, and each takes a kilobyte."""
 
 NUMBER, LIST = "@number", "@list"
 
@@ -32,7 +45,7 @@ def _number_or_list(value: object) -> str:
 
 
 PerTooth = Annotated[
-    Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False)], Tag(LIST)],
+    Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], Tag(LIST)],
     Discriminator(_number_or_list),
 ]
 """One number for all teeth, or one per tooth in the order of meshing."""
@@ -288,9 +301,9 @@ class GearSection(Section):
     tip_relief: TipRelief | None = _field("tip relief, a table")
     eccentricity: Eccentricity | None = _field("eccentricity, a table")
     wear_um: UmSize = _field("wear in um at the tip, none at the reference circle, 0 or more", 0.0)
-    undulation: tuple[Undulation, ...] = _field("waves on the flanks, tables", (), strict=False)
-    spall: tuple[Spall, ...] = _field("spalls, tables", (), strict=False)
-    crack: tuple[Crack, ...] = _field("cracked teeth, tables", (), strict=False)
+    undulation: tuple[Undulation, ...] = _field("waves on the flanks, tables", (), strict=False, fail_fast=True)
+    spall: tuple[Spall, ...] = _field("spalls, tables", (), strict=False, fail_fast=True)
+    crack: tuple[Crack, ...] = _field("cracked teeth, tables", (), strict=False, fail_fast=True)
     encoder: Encoder | None = _field("what this shaft's encoder reads wrong, a table")
 
     @model_validator(mode="after")
@@ -320,7 +333,7 @@ class GearSection(Section):
 class Measurement(Section):
     """What the rig itself did to recordings of this pair, apart from its encoders."""
 
-    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False)], ...] = _field(
+    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], ...] = _field(
         "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
         (),
         strict=False,
@@ -330,7 +343,7 @@ class Measurement(Section):
 class PairFile(Section):
     """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
 
-    name: str = _field("name of the pair in quotes", "unnamed pair")
+    name: Name = _field("name of the pair in quotes", "unnamed pair")
     pair: PairSection = _field("how the gears are mounted and run, a table", PairSection())
     model: ModelSection = _field("what is taken into account, a table", ModelSection())
     material: MaterialSection = _field("material of both gears, a table", MaterialSection())
