@@ -13,6 +13,7 @@ WORD_LIMIT = 4096
 _WHOLE = re.compile(r"[1-9]\d{0,3}")
 _VARIABLES = {
     "NUMBA_NUM_THREADS": (_WHOLE, "a whole number from 1"),
+    "NUMBA_CPU_FEATURES": (re.compile(r"([+-][\w.-]+(,[+-][\w.-]+)*)?"), "features with their signs, such as +avx2"),
     "SOURCE_DATE_EPOCH": (re.compile(r"\d{1,11}"), "seconds since 1970"),
 }
 """Variables at which a library gives up as soon as it is imported: what it takes, and in words."""

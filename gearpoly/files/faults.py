@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from gearpoly.errors import InputFileError, shown
-from gearpoly.files.models import LIST, NUMBER, PairFile, Section
+from gearpoly.files.kinds import LIST, NUMBER
+from gearpoly.files.models import PairFile, Section
 from gearpoly.files.toml import OverLimitError, load
 from gearpoly.files.traces import nearest
 

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from gearpoly.errors import InputFileError, MissingExtraError, shown
 from gearpoly.files.gde import GEOMETRY, REQUIRED, ROOT, TOLERANCES, UNITS, GearInspection, Profile, Side, Turn
-from gearpoly.files.models import NAME_SHOWN
+from gearpoly.files.kinds import NAME_SHOWN
 from gearpoly.files.paths import unreadable
 from gearpoly.files.traces import (
     DEVIATION_LIMIT_UM,

@@ -60,7 +60,7 @@ def told_output() -> Iterator[None]:
         yield
         return
     told = _Told(before)
-    sys.stdout = told  # type: ignore[assignment]
+    sys.stdout = told
     try:
         yield
         told.flush()
