@@ -7,14 +7,15 @@ it. Nothing is resampled onto a grid, so no reading of the coarser source is los
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.recording import ANGLE_COLUMNS, TE_COLUMNS
+from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, TE_COLUMNS
+from gearpoly.recording.table import Table
 from gearpoly.recording.unwrapping import WRAPPED_SPAN
 from gearpoly.units import FloatArray
 
@@ -64,13 +65,34 @@ def brought_together(
     return common, columns
 
 
+def put_on_one_axis(file: Path, table: Table, times: Mapping[str, FloatArray]) -> None:
+    """Bring the columns of ``table``, each read at its own rising ``times`` in s, to common times in ``time_s``."""
+    if pulses := next((name for name in table.columns if name in RAW_COLUMNS), None):
+        found = f"{pulses} read at other times than other channels"
+        raise InputFileError(file, found=found, wish="want raw channels sampled together; start them together")
+    for name, time in times.items():
+        if not time.size:
+            raise InputFileError(file, where=f"column {name}", found="no values", wish="want rows of numbers")
+    sources = [Source(column=name, time=times[name], values=values) for name, values in table.columns.items()]
+    begins = {one.column: one.time[0] for one in sources}
+    first, last = min(begins, key=begins.__getitem__), max(begins, key=begins.__getitem__)
+    late = begins[last] - begins[first]
+    table.remarks.append(f"channels read at times of their own: {last} begins {late:.6g} s after {first}")
+    common, columns = brought_together(file, sources, table.remarks)
+    table.columns = {"time_s": common, **columns}
+
+
 def interpolated(one: Source, time: FloatArray) -> FloatArray:
-    """A source's values (k,) at ``time`` (k,); an angle across its wraps, and ``nan`` beside a drop-out."""
-    if not is_wrapped(one):
-        return np.asarray(np.interp(time, one.time, one.values))
+    """A source's values (k,) at ``time`` (k,); an angle across its wraps; ``nan`` beside a drop-out and where
+    it was not read."""
+    wrapped = is_wrapped(one)
+    values = unwrapped(one.values) if wrapped else one.values
+    found = np.asarray(np.interp(time, one.time, values, left=np.nan, right=np.nan))
+    if not wrapped:
+        return found
     low = np.nanmin(one.values)
     # Wrapped again, since how many turns a gap took is for both shafts together to say.
-    return np.asarray(np.mod(np.interp(time, one.time, unwrapped(one.values)) - low, 360.0) + low)
+    return np.asarray(np.mod(found - low, 360.0) + low)
 
 
 def is_wrapped(one: Source) -> bool:
