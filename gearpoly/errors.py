@@ -66,6 +66,10 @@ class JammedError(GearpolyError):
     """The teeth leave no backlash at some position, so the gears cannot turn."""
 
 
+class NoContactError(GeometryError):
+    """At some position no teeth touch, so the driven gear turns freely there."""
+
+
 class NotConvergedError(GearpolyError):
     """A search ended without a certified answer; nothing uncertified leaves the kernel."""
 
