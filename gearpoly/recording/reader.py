@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
+from gearpoly.files.models import WormSection
 from gearpoly.files.traces import nearest, shorten, too_large
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
@@ -34,7 +35,8 @@ from gearpoly.recording.recording import (
     check_key,
     recording_from_columns,
 )
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
 RECORDING_LIMIT_BYTES = 4 * 2**30
@@ -97,8 +99,11 @@ def damage_reported(file: Path, format_name: str) -> Iterator[None]:
         raise InputFileError(file, found=found, wish="want the whole file; copy or export it again") from error
 
 
-def recording_from_table(file: Path, table: Table) -> Recording:
-    """The recording in a table, after the checks that every format needs."""
+def recording_from_table(file: Path, table: Table, *, worm: WormSection | None = None) -> Recording:
+    """The recording in a table, after the checks that every format needs; a telescope's axis is watched through its
+    ``worm``."""
+    if AXIS_ERROR in table.columns:
+        table = at_the_worm(file, table, worm)
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:

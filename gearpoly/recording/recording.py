@@ -22,7 +22,8 @@ Flank = Literal["drive", "coast"]
 
 TE_COLUMNS = ("te_um", "te_urad", "te_arcsec")
 ANGLE_COLUMNS = ("driving_angle_deg", "driven_angle_deg")
-PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+CORRECTION_COLUMNS = ("driving_correction_deg", "driven_correction_deg")
+PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, *CORRECTION_COLUMNS, "torque_nm", "speed_rpm")
 SHAFTS = ("driving", "driven")
 RAW_CHANNELS = ("a", "b", "index", "count")
 RAW_COLUMNS = tuple(f"{shaft}_{channel}" for shaft in SHAFTS for channel in RAW_CHANNELS)
@@ -60,7 +61,8 @@ class Recording:
     increasing with the encoder's own count. Transmission error, where the rig computed it:
     ``te_rad``, the angle on the driven side in rad, or ``te_mm``, the same times the driven base
     radius in mm, since only the pair file knows that radius (whether both agree is seen there).
-    ``torque_samples_nm`` in N.m and ``speed_samples_rpm`` in rpm per sample.
+    ``torque_samples_nm`` in N.m and ``speed_samples_rpm`` in rpm per sample. ``driving_correction_rad`` and
+    ``driven_correction_rad``: what that shaft may have turned beside the stated angle, in rad (guide pulses).
 
     ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
@@ -79,6 +81,8 @@ class Recording:
     driven_angle_rad: FloatArray | None = None
     te_rad: FloatArray | None = None
     te_mm: FloatArray | None = None
+    driving_correction_rad: FloatArray | None = None
+    driven_correction_rad: FloatArray | None = None
     torque_samples_nm: FloatArray | None = None
     speed_samples_rpm: FloatArray | None = None
     torque_nm: float | None = None
@@ -256,6 +260,8 @@ def recording_from_columns(
         driven_angle_rad=scaled("driven_angle_deg", DEG),
         te_rad=next((scaled(name, unit) for name, unit in te_unit.items() if name in columns), None),
         te_mm=scaled("te_um", UM),
+        driving_correction_rad=scaled("driving_correction_deg", DEG),
+        driven_correction_rad=scaled("driven_correction_deg", DEG),
         torque_samples_nm=scaled("torque_nm", 1.0),
         speed_samples_rpm=scaled("speed_rpm", 1.0),
         torque_nm=stated("torque_nm"),
