@@ -14,11 +14,11 @@ import pytest
 
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.units import FloatArray
+from tests.at_hand import BENCH
 from tests.made_command import PAIR, Command, Ran, recording
 
 ROOT = Path(__file__).parents[1]
 PAIRS = ROOT / "data" / "pairs"
-BENCH = ROOT.parent / "shared" / "recordings" / "bench"
 
 HEADER = ["driven_angle_deg", "driving_angle_deg", "te_urad", "te_um", "backlash_um", "contact_pairs"]
 
