@@ -185,6 +185,7 @@ def test_a_recording_that_is_none_is_refused(tmp_path: Path) -> None:
     assert not fitted.exists()
 
 
+@pytest.mark.slow
 def test_the_same_recordings_give_the_same_verdict() -> None:
     folder = SHIPPED / "healthy"
     first, second = (json.dumps(verdict_json(make(folder))) for make in (diagnosed, diagnosed.__wrapped__))

@@ -24,8 +24,6 @@ def diagnose(
     ] = None,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
-    from rich.console import Console
-
     from gearpoly.diagnose.diagnose import diagnose as run
     from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, say_written, write_text
@@ -34,6 +32,7 @@ def diagnose(
     from gearpoly.report.diagnosis_page import page
     from gearpoly.report.diagnosis_report import json_text, print_diagnosis
     from gearpoly.report.progress import steps
+    from gearpoly.report.terminal import Terminal
 
     check_targets([json, html, fitted], inputs=[pair, *recordings])
     file = read_pair(pair)
@@ -53,6 +52,6 @@ def diagnose(
     for target, text, _ in made:
         write_text(target, text)
     if all(str(target) != "-" for target, _, _ in made):
-        print_diagnosis(Console(markup=False), diagnosis)
+        print_diagnosis(Terminal(), diagnosis)
     for target, _, what in made:
         say_written(target, what)

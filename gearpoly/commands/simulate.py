@@ -50,7 +50,6 @@ def simulate(
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
     import numpy as np
-    from rich.console import Console
 
     from gearpoly import positions
     from gearpoly.assemble import assemble
@@ -59,6 +58,7 @@ def simulate(
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
+    from gearpoly.report.terminal import Terminal
     from gearpoly.simulate import simulate as run
     from gearpoly.simulate import strength_remarks
     from gearpoly.units import NM, RPM
@@ -102,7 +102,7 @@ def simulate(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
     to_stdout = any(str(target) == "-" for target in outputs)
-    console = Console(stderr=to_stdout, markup=False)
+    console = Terminal(stderr=to_stdout)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,
