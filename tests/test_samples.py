@@ -69,6 +69,17 @@ def test_compare_locates_the_encoder_once_per_turn(gearpoly_command: Command) ->
     assert strongest["amplitude_um"] == pytest.approx(amplitude, abs=0.2)
 
 
+def test_compare_locates_the_eccentric_gear_and_its_low_tooth(gearpoly_command: Command) -> None:
+    folder = SHIPPED / "eccentric_low_tooth"
+    ran = gearpoly_command("compare", folder / "pair.toml", folder / "rec_0.csv", "--json", "-")
+    wave, tooth = json.loads(ran.out)["where"]
+    off, low = truths(folder)
+    assert (wave["kind"], wave["gear"], wave["order"]) == ("shaft_order", "driven", 1)
+    # The low tooth has a once-per-turn part of its own: 2/25 of its 6 um.
+    assert wave["amplitude_um"] == pytest.approx(off["amplitude_um"], abs=0.5 + 3.0 * wave["std_um"])
+    assert (tooth["kind"], tooth["gear"], tooth["tooth"]) == ("tooth", "driven", low["tooth"])
+
+
 def named(found: dict[str, Any]) -> set[tuple[str, str | None]]:
     return {(one["physics"], one.get("gear")) for one in found["missing"]}
 
