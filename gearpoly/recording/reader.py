@@ -8,7 +8,6 @@ keys in its format; it takes no memory before it has compared the sizes that the
 from __future__ import annotations
 
 import importlib
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.models import WormSection
+from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten, too_large
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
@@ -163,8 +163,8 @@ def take_key(file: Path, where: str, name: str, value: object, keys: dict[str, o
 def text_value(text: str) -> object:
     """The value of a key in a format that holds only text: TOML as in a CSV, or a bare word (``coast``)."""
     try:
-        return tomllib.loads(f"value = {text.strip()}")["value"]
-    except (ValueError, RecursionError):
+        return load(f"value = {text.strip()}")["value"]
+    except (ValueError, KeyError):
         return text.strip()
 
 

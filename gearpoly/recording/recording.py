@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, shown_value
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
@@ -47,6 +47,9 @@ KEYS = (
     *RAW_KEYS,
 )
 """The keys that state the condition and the set-up of a recording."""
+
+LARGEST = 1e300
+"""Size from which a number is as good as infinite: a whole number of a file may have more digits than a float."""
 
 COUNT_BITS_LIMIT = 53
 """Widest counter; beyond it a count is no longer exact in double precision."""
@@ -190,7 +193,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     """Raise ``InputFileError`` unless the known key ``key`` may have ``value``, in the units of the
     file.
     """
-    number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        number = float(value) if abs(value) < LARGEST else math.inf
     if key == "flank":
         good, want = value in ("drive", "coast"), '"drive" or "coast"'
     elif key == "reversed":
@@ -214,8 +219,7 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     else:
         good, want = 0.0 < number < math.inf, "a speed in rpm, above 0 (leave it out where it is not known)"
     if not good:
-        shown = f'"{value}"' if isinstance(value, str) else str(value)
-        raise InputFileError(file, where=where, found=f"{key} = {shown}", wish=f"want {want}")
+        raise InputFileError(file, where=where, found=f"{key} = {shown_value(value)}", wish=f"want {want}")
 
 
 def recording_from_columns(
