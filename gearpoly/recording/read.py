@@ -10,6 +10,7 @@ from pathlib import Path
 from gearpoly import recording as package
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, unreadable
+from gearpoly.recording.apart import read_apart
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
 
@@ -32,7 +33,8 @@ def read_recording(path: Path | str) -> Recording:
     recording, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
     file = Path(path)
-    return recording_from_table(file, find_reader(file).read(file))
+    reader = find_reader(file)
+    return recording_from_table(file, read_apart(reader, file) if reader.apart else reader.read(file))
 
 
 def find_reader(file: Path) -> Reader:
