@@ -242,7 +242,7 @@ def test_fault_far_down_is_found_by_its_line(tmp_path: Path) -> None:
         (GOOD.encode("utf-16"), "not a text file"),
         (GOOD.replace("old", "\xe4lt").encode("latin-1"), "byte 0xe4, which is not UTF-8"),
         (GOOD.encode() + b"0.3,\xff,1\n", "byte 0xff, which is not UTF-8"),
-        (b"x" * (2**20 + 1), "more than 1048576 characters"),
+        (b"x" * (2**20 + 1), "no line end from byte 0 to 1048576"),
     ],
 )
 def test_file_that_is_no_recording(tmp_path: Path, text: bytes, found: str) -> None:

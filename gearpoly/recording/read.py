@@ -11,6 +11,7 @@ from gearpoly import recording as package
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import WormSection
 from gearpoly.files.traces import check_file, unreadable
+from gearpoly.recording.apart import read_apart
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
 
@@ -33,7 +34,8 @@ def read_recording(path: Path | str, *, worm: WormSection | None = None) -> Reco
     recording, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
     file = Path(path)
-    return recording_from_table(file, find_reader(file).read(file), worm=worm)
+    reader = find_reader(file)
+    return recording_from_table(file, read_apart(reader, file) if reader.apart else reader.read(file), worm=worm)
 
 
 def find_reader(file: Path) -> Reader:
