@@ -26,13 +26,16 @@ def main() -> None:
     """Run the command line; turn a user's errors into one message and exit code 2."""
     try:
         from gearpoly.cli import app
-        from gearpoly.errors import GearpolyError
+        from gearpoly.errors import GearpolyError, SelfCheckError
 
         try:
             app()
         except GearpolyError as error:
             print(f"gearpoly: {error}", file=sys.stderr)
             raise SystemExit(2) from None
+        except SelfCheckError as error:
+            print(f"gearpoly: a check of gearpoly itself failed: {error}", file=sys.stderr)
+            raise SystemExit(1) from None
     except (KeyboardInterrupt, SystemExit) as end:
         # What runs commands turns an interrupt into an exit, silently.
         cause: BaseException | None = end
