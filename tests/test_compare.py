@@ -234,6 +234,7 @@ def healthy(seed: int, folder: Path, *, z: tuple[int, int], cycles: int, hidden:
     return compare(file, [record(made, rig, rng, cycles=1.001 * cycles, per_mesh=20)], path=path)
 
 
+@pytest.mark.slow
 def test_thirty_healthy_recordings_raise_nothing(tmp_path: Path) -> None:
     # At a true rate of 5 %, more than 4 of 30 come in 1.6 % of such tests.
     assert sum(bool(healthy(seed, tmp_path, z=(12, 18), cycles=6).located.entries) for seed in range(30)) <= 4

@@ -197,6 +197,7 @@ def test_a_recording_that_is_none_is_refused(tmp_path: Path) -> None:
     assert not fitted.exists()
 
 
+@pytest.mark.slow
 @needs_bench
 def test_the_same_recordings_give_the_same_verdict() -> None:
     first, second = (json.dumps(verdict("control_inspected")) for _ in range(2))

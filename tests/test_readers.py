@@ -63,8 +63,8 @@ def test_transmission_error_needs_one_angle_only(tmp_path: Path, name: str) -> N
     [
         ({"driven_angle_deg": None}, "no column driven_angle_deg"),
         ({"driven_angle_deg": None, "driven_angle": "driven_angle_deg"}, '"driven_angle"'),
-        ({"te_um": "time_s", "te_urad": "time_s"}, "te_um and te_urad"),
-        ({"driving_count": "time_s"}, "driving_angle_deg and driving_count"),
+        ({"te_arcsec": "time_s", "te_urad": "time_s"}, "te_urad and te_arcsec"),
+        ({"driving_count": "time_s"}, "driving_lines"),
         ({"driving_angle_deg": None, "driving_b": "time_s"}, "driving_b"),
     ],
 )

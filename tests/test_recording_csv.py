@@ -176,7 +176,6 @@ HEADER = "time_s,driving_angle_deg,driven_angle_deg"
         ("time_s,", "driven_angle_deg,", "line 8", '"driven_angle_deg" twice', "each column once"),
         ("time_s,", ",", "line 8", "column 1 has no name", "time_s"),
         (",driven_angle_deg\n", ",torque_nm\n", "line 8", "no column driven_angle_deg", "te_um"),
-        (HEADER, "te_um,te_urad,driven_angle_deg", "line 8", "te_um and te_urad", "at most one"),
         (
             HEADER,
             "te_um,time_s,torque_nm",
@@ -344,7 +343,7 @@ def test_shared_recordings_agree_with_a_plain_reading() -> None:
         {},
         {"driving_angle_rad": [1.0]},
         {"te_rad": [1.0]},
-        {"te_rad": [1.0], "te_mm": [1.0], "driven_angle_rad": [1.0]},
+        {"te_rad": [1.0], "te_mm": [1.0]},
         {"driving_angle_rad": [1.0], "driven_angle_rad": [1.0, 2.0]},
         {"driving_angle_rad": [[1.0]], "driven_angle_rad": [[1.0]]},
     ],

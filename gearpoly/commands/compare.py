@@ -23,15 +23,14 @@ def compare(
     ] = None,
 ) -> None:
     """Lay recordings on the simulation of their pair and say where they differ, against the noise."""
-    from rich.console import Console
-
     from gearpoly.compare.compare import compare as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.compare_report import json_text, print_comparison
     from gearpoly.report.progress import steps
+    from gearpoly.report.terminal import Terminal
 
     check_targets([json, plot], inputs=[pair, *recordings])
     if plot is not None:
@@ -48,4 +47,6 @@ def compare(
     if plot is not None:
         plot_comparison(comparison, target=plot)
     if str(json) != "-":
-        print_comparison(Console(markup=False), comparison)
+        print_comparison(Terminal(), comparison)
+    say_written(json, "alignment, noise and where they differ")
+    say_written(plot, "maps by tooth and phase, spectra")

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.errors import GeometryError, JammedError, SelfCheckError
+from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
 from gearpoly.gear.gear import inv
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
@@ -97,7 +97,7 @@ def contacts(
     Every contact is certified by the polygon kernel. With ``fast`` the compiled radial gap of the same polylines
     finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies ``SAMPLES`` positions of the run.
 
-    Raises ``GeometryError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
+    Raises ``NoContactError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
     """
     sense = 1.0 if flank == "drive" else -1.0
@@ -124,7 +124,7 @@ def contacts(
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
-        raise GeometryError(
+        raise NoContactError(
             f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
             "the gears do not reach each other there"
         )

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from gearpoly.errors import InputFileError
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.stated_twice import check_error, check_errors
 from gearpoly.recording.travel import nearest_teeth, slope
 from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps, weighted_median
 from gearpoly.units import DEG, FloatArray, IntArray, read_only
@@ -114,7 +115,9 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     is another pair's, or fewer than two driving turns are left; ``ValueError`` where ``r_b2`` is missing.
     """
     done: list[Deed] = []
-    te = _recorded_te(recording, r_b2)
+    te = recording.te_in_rad(r_b2)
+    if r_b2 is not None:
+        check_errors(recording, r_b2)
     readings = {"driving": recording.driving_angle_rad, "driven": recording.driven_angle_rad}
     good = np.ones(recording.size, dtype=np.bool_)
     for values in (*readings.values(), te, recording.time_s):
@@ -138,7 +141,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         if values is not None
     }
     _check_direction(recording, shafts)
-    theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], ratio, done)
+    theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], keep, ratio, r_b2, done)
 
     spikes = single_spikes(te, theta_1, theta_2)
     if len(shafts) == 1:  # then a wild reading does not show in the recorded transmission error
@@ -198,14 +201,6 @@ def _row(recording: Recording, sample: int) -> str:
     return f"row {sample + 1}{at}"
 
 
-def _recorded_te(recording: Recording, r_b2: float | None) -> FloatArray | None:
-    if recording.te_mm is None:
-        return recording.te_rad
-    if r_b2 is None:
-        raise ValueError("a transmission error in um needs the driven base radius r_b2 to become an angle")
-    return recording.te_mm / r_b2
-
-
 def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
     """Time must not run back: files that were strung together, or a clock that was set."""
     back = np.flatnonzero(np.diff(position) < 0.0)
@@ -255,7 +250,13 @@ def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> Non
 
 
 def _rotations(
-    recording: Recording, shafts: dict[str, Continuous], te: FloatArray | None, ratio: float, done: list[Deed]
+    recording: Recording,
+    shafts: dict[str, Continuous],
+    te: FloatArray | None,
+    keep: IntArray,
+    ratio: float,
+    r_b2: float | None,
+    done: list[Deed],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Both rotations and the transmission error (m,) in rad; what was not recorded follows from the other two."""
     if len(shafts) == 2:
@@ -267,7 +268,10 @@ def _rotations(
             _check_pair(recording, ratio, float(np.sum(np.diff(second.angle)[both])) / travel)
         theta_1, theta_2, moved = settle_gaps(first, second, ratio)
         _note(done, "gaps settled", moved, "gaps whose number of turns was found from both shafts together")
-        return theta_1, theta_2, theta_2 - ratio * theta_1 if te is None else te
+        if te is None:
+            return theta_1, theta_2, theta_2 - ratio * theta_1
+        check_error(recording, te, (theta_1, theta_2), keep, ratio=ratio, r_b2=r_b2)
+        return theta_1, theta_2, te
     assert te is not None  # a Recording has two of the three
     if "driving" in shafts:
         theta_1 = shafts["driving"].angle

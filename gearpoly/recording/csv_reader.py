@@ -25,8 +25,8 @@ from gearpoly.files.traces import (
     split_row,
     unreadable,
 )
-from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, is_key, recording_from_table
-from gearpoly.recording.recording import COLUMNS, Recording, check_complete, check_key
+from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, is_key, pass_over, recording_from_table
+from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete, check_key
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -56,12 +56,14 @@ def read_table(file: Path) -> Table:
                 raise InputFileError(file, found="not a text file", wish=wish)
         with file.open(encoding="utf-8-sig") as stream:
             keys, names, head_lines = _read_head(file, stream)
-            table = _read_numbers(file, names, head_lines, stream)
+            values = _read_numbers(file, names, head_lines, stream)
     except UnicodeDecodeError:
         raise not_utf8(file) from None
     except OSError as error:
         raise unreadable(file, error) from None
-    return Table(columns={name: table[:, i] for i, name in enumerate(names)}, keys=keys)
+    table = Table(columns={name: values[:, i] for i, name in enumerate(names)}, keys=keys)
+    pass_over(table)
+    return table
 
 
 def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:
@@ -84,7 +86,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
             _read_comment(file, where, line.strip()[1:].strip(), keys)
         elif line.strip():
             names = split_row(line)
-            check_header(file, where, names, COLUMNS)
+            check_header(file, where, names, (*COLUMNS, *PASSED_OVER))
             check_complete(file, where, names)
             return keys, names, number
     found = "an empty file" if number == 0 else "no header row"

@@ -17,10 +17,11 @@ from gearpoly.recording.reader import (
     is_key,
     numbers,
     optional,
+    pass_over,
     take_key,
     text_value,
 )
-from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.recording import COLUMNS, PASSED_OVER
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -41,7 +42,7 @@ def read_table(file: Path) -> Table:
     types = optional(file, "pyarrow.types", extra="parquet")
     with damage_reported(file, "Parquet"), parquet.ParquetFile(file, memory_map=True) as source:
         schema = source.schema_arrow
-        check_header(file, "schema", list(schema.names), COLUMNS)
+        check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
         for column in schema:
             if not (types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)):
                 found = f"values of type {column.type}"
@@ -56,7 +57,9 @@ def read_table(file: Path) -> Table:
         for name in schema.names:  # one at a time, so that only one column is held twice
             values = source.read(columns=[name], use_threads=True).column(0)
             columns[name] = numbers(file, name, np.asarray(values.to_numpy()))
-    return Table(columns=columns, keys=keys)
+    table = Table(columns=columns, keys=keys)
+    pass_over(table)
+    return table
 
 
 def _check_size(file: Path, metadata: Any) -> None:

@@ -20,18 +20,22 @@ import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.traces import nearest, shorten, too_large
+from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
+    ANGLE_COLUMNS,
     COLUMNS,
     KEYS,
+    PASSED_OVER,
     RAW_COLUMNS,
+    TE_COLUMNS,
     Recording,
     check_complete,
     check_key,
     recording_from_columns,
 )
 from gearpoly.recording.table import Table
-from gearpoly.units import FloatArray
+from gearpoly.units import ARCSEC, URAD, FloatArray
 
 RECORDING_LIMIT_BYTES = 4 * 2**30
 """Largest recording that is read, as a file and as numbers of 8 bytes: about 10^8 samples, whose arrays still fit an
@@ -102,9 +106,30 @@ def recording_from_table(file: Path, table: Table) -> Recording:
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    if "te_urad" in table.columns and "te_arcsec" in table.columns:
+        _take_one_error(file, table)
+    places = _last_places(table)
     if any(name in RAW_COLUMNS for name in table.columns):
         table = angles_from_raw(file, table)
-    return recording_from_columns(file, table.columns, table.keys, table.remarks)
+    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places)
+
+
+def _last_places(table: Table) -> dict[str, float]:
+    """Half of the last place to which columns were written, where one follows from the others; nothing elsewhere."""
+    tied = [name for name in table.columns if name in ANGLE_COLUMNS or name in TE_COLUMNS]
+    if len(tied) < 3 and sum(name in TE_COLUMNS for name in tied) < 2:
+        return {}
+    return {name: float(np.nanmax(rounding(table.columns[name]), initial=0.0)) for name in tied}
+
+
+def _take_one_error(file: Path, table: Table) -> None:
+    """Keep one of two columns that give the transmission error as an angle, where both say the same."""
+    held, other = table.columns["te_urad"], table.columns.pop("te_arcsec")
+    unit = ARCSEC / URAD
+    tolerance = rounding(held) + unit * rounding(other)
+    names = ("te_urad", "te_arcsec")
+    check_agreement(file, names, held, unit * other, tolerance, unit="urad", any_zero=False)
+    table.remarks.append("te_arcsec says the same as te_urad")
 
 
 def is_key(file: Path, where: str, name: str) -> bool:
@@ -156,6 +181,13 @@ def wanted_columns(file: Path, where: str, names: Iterable[str], remarks: list[s
     if others:
         remarks.append(f"not read, since no columns of a recording: {shorten(', '.join(others), width=200)}")
     return wanted
+
+
+def pass_over(table: Table) -> None:
+    """Leave out the columns of a simulation's own table that no recording needs, with a remark."""
+    for name in PASSED_OVER:
+        if table.columns.pop(name, None) is not None:
+            table.remarks.append(f"{name} passed over: it belongs to a simulation")
 
 
 def check_numbers(file: Path, count: int) -> None:
