@@ -11,6 +11,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.angles import driven_share, smoothed
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
@@ -163,6 +164,10 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     counted = not recording.computed
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
+    # A transmission error that the rig computed brings its noise to the shaft that was not read.
+    share = driven_share(one.theta_1, one.theta_2, ratio=cycle.ratio) if counted else float(not driven)
+    if share > 0.0:
+        theta_2 = theta_2 - share * (one.te - smoothed(one.te))
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
     if drift:
         x = one.theta_2 if one.time_s is None else one.time_s
