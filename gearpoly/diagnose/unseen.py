@@ -1,6 +1,6 @@
-"""Nothing is named against unseen data: what all names together, each of them and any two are worth where no fit looked.
+"""Nothing is named against unseen data: what all names, each of them and any two are worth where no fit looked.
 
-Every recording is cut into blocks, and each is foretold from all the others. Only everything continuous is fitted again;
+Every recording is cut into blocks, and each is foretold from all the others. Only what is continuous is fitted again;
 claims are refused here, never chosen.
 """
 
@@ -34,8 +34,8 @@ tell nothing new. From so many turns of the gear in question on, where nothing s
 or more: a wave that only one turn has is then not foretold by the rest of that turn."""
 
 ONCE = 0.9
-"""Part of what a tooth does that one pass of it holds, from which on it came into mesh once: a second pass at the end of
-a recording may be cut."""
+"""Part of what a tooth does that one pass of it holds, from which on it came into mesh once: a second pass at the end
+of a recording may be cut."""
 
 AGAINST = -0.5
 """Cosine between what two claims do, from which on they cancel in good part: neither is then worth more than both."""
@@ -154,7 +154,8 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
 
 
 def _idle(search: Search) -> tuple[int, ...] | None:
-    """The claim, or the two that cancel, with which unseen data fit worse, or no better for sure; None where all pay."""
+    """The claim with which unseen data fit worse, or two that cancel and make it no better for sure; None where all
+    pay."""
     model, number = search.model, _numbers(search)
     known = [k for k, one in enumerate(model.claims) if repeats(search, one)]
     if not known:
@@ -176,9 +177,10 @@ def _idle(search: Search) -> tuple[int, ...] | None:
         worst = min(worst, (gain, (k,)))
     if worst[1]:
         return worst[1]
-    effects = {
-        k: np.concatenate([a @ np.array(model.claims[k].values) for a in search.linear.white_of(k)]) for k in known
-    }
+    effects = {}
+    for k in known:
+        values = np.array(model.claims[k].values)
+        effects[k] = np.concatenate([white @ values for white in search.linear.white_of(k)])
     for j, k in combinations(known, 2):
         size = math.sqrt(float(effects[j] @ effects[j]) * float(effects[k] @ effects[k]))
         if float(effects[j] @ effects[k]) >= AGAINST * size:
