@@ -53,6 +53,9 @@ class Scope:
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
 
+    ranges: tuple[float, ...] = ()
+    """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
+
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""
@@ -107,13 +110,21 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """One coordinate of a physics in the unit of the pair file, between ``low`` and ``high``; ``step`` is a small
-    change of it."""
+    """One coordinate of a physics in its ``unit``, that of the pair file. ``most`` is the largest that it may be for a
+    pair and a place, and ``why``; ``low`` the least that means anything (default: as much, of the other sign).
+    ``step`` is a small change of it."""
 
     name: str
+    unit: str
+    most: Callable[[Scope, Place], float]
+    why: str
     low: float = -math.inf
-    high: float = math.inf
     step: float = 1.0
+
+    def bounds(self, scope: Scope, place: Place) -> tuple[float, float]:
+        """The least and the largest that it may be."""
+        most = self.most(scope, place)
+        return max(self.low, -most), most
 
 
 Reported = dict[str, tuple[float, float]]
