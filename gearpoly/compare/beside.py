@@ -99,10 +99,21 @@ class Aligned:
         return float(np.std(self.residual))
 
     @property
+    def _errors(self) -> tuple[float, float]:
+        """Range in rad of what rounding makes of either reading: a step, but of readings that were kept where they
+        change no more than the shaft turned since the sample before."""
+        samples = max(float(np.ptp(self.cleaned.keep)), 1.0)
+        first, second = (
+            min(step or 0.0, float(np.ptp(angle)) / samples)
+            for angle, step in zip((self.cleaned.theta_1, self.cleaned.theta_2), self.steps, strict=True)
+        )
+        return first, second
+
+    @property
     def rounding(self) -> float:
-        """What the rounding of both readings makes of the transmission error, mm rms: a step over sqrt(12) each."""
-        first, second = self.steps
-        return math.hypot(self.cleaned.ratio * (first or 0.0), second or 0.0) / math.sqrt(12.0) * self.r_b2
+        """What the rounding of both readings makes of the transmission error, mm rms: evenly spread over its range."""
+        first, second = self._errors
+        return math.hypot(self.cleaned.ratio * first, second) / math.sqrt(12.0) * self.r_b2
 
     @property
     def stepped(self) -> bool:

@@ -13,6 +13,7 @@ from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.angles import driven_share, smoothed
 from gearpoly.compare.beside import Aligned, Beside, Comparison
+from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
@@ -82,6 +83,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
+    recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
     for one in cleaned:

@@ -23,6 +23,7 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
         if section.inspection is None and (section.grade is not None or section.limits is not None):
             out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
     for k, one in enumerate(aligned):
+        out += [f"recording {k}: {remark}" for remark in one.cleaned.recording.remarks]
         samples = one.cleaned.torque_nm
         if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
             out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")

@@ -49,9 +49,6 @@ class Scope:
     varied: bool = False
     """Whether the torque of any recording was read along it, and varies."""
 
-    ranges: tuple[float, ...] = ()
-    """What every recording differs from the declared simulation by, from least to most, mm."""
-
     finest: tuple[float, float] = (math.inf, math.inf)
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
@@ -59,6 +56,9 @@ class Scope:
     stepped: bool = False
     """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
     then told from an encoder's or a flank's."""
+
+    ranges: tuple[float, ...] = ()
+    """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
 
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
@@ -117,13 +117,21 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """One coordinate of a physics in the unit of the pair file, between ``low`` and ``high``; ``step`` is a small
-    change of it."""
+    """One coordinate of a physics in its ``unit``, that of the pair file. ``most`` is the largest that it may be for a
+    pair and a place, and ``why``; ``low`` the least that means anything (default: as much, of the other sign).
+    ``step`` is a small change of it."""
 
     name: str
+    unit: str
+    most: Callable[[Scope, Place], float]
+    why: str
     low: float = -math.inf
-    high: float = math.inf
     step: float = 1.0
+
+    def bounds(self, scope: Scope, place: Place) -> tuple[float, float]:
+        """The least and the largest that it may be."""
+        most = self.most(scope, place)
+        return max(self.low, -most), most
 
 
 Reported = dict[str, tuple[float, float]]

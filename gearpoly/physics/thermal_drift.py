@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import Measurement, PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.physics.bounds import recorded
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -49,16 +50,15 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     return copy
 
 
-def _sensible(scope: Scope, place: Place, values: Values) -> bool:
-    """A drift beyond all that a recording ranges over cancels with something else: then neither is there."""
-    size = float(np.ptp(_curve(values, np.linspace(-1.0, 1.0, 201))))
-    return all(size <= scope.ranges[k] for k in place.recordings if k < len(scope.ranges))
-
-
 def _named(recordings: tuple[int, ...]) -> str:
     if len(recordings) == 1:
         return f"recording {recordings[0]}"
     return f"recordings {', '.join(map(str, recordings[:-1]))} and {recordings[-1]}, alike,"
+
+
+def _sensible(scope: Scope, place: Place, values: Values) -> bool:
+    """All terms together drift no farther than the recordings range."""
+    return float(np.ptp(_curve(values, np.linspace(-1, 1, 201)))) / UM <= recorded(scope, place)
 
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
@@ -75,14 +75,17 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="thermal_drift",
-    coordinates=tuple(Quantity(name=f"legendre_{k}_um") for k in range(1, TERMS + 1)),
+    coordinates=tuple(
+        Quantity(name=f"legendre_{k}_um", unit="um", most=recorded, why="no drift is larger than all that was recorded")
+        for k in range(1, TERMS + 1)
+    ),
     amplitudes=TERMS,
     ordinary=(2.0, 0.0, 0.0),
     places=_places,
     effect=_effect,
+    sensible=_sensible,
     measures=True,
     slow=True,
-    sensible=_sensible,
     write=_write,
     report=_report,
     says=lambda place, v: (
