@@ -78,7 +78,18 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
         out.append(entry if same is None else _as_large(entry, found.pop(same), search))
     out += [_entry(search, by) for by in found.values()]
     out = [one for one in out if one.amplitude_um != 0.0]
-    return tuple(sorted(out, key=lambda e: -e.mean_square(search.z_1, search.z_2))), tuple(divisions)
+
+    def holds(entry: Entry) -> float:
+        """What an entry adds to the mean square of its recording; a burst only while it lasts."""
+        data = search.states[entry.recordings[0]].data
+        lasts = 1.0
+        if entry.during_s is not None and data.time_s is not None:
+            lasts = (entry.during_s[1] - entry.during_s[0]) / float(np.ptp(data.time_s))
+        elif entry.during_turns is not None:
+            lasts = (entry.during_turns[1] - entry.during_turns[0]) * 2.0 * math.pi / float(np.ptp(data.theta_1))
+        return lasts * entry.mean_square(search.z_1, search.z_2)
+
+    return tuple(sorted(out, key=lambda e: -holds(e))), tuple(divisions)
 
 
 def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
