@@ -52,7 +52,7 @@ def simulate(
     import numpy as np
 
     from gearpoly import positions
-    from gearpoly.assemble import assemble
+    from gearpoly.assemble import assemble, root_remarks
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
@@ -118,7 +118,7 @@ def simulate(
             backward=backward,
             progress=progress,
         )
-    remarks += strength_remarks(simulation)
+    remarks += root_remarks(file) + strength_remarks(simulation)
     defaults = effective_defaults(file)
     if csv is not None:
         write_text(csv, csv_text(simulation))

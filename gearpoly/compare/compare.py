@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gear, stated_limits
+from gearpoly.assemble import Assembled, nominal_gears, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
@@ -294,8 +294,8 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
         )
     if section.grade is None and section.limits is None:
         return GearKnown(z=section.teeth, zero=zero, direction=direction)
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
-    mine = nominal_gear(section)
+    gears = nominal_gears(file)
+    mine = gears[0 if section is file.driving else 1]
     limits = stated_limits(section, mine, a=tight_centre_distance(*gears))
     return GearKnown(
         z=section.teeth,

@@ -77,7 +77,7 @@ _COMPUTED = {
     "centre_distance_mm": "tight mesh of the deviation-free gears",
     "speed_rpm": "quasi-static",
     "bore_mm": "half the root diameter",
-    "root_radius": "0.38, or the largest that fits",
+    "root_radius": "0.38, or the largest that fits and leaves the mate's tip free",
 }
 
 
