@@ -35,7 +35,7 @@ def simulate(
     ] = None,
     turns: Annotated[
         float | None,
-        typer.Option(help="Turns of the driven gear; default: a whole hunting cycle.", min=0.0),
+        typer.Option(help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=0.0),
     ] = None,
     points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,

@@ -237,7 +237,8 @@ class GearSection(Section):
     addendum: float = _field("addendum over the module, above 0 to 3", 1.0, gt=0.0, le=3.0)
     dedendum: float = _field("dedendum over the module, above 0 to 4", 1.25, gt=0.0, le=4.0)
     root_radius: float | None = _field(
-        "tip radius of the rack over the module, 0 to 1; default: 0.38, or the largest that fits and leaves the mate's tip free",
+        "tip radius of the rack over the module, 0 to 1; "
+        "default: 0.38, or the largest that fits and leaves the mate's tip free",
         ge=0.0,
         le=1.0,
     )
