@@ -13,10 +13,9 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import blamed
-from gearpoly.files.gde_inspection import inspection
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.pairfile import profile_csv_path
-from gearpoly.files.traces import Trace, read_traces
+from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
@@ -35,6 +34,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.rack import Rack, usual_round
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
+from gearpoly.inspected import measured
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
@@ -84,6 +84,18 @@ def nominal_gear(section: GearSection, mate: GearSection | None = None) -> Gear:
         b=section.face_width_mm,
         d_bore=section.bore_mm,
     )
+
+
+def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
+    """The pair file at ``path`` with pitch and thickness of its inspections written out as deviations per tooth, so
+    that what is found can be added to them; traces stay where they are. Raises ``InputFileError``."""
+    sections: dict[str, GearSection] = {}
+    for name, gear in zip(NAMES, nominal_gears(file), strict=True):
+        section: GearSection = getattr(file, name)
+        if section.inspection is not None:
+            sheet, _ = measured(path, section, section.inspection, gear, name)
+            sections[name] = section.model_copy(update={"inspection": sheet})
+    return file.model_copy(update=sections)
 
 
 def root_remarks(file: PairFile) -> list[str]:
@@ -236,9 +248,7 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
     """Deviations as measured: pitch, thickness, slope and crowning from the sheet, whole traces in place of the last
     two."""
     gear, z = made.gear, made.gear.z
-    traces: tuple[Trace, ...] = ()
-    if sheet.gde is not None:
-        sheet, traces = inspection(path, made.section, sheet, which)
+    sheet, traces = measured(path, made.section, sheet, gear, which)
     coast = sheet.pitch_coast_um
     where = pitch_and_thickness(
         gear,

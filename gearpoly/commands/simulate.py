@@ -76,7 +76,7 @@ def simulate(
     remarks: list[str] = []
     time = off = None
     backward = False
-    torque, speed = file.pair.torque_nm, file.pair.speed_rpm
+    torque, speed = file.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:

@@ -89,7 +89,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     refuse_twins(cleaned)
-    torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
+    torques = [recorded_torque(one.recording, default=file.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
     stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
     # What swings in a run-up never comes again, so templates are of the mesh alone.
