@@ -56,7 +56,7 @@ def measured(
 
 def _refuse_open(path: Path | str, where: str, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
     """Single pitches go once round, so they add up to 0 but for their rounding; index deviations do not."""
-    digits = min(int(Decimal(repr(float(value))).as_tuple().exponent) for value in values)
+    digits = min(int(Decimal(repr(float(value))).normalize().as_tuple().exponent) for value in values)
     sum_ = float(np.sum(values))
     if abs(sum_) > values.size * max(CLOSING, 0.5 * 10.0 ** min(digits, 0)):
         raise InputFileError(

@@ -6,7 +6,7 @@ import json
 
 from gearpoly.files.sheet_csv import FLANKS
 
-TEMPLATE = """# A pair file of gearpoly. It runs as it stands; every line that begins with # is a key that may be stated.
+TEMPLATE = """# A pair file of gearpoly. It runs as it stands; keys behind a # may be stated.
 # All keys: docs/pair_file.md. Lengths in mm, deviations in um, angles in deg.
 
 name = "my pair"
@@ -43,7 +43,7 @@ face_width_mm = 20.0
 """
 
 SHEET = """
-[{gear}.inspection]               # filled from the sheet; an empty one counts as not inspected
+[{gear}.inspection]              # filled from the sheet; an empty one counts as not inspected
 sheet_csv = {sheet}
 """
 
@@ -62,4 +62,5 @@ def pair_template(*, sheet: str | None) -> str:
         shown = SHEET.format(gear=name, sheet=json.dumps(sheet, ensure_ascii=False))
         return text.replace(f"\n# [{name}.inspection]\n", shown)
 
-    return FLANKS + "\n\n" + TEMPLATE.format(driving=gear("driving"), driven=gear("driven"))
+    head, name, rest = TEMPLATE.partition("\nname = ")
+    return f"{head}{FLANKS}\n{name}{rest}".format(driving=gear("driving"), driven=gear("driven"))
