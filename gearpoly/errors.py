@@ -47,6 +47,16 @@ def _printable(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii")
 
 
+def shown_value(value: object) -> str:
+    """A value of a file as the file has it, short and safe to print."""
+    if isinstance(value, str):
+        return f'"{shown(value)}"'
+    try:
+        return shown(str(value).lower() if isinstance(value, bool) else str(value))
+    except (ValueError, RecursionError):  # an integer with more digits than Python prints, tables within tables
+        return "a huge value"
+
+
 class GearpolyError(Exception):
     """Root of all errors that a user can cure; its message is one line, safe to print."""
 

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from gearpoly.errors import InputFileError
 from gearpoly.recording.csv_reader import RECORDING_LIMIT_BYTES, read_csv
 from gearpoly.recording.recording import Recording
-
-SHARED = Path(__file__).parents[2] / "shared" / "recordings"
+from tests.at_hand import SHARED, SHIPPED
 
 GOOD = """\
 # torque_nm = 25.0
@@ -243,7 +242,7 @@ def test_fault_far_down_is_found_by_its_line(tmp_path: Path) -> None:
         (GOOD.encode("utf-16"), "not a text file"),
         (GOOD.replace("old", "\xe4lt").encode("latin-1"), "byte 0xe4, which is not UTF-8"),
         (GOOD.encode() + b"0.3,\xff,1\n", "byte 0xff, which is not UTF-8"),
-        (b"x" * (2**20 + 1), "more than 1048576 characters"),
+        (b"x" * (2**20 + 1), "no line end from byte 0 to 1048576"),
     ],
 )
 def test_file_that_is_no_recording(tmp_path: Path, text: bytes, found: str) -> None:
@@ -309,9 +308,8 @@ def test_a_damaged_file_is_read_or_refused(data: st.DataObject) -> None:
             assert error.wish
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not here")
-def test_shared_recordings_agree_with_a_plain_reading() -> None:
-    files = sorted(SHARED.glob("*/*.csv")) + sorted(SHARED.glob("*/*/*.csv"))
+def test_recordings_agree_with_a_plain_reading() -> None:
+    files = [*SHIPPED.glob("*/*.csv"), *SHARED.glob("*/*.csv"), *SHARED.glob("*/*/*.csv")]
     assert files
     for file in files:
         recording = read_csv(file)

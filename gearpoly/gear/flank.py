@@ -118,7 +118,7 @@ def draw_flanks(
     L = np.linspace(root.l_form**SPACING, gear.l_a**SPACING, n) ** (1.0 / SPACING)
     L[0], L[-1] = root.l_form, gear.l_a
     psi_drive, psi_coast = (
-        np.concatenate((_root_angles(root, side), side[:, 1:]), axis=1)
+        np.concatenate((root_angles(root, side[:, :1]), side[:, 1:]), axis=1)
         for side in (_involute_angles(gear, shapes, L, span=span) for shapes in (deviations.drive, deviations.coast))
     )
     r = np.concatenate((root.r, np.hypot(gear.r_b, L[1:])))
@@ -160,10 +160,15 @@ def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, sp
     )
 
 
-def _root_angles(root: Root, side: FloatArray) -> FloatArray:
-    """The root (z, root.n) turned with its flank, so that both meet; the middle of the tooth space stays where it
-    is."""
-    turn = side[:, :1] - root.psi[-1]
-    angles: FloatArray = root.psi + turn
+FLOOR = 1e-4
+"""Part of the half pitch by which a root stays on its own side of the middle of its space: below 0.1 um per mm of
+radius, and far above rounding."""
+
+
+def root_angles(root: Root, ends: FloatArray) -> FloatArray:
+    """The root (z, root.n) turned so that it meets each flank at ``ends`` (z, 1); the middle of the tooth space stays
+    where it is, and what a large deviation turns past it stands along it, or the outline would fold over."""
+    angles: FloatArray = root.psi + (ends - root.psi[-1])
     angles[:, 0] = root.psi[0]
-    return angles
+    along = root.psi[0] * (1.0 - FLOOR * np.arange(root.n) / root.n)
+    return np.where(angles > root.psi[0], along, angles)

@@ -10,8 +10,8 @@ import numpy as np
 from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.files.traces import check_header
 from gearpoly.recording.reader import (
-    RECORDING_LIMIT_BYTES,
     Reader,
+    check_few,
     check_numbers,
     damage_reported,
     is_key,
@@ -22,6 +22,7 @@ from gearpoly.recording.reader import (
     text_value,
 )
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER
+from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -47,8 +48,12 @@ def read_table(file: Path) -> Table:
             if not (types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)):
                 found = f"values of type {column.type}"
                 raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
+            for key in UNIT_NAMES:
+                if key.encode() in (column.metadata or {}):
+                    check_unit(file, column.name, column.metadata[key.encode()])
         _check_size(file, source.metadata)
         keys: dict[str, object] = {}
+        check_few(file, "metadata", len(schema.metadata or {}), "keys")
         for key, value in (schema.metadata or {}).items():
             name = key.decode("utf-8", errors="replace")
             if is_key(file, "metadata", name):
@@ -64,13 +69,9 @@ def read_table(file: Path) -> Table:
 
 def _check_size(file: Path, metadata: Any) -> None:
     """Refuse what would unpack beyond the limit: run lengths make a billion rows of a few bytes."""
-    rows: int = metadata.num_rows
-    width: int = metadata.num_columns
-    check_numbers(file, rows * width)
     groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
-    unpacked = sum(group.total_byte_size for group in groups)
-    if unpacked > RECORDING_LIMIT_BYTES:
-        check_numbers(file, unpacked // 8 + 1)
+    largest = max((group.total_byte_size for group in groups), default=0)
+    check_numbers(file, metadata.num_rows * metadata.num_columns, beside=largest)
 
 
 READER = Reader(

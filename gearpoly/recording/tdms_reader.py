@@ -19,8 +19,8 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.reader import (
-    NAMES_LIMIT,
     Reader,
+    check_few,
     check_numbers,
     damage_reported,
     is_key,
@@ -31,6 +31,7 @@ from gearpoly.recording.reader import (
 )
 from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Table
 
 SAME_TIME = 1e-6
@@ -51,6 +52,7 @@ def read_table(file: Path) -> Table:
         where = f"group {group.name}"
         table = Table(columns={}, keys={})
         for holder, properties in (("file", source.properties), (where, group.properties)):
+            check_few(file, f"properties of {holder}", len(properties), "properties")
             for name, value in properties.items():
                 if is_key(file, f"properties of {holder}", name):
                     take_key(file, f"properties of {holder}", name, value, table.keys)
@@ -61,6 +63,9 @@ def read_table(file: Path) -> Table:
             found = "a cut-off TDMS file (its last segment is not whole)"
             raise InputFileError(file, found=found, wish="want the whole file; copy or export it again")
         for name in wanted:
+            for key in UNIT_NAMES:
+                if key in channels[name].properties:
+                    check_unit(file, name, channels[name].properties[key])
             table.columns[name] = numbers(file, name, np.asarray(channels[name][:]))
         _take_times(file, {name: channels[name].properties for name in wanted}, table)
     return table
@@ -80,9 +85,7 @@ def _quiet(nptdms: Any) -> Iterator[None]:
 
 def _group(file: Path, groups: list[Any]) -> Any:
     """The one group with columns."""
-    if sum(len(group.channels()) for group in groups) > NAMES_LIMIT:
-        wish = "want a file with the columns of one recording"
-        raise InputFileError(file, found=f"more than {NAMES_LIMIT} channels", wish=wish)
+    check_few(file, "", sum(len(group.channels()) for group in groups), "channels")
     holding = [group for group in groups if any(channel.name in COLUMNS for channel in group.channels())]
     if len(holding) > 1:
         found = f"columns in the groups {shorten(' and '.join(group.name for group in holding), width=120)}"

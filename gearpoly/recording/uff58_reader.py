@@ -26,9 +26,9 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
 from gearpoly.recording.reader import (
-    NAMES_LIMIT,
     RECORDING_LIMIT_BYTES,
     Reader,
+    check_few,
     check_numbers,
     is_key,
     numbers,
@@ -37,6 +37,7 @@ from gearpoly.recording.reader import (
     wanted_columns,
 )
 from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.stated_units import check_unit
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -62,6 +63,7 @@ class _Set:
     start: float
     step: float
     is_time: bool
+    unit: str
     binary: str
     """Byte order of binary values, or nothing for text."""
 
@@ -102,11 +104,10 @@ def _read(file: Path, data: mmap.mmap) -> Table:
         check_numbers(file, sum(held[2].count for held in values.values()) + found_set.count)
         ordinate, abscissa, at = _values(file, where, data, found_set)
         values[found_set.name] = (ordinate, abscissa, found_set)
-        if len(values) > NAMES_LIMIT:
-            wish = "want a file with the columns of one recording"
-            raise InputFileError(file, found=f"more than {NAMES_LIMIT} data sets", wish=wish)
+        check_few(file, "", len(values), "data sets")
     wanted = wanted_columns(file, "ID lines 1", values, table.remarks)
     for name in wanted:
+        check_unit(file, name, values[name][2].unit)
         table.columns[name] = numbers(file, name, values[name][0])
     if "time_s" not in wanted:
         _add_time(file, {name: values[name] for name in wanted}, table)
@@ -139,7 +140,7 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
         form = lines[7]
         kind, count, even = int(form[:10]), int(form[10:20]), int(form[20:30])
         start, step = float(form[30:43]), float(form[43:56])
-        is_time = int(lines[8][:10]) == TIME
+        is_time, unit = int(lines[8][:10]) == TIME, lines[9][47:67]
         binary = {"1": "<", "2": ">"}[lines[0][7:13].strip()] if lines[0][6:7].lower() == "b" else ""
         if binary and lines[0][13:19].strip() not in ("", "0", "2"):
             raise ValueError("its numbers are not IEEE 754")
@@ -155,7 +156,7 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
         found = f"abscissas from {start:g} by {step:g}"
         raise InputFileError(file, where=where, found=found, wish="want finite numbers in line 7 of its header")
     ids = tuple(line.strip() for line in lines[1:6])
-    return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, binary)
+    return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, unit, binary)
 
 
 def _values(file: Path, where: str, data: mmap.mmap, held: _Set) -> tuple[FloatArray, FloatArray | None, int]:
