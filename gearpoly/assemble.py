@@ -90,7 +90,8 @@ def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
     """The pair file at ``path`` with pitch and thickness of its inspections written out as deviations per tooth, so
     that what is found can be added to them; traces stay where they are. Raises ``InputFileError``."""
     sections: dict[str, GearSection] = {}
-    for name, gear in zip(NAMES, nominal_gears(file), strict=True):
+    for k, gear in enumerate(nominal_gears(file)):
+        name = NAMES[k]
         section: GearSection = getattr(file, name)
         if section.inspection is not None:
             sheet, _ = measured(path, section, section.inspection, gear, name)
@@ -117,9 +118,9 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     """
     sections = (file.driving, file.driven)
     gears: list[Gear] = []
-    for name, section, mate in zip(NAMES, sections, sections[::-1], strict=True):
+    for name, section, other in zip(NAMES, sections, sections[::-1], strict=True):
         with blamed(path, name):
-            gears.append(nominal_gear(section, mate))
+            gears.append(nominal_gear(section, other))
     with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
     flanks, origins, limits, made_of = [], [], [], []

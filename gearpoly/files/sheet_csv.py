@@ -18,6 +18,9 @@ GEARS = ("driving", "driven")
 SHEET_KEYS = tuple(key for key in Inspection.model_fields if key.endswith("_um") and key != "uncertainty_um")
 """Keys of an inspection that have one value per tooth: the columns of a sheet beside gear and tooth."""
 
+MOST_TEETH = 10_000
+"""Teeth of the largest gear that a pair file may state; more are refused there."""
+
 HOW = """# Inspection sheet: one row per tooth, numbered from 0 in the order in which teeth come into mesh, in um.
 # Leave a column empty that nobody measured; fill a column for all teeth of a gear or for none.
 {flanks}
@@ -48,10 +51,11 @@ def with_sheets(raw: dict[str, Any], pair_file: Path) -> dict[str, Any]:
     out = dict(raw)
     for gear in GEARS:
         section = raw.get(gear)
-        inspection = section.get("inspection") if isinstance(section, dict) else None
-        name = inspection.get("sheet_csv") if isinstance(inspection, dict) else None
-        z = section.get("teeth") if isinstance(section, dict) else None
-        if not isinstance(inspection, dict) or not isinstance(name, str) or not name or type(z) is not int:
+        if not isinstance(section, dict) or not isinstance(section.get("inspection"), dict):
+            continue
+        inspection, z = section["inspection"], section.get("teeth")
+        name = inspection.get("sheet_csv")
+        if not isinstance(name, str) or not name or type(z) is not int or not 0 < z <= MOST_TEETH:
             continue  # nothing, or what the model refuses
         file, where = pair_file.parent / name, f"{gear}.inspection.sheet_csv"
         if not is_file(file):
