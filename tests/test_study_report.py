@@ -237,6 +237,7 @@ def test_commands_from_end_to_end(tmp_path: Path) -> None:
     ran = CliRunner().invoke(app, ["study", str(study), "--out", str(out), "--workers", "1", "--csv", str(csv)])
     assert ran.exit_code == 0, ran.output
     assert "2 pairs (1 combination), 2 of them made now" in ran.output
+    assert ran.stderr.splitlines() == [f"wrote {out}: the table, in rows/", f"wrote {csv}: the table as CSV"]
     lines = csv.read_text().splitlines()
     assert lines[0] == "index,combination,draw,seed,status,reason,te_pp_um,backlash_least_um"
     assert len(lines) == 3

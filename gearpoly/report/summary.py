@@ -15,9 +15,11 @@ def print_summary(
     *,
     name: str,
     defaults: list[tuple[str, object]],
+    listed: bool,
     remarks: list[str],
 ) -> None:
-    """Print the key figures of a run with the defaults that it stands on."""
+    """Print the key figures of a run; of the ``defaults`` that it stands on their number, or all where
+    ``listed`` is wanted."""
     pair, figures = simulation.pair, simulation.summary()
     gears = " and ".join(
         f"{label} z = {mounted.gear.z}, x = {mounted.gear.x:g} ({origin})"
@@ -84,11 +86,9 @@ def print_summary(
         table.add_row(label, text)
     console.print(table)
     if defaults:
-        console.print(
-            "defaults: " + ", ".join(f"{key} = {_short(value)}" for key, value in defaults),
-            style="dim",
-            highlight=False,
-        )
+        values = ", ".join(f"{key} = {_short(value)}" for key, value in defaults)
+        words = f"defaults: {values}" if listed else f"{len(defaults)} values are defaults; --defaults lists them"
+        console.print(words, style="dim", highlight=False)
     for remark in remarks:
         console.print(f"note: {remark}", style="yellow", highlight=False)
 

@@ -44,7 +44,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
         highlight=False,
     )
     _print_causes(console, causes(store), pairs=outcome.rows)
-    console.print(f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False)
+    console.print(f"answers: gearpoly study-report {store.folder}", highlight=False)
 
 
 def _print_causes(console: Console, found: tuple[Cause, ...], *, pairs: int) -> None:
@@ -117,7 +117,7 @@ def _table(head: str, rows: list[tuple[str, Sample, str]], *, says: bool = False
     return table
 
 
-def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
+def print_answers(console: Console, answers: Answers) -> None:
     """Print why pairs have no result, percentiles of every output, yields, and the cheapest grade."""
     console.print(answers.name, style="bold", highlight=False)
     _print_causes(console, answers.causes, pairs=answers.pairs)
@@ -137,4 +137,3 @@ def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
             console.print(f"  {group.label}: {share}; {found.verdicts[k]}", highlight=False)
         for line in graded[found].says if found in graded else ():
             console.print(f"  {line}", style="green", highlight=False)
-    console.print(f"\npage: {page}", highlight=False)
