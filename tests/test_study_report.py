@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,13 @@ def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -
     )
     half = float(np.median(answers.groups[0].sample("te_pp_um").values))
     assert answer(mixed, limits=[_limit(at_most=half)]).yields[0].shares[0] == share(3, 5)
+
+
+def test_pairs_that_come_out_of_mesh_are_bad_ones(plain: Answers) -> None:
+    apart = replace(plain.groups[0], pairs=15, no_contact=3)
+    (found,) = yields((_limit(at_most=1e6),), (apart,), confidence=0.95)
+    assert found.judged == (15,)
+    assert found.shares == (share(12, 15),)
 
 
 def test_reasons_that_differ_in_numbers_alone_are_one_cause(mixed: Path) -> None:
