@@ -332,7 +332,9 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
         out += [one.says(name) for one in built[gear].exceeded]
         if any(one.limit.grade is not None for one in built[gear].exceeded):
             shown = "no grade" if needed is None else f"grade {needed}"
-            out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
+            out.append(
+                f"by pitch and slope the {name} gear as it runs fits {shown}, not its declared grade {section.grade}"
+            )
     return tuple(out)
 
 
@@ -352,4 +354,4 @@ def _of_another_pair(search: Search) -> Iterator[str]:
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
         more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
-        yield f"{named}{more}: perhaps the pair file is of another pair, or of another state of this one"
+        yield f"{named}{more}: the pair file may not state these gears as they are, or something else turns with them"

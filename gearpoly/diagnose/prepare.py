@@ -77,6 +77,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
         finest=_finest(observed),
+        stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
