@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
@@ -36,7 +37,6 @@ from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
-from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
@@ -85,7 +85,7 @@ def diagnose(
     each other; ``GeometryError`` and ``OutOfRangeError`` where the declared pair cannot run under their conditions.
     """
     watch = _Watch(step, reached)
-    file = with_gde_stated(file, path=path)
+    file = with_sheets_stated(file, path=path)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = prepare(file, comparison, path=Path(path))
     entries = foreign_entries(comparison)
