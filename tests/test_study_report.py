@@ -95,7 +95,12 @@ def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -
     assert found.judged == (5, 0, 0, 5)
     assert found.shares[0] == share(5, 5)
     assert found.shares[3] == share(0, 5)
-    assert found.verdicts == ("probably keeps it", "no pair could be drawn", "no pair could be drawn", "probably does not")
+    assert found.verdicts == (
+        "probably keeps it",
+        "no pair could be drawn",
+        "no pair could be drawn",
+        "probably does not",
+    )
     half = float(np.median(answers.groups[0].sample("te_pp_um").values))
     assert answer(mixed, limits=[_limit(at_most=half)]).yields[0].shares[0] == share(3, 5)
 
