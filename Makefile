@@ -17,9 +17,9 @@ run: $(VENV)/.core
 	@mkdir -p out
 	@printf '\n1. Simulate a real pair.\n\n'
 	$(BIN)/gearpoly simulate $(PAIR) --csv out/simulated.csv --plot out/simulated.png
-	@printf '\n2. Compare recordings with the simulation of their pair.\n\n'
-	$(BIN)/gearpoly compare $(RECORDED)/pair.toml $(RECORDED)/rec_*.csv --plot out/compared.png
-	@printf '\n3. Diagnose what the simulation left out.\n\n'
+	@printf '\n2. Compare a recording with the simulation of its pair.\n\n'
+	$(BIN)/gearpoly compare $(RECORDED)/pair.toml $(RECORDED)/rec_0.csv --plot out/compared.png
+	@printf '\n3. Diagnose what the simulation left out, from both flanks.\n\n'
 	$(BIN)/gearpoly diagnose $(RECORDED)/pair.toml $(RECORDED)/rec_*.csv --html out/diagnosis.html --json out/diagnosis.json --fitted out/fitted.toml
 	@printf '\n4. In short.\n\n'
 	@$(BIN)/python examples/first_run.py out/diagnosis.json out/diagnosis.html out/compared.png out/simulated.png

@@ -1,8 +1,8 @@
 """Every error that gearpoly raises on purpose, under one root.
 
 A message names what was found and what would do. The command line prints it and exits 2; anything
-that is not a ``GearpolyError`` is a bug and exits 1. Whatever a file or a command line holds passes through ``shown``
-before it is part of a message.
+that is not a ``GearpolyError`` is a bug and exits 1, a ``SelfCheckError`` among them. Whatever a file or a command
+line holds passes through ``shown`` before it is part of a message.
 """
 
 from __future__ import annotations
@@ -47,6 +47,16 @@ def _printable(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii")
 
 
+def shown_value(value: object) -> str:
+    """A value of a file as the file has it, short and safe to print."""
+    if isinstance(value, str):
+        return f'"{shown(value)}"'
+    try:
+        return shown(str(value).lower() if isinstance(value, bool) else str(value))
+    except (ValueError, RecursionError):  # an integer with more digits than Python prints, tables within tables
+        return "a huge value"
+
+
 class GearpolyError(Exception):
     """Root of all errors that a user can cure; its message is one line, safe to print."""
 
@@ -80,6 +90,16 @@ class NoGearPassesError(GearpolyError):
 
 class MissingExtraError(GearpolyError, ImportError):
     """An optional package is not installed; the message says which extra brings it."""
+
+
+class SelfCheckError(Exception):
+    """Two ways to the same answer disagree, so one of them is at fault: a bug that no user can cure."""
+
+    def __init__(self, found: str) -> None:
+        super().__init__(
+            f"{found}. This is a fault in gearpoly, not in your files. Please report it: send this message, the "
+            "command line, the pair file with the files that it names, and the recordings"
+        )
 
 
 class InputFileError(GearpolyError, ValueError):

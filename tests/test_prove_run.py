@@ -395,6 +395,7 @@ def test_json_to_standard_output_is_all_that_goes_there(
     told = capfd.readouterr()
     assert json.loads(told.out)["cases"] == 4
     assert "truths sealed" in told.err
+    assert f"wrote {tmp_path / 'out'}: cases and verdicts" in told.err
 
 
 PAIR = """

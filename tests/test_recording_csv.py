@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from gearpoly.errors import InputFileError
 from gearpoly.recording.csv_reader import RECORDING_LIMIT_BYTES, read_csv
 from gearpoly.recording.recording import Recording
-
-SHARED = Path(__file__).parents[2] / "shared" / "recordings"
+from tests.at_hand import SHARED, SHIPPED
 
 GOOD = """\
 # torque_nm = 25.0
@@ -309,9 +308,8 @@ def test_a_damaged_file_is_read_or_refused(data: st.DataObject) -> None:
             assert error.wish
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not here")
-def test_shared_recordings_agree_with_a_plain_reading() -> None:
-    files = sorted(SHARED.glob("*/*.csv")) + sorted(SHARED.glob("*/*/*.csv"))
+def test_recordings_agree_with_a_plain_reading() -> None:
+    files = [*SHIPPED.glob("*/*.csv"), *SHARED.glob("*/*.csv"), *SHARED.glob("*/*/*.csv")]
     assert files
     for file in files:
         recording = read_csv(file)

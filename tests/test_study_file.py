@@ -24,7 +24,7 @@ SOBOL = '[[sweep]]\nkey = "pair.centre_distance_mm"\nmethod = "sobol"\nfrom = 25
         ('[[sweep]]\nkey = "driving.grade"\nmethod = "list"\nvalues = []', ["values", "an empty sweep"]),
         ('[[sweep]]\nkey = "driving.grade"\nmethod = "list"', ["values", "an empty sweep"]),
         ('[[sweep]]\nmethod = "list"\nvalues = [5]', ["key", "neither"]),
-        ('[[sweep]]\nkey = "driving.grade"\nmethod = "lsit"\nvalues = [5]', ["sweep[0].method", "'lsit'", '"grid"']),
+        ('[[sweep]]\nkey = "driving.grade"\nmethod = "lsit"\nvalues = [5]', ["sweep[0].method", '"lsit"', '"grid"']),
         ('[[sweep]]\nkey = "driving.grade"\nmethod = "grid"\nfrom = 4\nto = 6', ["steps", "missing"]),
         ('[[sweep]]\nkey = "driving.grade"\nmethod = "grid"\nfrom = 4\nto = 6\nsteps = 4', ["whole numbers"]),
         ('[[sweep]]\nkey = "driving.grade"\nmethod = "list"\nvalues = [5, 99]', ["driving.grade = 99", "99"]),

@@ -228,6 +228,7 @@ def test_commands_from_end_to_end(tmp_path: Path) -> None:
     ran = CliRunner().invoke(app, ["study", str(study), "--out", str(out), "--workers", "1", "--csv", str(csv)])
     assert ran.exit_code == 0, ran.output
     assert "2 pairs (1 combination), 2 of them made now" in ran.output
+    assert ran.stderr.splitlines() == [f"wrote {out}: the table, in rows/", f"wrote {csv}: the table as CSV"]
     lines = csv.read_text().splitlines()
     assert lines[0] == "index,combination,draw,seed,status,reason,te_pp_um,backlash_least_um"
     assert len(lines) == 3
@@ -252,3 +253,20 @@ def test_an_unfinished_study_says_so(tmp_path: Path) -> None:
     document = json.loads(manifest.read_text()) | {"finished": False, "rows": 9}
     manifest.write_text(json.dumps(document))
     assert "3 of 9 pairs are there" in answer(tmp_path / "out").remarks[0]
+
+
+@pytest.mark.slow
+def test_a_robot_joint_of_6_arcmin_at_the_output_wants_grade_4(tmp_path: Path) -> None:
+    """What docs/studies.md says of data/studies/robot_joint.toml, from the first 20 of its 100 pairs a grade."""
+    data = Path(__file__).parents[1] / "data"
+    text = (data / "studies" / "robot_joint.toml").read_text(encoding="utf-8").replace("pairs = 100", "pairs = 20")
+    (tmp_path / "study.toml").write_text(text.replace("../pairs", str(data / "pairs")), encoding="utf-8")
+    run_study(read_study(tmp_path / "study.toml"), out=tmp_path / "out")
+    answers = answer(tmp_path / "out")
+    medians = [dict(g.sample("lost_motion_most_driven_arcmin").percentiles)[50.0] for g in answers.groups]
+    for found, stated in zip(medians, (3.88, 4.57, 5.94, 7.57, 9.95), strict=True):
+        assert found.low <= stated <= found.high
+    for group in answers.groups:  # 20 and 100 teeth: five times the angle on the input
+        on_input, on_output = (group.ran[f"lost_motion_most_{shaft}_arcmin"] for shaft in ("driving", "driven"))
+        np.testing.assert_allclose(on_input, 5.0 * on_output, rtol=1e-12)  # rounding
+    assert "grade 4" in answers.cheapest[-1].says[0]

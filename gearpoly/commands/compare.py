@@ -41,7 +41,9 @@ def compare(
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        comparison = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+        comparison = run(
+            file, [read_recording(recording, worm=file.worm) for recording in recordings], path=pair, step=step
+        )
     if json is not None:
         write_text(json, json_text(comparison))
     if plot is not None:

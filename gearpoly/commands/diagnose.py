@@ -38,7 +38,7 @@ def diagnose(
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        read = [read_recording(recording) for recording in recordings]
+        read = [read_recording(recording, worm=file.worm) for recording in recordings]
         diagnosis = run(file, read, path=pair, step=step, reached=step.reached)
     # All are made before any is written.
     made: list[tuple[Path, str, str]] = []

@@ -86,7 +86,10 @@ def simulate(
         from gearpoly.recording.read import read_recording
 
         recording = corrected(
-            read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
+            read_recording(at, worm=file.worm),
+            *assembled.encoders,
+            ratio=assembled.pair.ratio,
+            r_b2=assembled.pair.r_b2,
         )
         there = positions.recording_positions(assembled.pair, recording)
         theta_2, time = there.theta_2, there.time

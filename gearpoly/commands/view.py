@@ -57,7 +57,7 @@ def view(
 
         with steps() as step:
             step("reading")
-            comparison = compare(file, [read_recording(recording)], path=pair, step=step)
+            comparison = compare(file, [read_recording(recording, worm=file.worm)], path=pair, step=step)
         with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
             scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
     else:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator
@@ -12,7 +11,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gearpoly.errors import InputFileError, shown
+from gearpoly.errors import InputFileError, shown, shown_value
 from gearpoly.files.kinds import LIST, NUMBER
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.toml import OverLimitError, load
@@ -161,9 +160,4 @@ def _shown(value: object) -> str:
         return "a table"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)} values"
-    if isinstance(value, str):
-        return shown(json.dumps(value, ensure_ascii=False))
-    try:
-        return shown(str(value).lower() if isinstance(value, bool) else str(value))
-    except ValueError:  # a hexadecimal integer with more digits than Python prints
-        return "a huge integer"
+    return shown_value(value)

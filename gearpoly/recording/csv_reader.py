@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import tomllib
 from array import array
 from pathlib import Path
 from typing import TextIO
@@ -16,6 +15,7 @@ from typing import TextIO
 import numpy as np
 
 from gearpoly.errors import InputFileError
+from gearpoly.files.toml import load
 from gearpoly.files.traces import (
     check_file,
     check_header,
@@ -132,8 +132,8 @@ def _read_comment(file: Path, where: str, text: str, keys: dict[str, object]) ->
         raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
     check_short(file, where, key, value)
     try:
-        found = tomllib.loads(text)[key]
-    except (ValueError, RecursionError):  # TOMLDecodeError, or an integer with too many digits
+        found = load(text)[key]
+    except (ValueError, KeyError):  # TOMLDecodeError, an integer with too many digits, or a dotted key
         wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
         raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
     check_key(file, where, key, found)

@@ -8,7 +8,6 @@ unpickles nothing.
 from __future__ import annotations
 
 import importlib
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
+from gearpoly.files.models import WormSection
+from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
@@ -34,7 +35,8 @@ from gearpoly.recording.recording import (
     check_key,
     recording_from_columns,
 )
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
 RECORDING_LIMIT_BYTES = 4 * 2**30
@@ -115,8 +117,11 @@ def damage_reported(file: Path, format_name: str) -> Iterator[None]:
         raise InputFileError(file, found=found, wish="want the whole file; copy or export it again") from error
 
 
-def recording_from_table(file: Path, table: Table) -> Recording:
-    """The recording in a table, after the checks that every format needs."""
+def recording_from_table(file: Path, table: Table, *, worm: WormSection | None = None) -> Recording:
+    """The recording in a table, after the checks that every format needs; a telescope's axis is watched through its
+    ``worm``."""
+    if AXIS_ERROR in table.columns:
+        table = at_the_worm(file, table, worm)
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:
@@ -190,8 +195,8 @@ def take_key(file: Path, where: str, name: str, value: object, keys: dict[str, o
 def text_value(text: str) -> object:
     """The value of a key in a format that holds only text: TOML as in a CSV, or a bare word (``coast``)."""
     try:
-        return tomllib.loads(f"value = {text.strip()}")["value"]
-    except (ValueError, RecursionError):
+        return load(f"value = {text.strip()}")["value"]
+    except (ValueError, KeyError):
         return text.strip()
 
 

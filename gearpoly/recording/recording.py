@@ -15,14 +15,15 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, shown_value
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
 
 TE_COLUMNS = ("te_um", "te_urad", "te_arcsec")
 ANGLE_COLUMNS = ("driving_angle_deg", "driven_angle_deg")
-PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+CORRECTION_COLUMNS = ("driving_correction_deg", "driven_correction_deg")
+PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, *CORRECTION_COLUMNS, "torque_nm", "speed_rpm")
 SHAFTS = ("driving", "driven")
 RAW_CHANNELS = ("a", "b", "index", "count")
 RAW_COLUMNS = tuple(f"{shaft}_{channel}" for shaft in SHAFTS for channel in RAW_CHANNELS)
@@ -47,6 +48,9 @@ KEYS = (
 )
 """The keys that state the condition and the set-up of a recording."""
 
+LARGEST = 1e300
+"""Size from which a number is as good as infinite: a whole number of a file may have more digits than a float."""
+
 COUNT_BITS_LIMIT = 53
 """Widest counter; beyond it a count is no longer exact in double precision."""
 
@@ -60,7 +64,8 @@ class Recording:
     increasing with the encoder's own count. Transmission error, where the rig computed it:
     ``te_rad``, the angle on the driven side in rad, or ``te_mm``, the same times the driven base
     radius in mm, since only the pair file knows that radius (whether both agree is seen there).
-    ``torque_samples_nm`` in N.m and ``speed_samples_rpm`` in rpm per sample.
+    ``torque_samples_nm`` in N.m and ``speed_samples_rpm`` in rpm per sample. ``driving_correction_rad`` and
+    ``driven_correction_rad``: what that shaft may have turned beside the stated angle, in rad (guide pulses).
 
     ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
@@ -79,6 +84,8 @@ class Recording:
     driven_angle_rad: FloatArray | None = None
     te_rad: FloatArray | None = None
     te_mm: FloatArray | None = None
+    driving_correction_rad: FloatArray | None = None
+    driven_correction_rad: FloatArray | None = None
     torque_samples_nm: FloatArray | None = None
     speed_samples_rpm: FloatArray | None = None
     torque_nm: float | None = None
@@ -186,7 +193,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     """Raise ``InputFileError`` unless the known key ``key`` may have ``value``, in the units of the
     file.
     """
-    number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        number = float(value) if abs(value) < LARGEST else math.inf
     if key == "flank":
         good, want = value in ("drive", "coast"), '"drive" or "coast"'
     elif key == "reversed":
@@ -210,8 +219,7 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     else:
         good, want = 0.0 < number < math.inf, "a speed in rpm, above 0 (leave it out where it is not known)"
     if not good:
-        shown = f'"{value}"' if isinstance(value, str) else str(value)
-        raise InputFileError(file, where=where, found=f"{key} = {shown}", wish=f"want {want}")
+        raise InputFileError(file, where=where, found=f"{key} = {shown_value(value)}", wish=f"want {want}")
 
 
 def recording_from_columns(
@@ -256,6 +264,8 @@ def recording_from_columns(
         driven_angle_rad=scaled("driven_angle_deg", DEG),
         te_rad=next((scaled(name, unit) for name, unit in te_unit.items() if name in columns), None),
         te_mm=scaled("te_um", UM),
+        driving_correction_rad=scaled("driving_correction_deg", DEG),
+        driven_correction_rad=scaled("driven_correction_deg", DEG),
         torque_samples_nm=scaled("torque_nm", 1.0),
         speed_samples_rpm=scaled("speed_rpm", 1.0),
         torque_nm=stated("torque_nm"),

@@ -43,13 +43,14 @@ def print_summary(
         (
             "transmission error",
             f"TEpp {figures['te_pp_um']:.4f} um = {figures['te_pp_urad']:.3f} urad = "
-            f"{figures['te_pp_arcmin']:.4f} arcmin, "
+            f"{figures['te_pp_arcmin']:.4f} arcmin of the driven shaft, "
             f"mean {figures['te_mean_um']:.4f} um",
         ),
         (
             "backlash j_bn",
             f"mean {figures['backlash_mean_um']:.3f} um, least {figures['backlash_least_um']:.3f} um "
-            f"(mean lost motion of the driving shaft {figures['lost_motion_mean_arcmin']:.3f} arcmin)",
+            f"(mean lost motion {figures['lost_motion_mean_arcmin']:.3f} arcmin of the driving shaft, "
+            f"{figures['lost_motion_mean_arcmin'] * pair.r_b1 / pair.r_b2:.3f} of the driven)",
         ),
         (
             "contact ratio",

@@ -22,8 +22,16 @@ from gearpoly.mesh.contact import Closings
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
-from gearpoly.mesh.radial import closing_rotations_fast, spot_check
-from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, expected_closing, mean_count, touching_rows
+from gearpoly.mesh.radial import closing_rotations_fast
+from gearpoly.mesh.transmission import (
+    JAM,
+    NEAR,
+    FlankContacts,
+    certify_some,
+    expected_closing,
+    mean_count,
+    touching_rows,
+)
 from gearpoly.positions import cycle_positions
 from gearpoly.study.keys import with_values
 from gearpoly.study.making import Maker, maker
@@ -189,15 +197,7 @@ def _closings(
     poses, guesses = -sense * theta_2, sense * theta_2 / pair.ratio + expected
     found = closing_rotations_fast(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=near / pair.r_b1)
     if certify:
-        spot_check(
-            *bodies,
-            found,
-            axis_distance=pair.a,
-            poses=poses,
-            guesses=guesses,
-            near=near / pair.r_b1,
-            samples=CERTIFY_AT,
-        )
+        certify_some(pair, found, flank=flank, poses=poses, guesses=guesses, near=near / pair.r_b1, samples=CERTIFY_AT)
     return found, expected
 
 

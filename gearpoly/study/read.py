@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gearpoly.errors import GearpolyError, InputFileError, shown
+from gearpoly.errors import GearpolyError, InputFileError, shown, shown_value
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.paths import is_file
@@ -120,14 +120,7 @@ def _found(fault: ErrorDetails) -> str:
     if fault["type"] == "missing":
         return "missing"
     value = fault["input"]
-    return "a table" if isinstance(value, dict) else _text(value)
-
-
-def _text(value: object) -> str:
-    try:
-        return shown(str(value).lower() if isinstance(value, bool) else repr(value))
-    except ValueError:  # an integer with more digits than Python prints
-        return "a huge integer"
+    return "a table" if isinstance(value, dict) else shown_value(value)
 
 
 def _wish(model: type[Section], fault: ErrorDetails) -> str:

@@ -63,9 +63,7 @@ def yields(limits: tuple[Limit, ...], groups: tuple[Group, ...], *, confidence: 
 
     Together, the least of the shares is asked: pairs that keep all are never more than those that keep one.
     """
-    asked = [(limit,) for limit in limits]
-    if len(limits) > 1:
-        asked.append(limits)
+    asked = [*((limit,) for limit in limits), *([limits] if len(limits) > 1 else [])]
     return tuple(_yield(these, groups, confidence) for these in asked)
 
 
