@@ -143,7 +143,8 @@ def _hdf5(draw: Draw, file: Path, columns: Columns, keys: dict[str, object]) -> 
                 )
             else:
                 data = holder.create_dataset(name, data=values, **packed)
-            for key in draw(st.lists(st.sampled_from(ATTRIBUTES), max_size=2, unique=True)):
+            few = draw(st.sampled_from((0, 0, 0, 2)))  # most of them are refused
+            for key in draw(st.lists(st.sampled_from(ATTRIBUTES), max_size=few, unique=True)):
                 data.attrs[key] = draw(st.sampled_from((0.1, 0.0, math.nan, "deg", "s", b"\xff", [1.0, 2.0], -1, True)))
         if draw(st.integers(0, 9)) == 0:
             link = draw(
