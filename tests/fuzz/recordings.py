@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from gearpoly.recording.recording import COLUMNS, KEYS
 from tests import recording_files as files
 from tests.fuzz.mutate import NASTY
 from tests.made_readings import FORMATS
+from tests.test_guide_logs import made_log
 
 Draw = Any
 Columns = dict[str, Any]
@@ -238,3 +240,33 @@ def damaged(draw: Draw, whole: bytes) -> bytes:
         else:
             data += draw(st.sampled_from((bytes(data[:200]), b"\0" * 500, b"    -1\n")))
     return bytes(data)
+
+
+CELLS = ("nan", "inf", "-1e308", "1e999", "", "x", "0", "-5", "DROP", '"', "W", "9" * 400, "\x1b[2J")
+
+
+@st.composite
+def guide_logs(draw: Draw) -> bytes:
+    """A guide log with up to four lines wrong: a cell or a number of the header replaced, lines dropped, doubled, moved
+    or put into one, sections begun anew."""
+    lines = made_log(frames=draw(st.sampled_from((3, 90))), lost=2, dithered=(1, 4.0))[0].splitlines()
+    for _ in range(draw(st.integers(0, 4))):
+        at = draw(st.integers(0, len(lines) - 1) | st.integers(0, min(9, len(lines) - 1)))
+        change = draw(st.sampled_from(("cell", "number", "drop", "double", "move", "join", "section")))
+        if change == "cell":
+            cells = lines[at].split(",")
+            cells[draw(st.integers(0, len(cells) - 1))] = draw(st.sampled_from(CELLS))
+            lines[at] = ",".join(cells)
+        elif change == "number":
+            lines[at] = re.sub(r"-?\d+\.?\d*", lambda _: draw(st.sampled_from(CELLS)), lines[at], count=2)
+        elif change == "drop" and len(lines) > 1:
+            del lines[at]
+        elif change == "double":
+            lines[at:at] = [lines[at]] * draw(st.sampled_from((1, 100)))
+        elif change == "move":
+            lines.append(lines[at])
+        elif change == "join":
+            lines[at] = lines[at] * 60
+        else:
+            lines[at:at] = lines[: draw(st.integers(1, 9))]
+    return draw(damaged("\n".join(lines).encode()))

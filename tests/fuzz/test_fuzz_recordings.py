@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gearpoly.files.models import WormSection
 from gearpoly.recording.clean import clean
 from gearpoly.recording.read import read_recording
 from tests.fuzz.judge import FUZZ, WANTED, judged
-from tests.fuzz.recordings import R_B2, RATIO, damaged, tables, write
+from tests.fuzz.recordings import R_B2, RATIO, damaged, guide_logs, tables, write
 from tests.made_readings import EVERY
 
 SHORT = 25
@@ -34,3 +35,11 @@ def test_a_recording_is_read_and_cleaned_or_refused_in_one_line(folder: Path, na
     recording = judged(f"recordings, {name}", lambda: read_recording(file))
     if recording is not None:
         judged(f"cleaned, {name}", lambda: clean(recording, ratio=RATIO, r_b2=R_B2))
+
+
+@settings(FUZZ, max_examples=WANTED or SHORT)
+@given(log=guide_logs())
+def test_a_guide_log_is_read_or_refused_in_one_line(folder: Path, log: bytes) -> None:
+    file = folder / "guide.log"
+    file.write_bytes(log)
+    judged("recordings, PHD2", lambda: read_recording(file, worm=WormSection(wheel_teeth=180)))
