@@ -53,7 +53,7 @@ def prove(
 
     count = workers or os.cpu_count() or 1
     if on is not None:
-        place = out or Path("out") / "prove" / f"on-{on.resolve().name}"
+        place = out or Path("out") / "prove" / f"on-{os.path.basename(os.path.abspath(on))}"
         proof = prove_folder(on, out=place, workers=count, say=say)
     else:
         place = out or Path("out") / "prove" / f"seed-{seed}{'-quick' if quick else ''}"
