@@ -79,4 +79,4 @@ def export(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     written = run(assembled, to, request, title=file.name, source=str(pair), seed=seed, curves=chosen)
-    typer.echo(written.says)
+    print(written.says)

@@ -62,4 +62,4 @@ def plot(
         else:
             figure = gear_plots.mesh_figure(assembled, at * DEG, flank=side, name=file.name)
     save(figure, to)
-    typer.echo(f"{to}: {what.value}")
+    print(f"{to}: {what.value}")

@@ -18,6 +18,7 @@ NASTY = (
 )  # fmt: skip
 """Texts that act on a terminal, a spreadsheet, a format or a path, or are numbers to some."""
 
+CHANGES = ("value", "number", "number", "number", "drop", "add", "misspell", "copy", "wrap")
 BYTES = (b"\x00", b"\xff\xfe", b"\x1b[2J", b"\r", b'"', b"'''", b"=", b"[[", b"<")
 NUMBERS = (0, -1, 1, 2, 7, 11, 255, 10**9, 2**63, -(2**64), 10**400, 0.0, -0.0, 1e-320, 1e300, -1e300, 0.1, 1e400, 17.5)
 
@@ -45,9 +46,7 @@ def trees(draw: Draw, originals: list[dict[str, Any]]) -> dict[str, Any]:
         if not every:
             break
         holder, key = draw(st.sampled_from(every))
-        change = draw(
-            st.sampled_from(("value", "number", "number", "number", "drop", "add", "misspell", "copy", "wrap"))
-        )
+        change = draw(st.sampled_from(CHANGES))
         if change == "value":
             holder[key] = draw(values)
         elif change == "number" and isinstance(holder[key], int | float):
