@@ -35,7 +35,7 @@ def command() -> None:
 def main() -> None:
     """Run the command line; turn a user's errors into one message and exit code 2."""
     try:
-        from gearpoly.errors import GearpolyError
+        from gearpoly.errors import GearpolyError, SelfCheckError
 
         try:
             from gearpoly.files.environment import check_arguments, check_environment
@@ -53,6 +53,9 @@ def main() -> None:
         except MemoryError:
             _say("out of memory; want a smaller recording, fewer positions or fewer workers, or a larger machine")
             raise SystemExit(2) from None
+        except SelfCheckError as error:
+            _say(f"a check of gearpoly itself failed: {error}")
+            raise SystemExit(1) from None
     except (KeyboardInterrupt, SystemExit) as end:
         # What runs commands turns an interrupt into an exit, silently.
         cause: BaseException | None = end

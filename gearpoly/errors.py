@@ -1,8 +1,8 @@
 """Every error that gearpoly raises on purpose, under one root.
 
 A message names what was found and what would do. The command line prints it and exits 2; anything
-that is not a ``GearpolyError`` is a bug and exits 1. Whatever a file or a command line holds passes through ``shown``
-before it is part of a message.
+that is not a ``GearpolyError`` is a bug and exits 1, a ``SelfCheckError`` among them. Whatever a file or a command
+line holds passes through ``shown`` before it is part of a message.
 """
 
 from __future__ import annotations
@@ -76,6 +76,10 @@ class JammedError(GearpolyError):
     """The teeth leave no backlash at some position, so the gears cannot turn."""
 
 
+class NoContactError(GeometryError):
+    """At some position no teeth touch, so the driven gear turns freely there."""
+
+
 class NotConvergedError(GearpolyError):
     """A search ended without a certified answer; nothing uncertified leaves the kernel."""
 
@@ -86,6 +90,16 @@ class NoGearPassesError(GearpolyError):
 
 class MissingExtraError(GearpolyError, ImportError):
     """An optional package is not installed; the message says which extra brings it."""
+
+
+class SelfCheckError(Exception):
+    """Two ways to the same answer disagree, so one of them is at fault: a bug that no user can cure."""
+
+    def __init__(self, found: str) -> None:
+        super().__init__(
+            f"{found}. This is a fault in gearpoly, not in your files. Please report it: send this message, the "
+            "command line, the pair file with the files that it names, and the recordings"
+        )
 
 
 class InputFileError(GearpolyError, ValueError):

@@ -1,166 +1,103 @@
-"""Inputs without bound, and paths that lead nowhere: refused in words, with the limit where size is the reason."""
+"""Sizes that a fit cannot leave: what is larger would be something else."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
-from pathlib import Path
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
-from gearpoly.errors import InputFileError
-from gearpoly.files.gde_read import read_gde
-from gearpoly.files.output import check_target, check_targets, write_text
-from gearpoly.files.pairfile import read_pair
-from gearpoly.files.toml import DEPTH_LIMIT, KEYS_LIMIT, SIZE_LIMIT, VALUES_LIMIT, load
-from gearpoly.files.traces import LINE_LIMIT, NAME_LIMIT, nearest, read_traces
-from gearpoly.recording.csv_reader import read_csv
-from gearpoly.study.read import read_study
-from tests.fuzz.judge import bounded
-from tests.made_command import Command
-from tests.made_pairfile import SMALLEST, refusal
+from gearpoly.diagnose.gathered import gathered
+from gearpoly.diagnose.linear import within
+from gearpoly.diagnose.scan import Candidate, _allowed
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.sheets import recounted
+from gearpoly.diagnose.weigh import Weigh
+from gearpoly.files.models import PairFile
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place, Scope, on_gear
+from tests.made_diagnosis import findings
+from tests.pair_files import pair_file
+from tests.physics_cases import rough, scope_of
 
-READERS: list[Callable[[Path], object]] = [read_pair, read_study, read_gde, lambda path: read_traces(path, 18)]
-
-
-@pytest.mark.parametrize(
-    ("text", "limit"),
-    [
-        (f"{'a.' * 50_000}a = 1", DEPTH_LIMIT),
-        (f"[{'a . ' * 50_000}a]", DEPTH_LIMIT),
-        ("x = {" + "'a'.\"b\"." * 20_000 + "c = 1}", DEPTH_LIMIT),
-        ("\n".join(f"unknown_key_{k} = 1" for k in range(KEYS_LIMIT + 1)), KEYS_LIMIT),
-        ("[[a]]\n" * KEYS_LIMIT, KEYS_LIMIT),
-        ("[driving]\nspall = [" + "{}," * KEYS_LIMIT + "]", KEYS_LIMIT),
-        ("a = [" + "1," * (VALUES_LIMIT + 1) + "]", VALUES_LIMIT),
-        ("#" * (SIZE_LIMIT + 1), SIZE_LIMIT),
-    ],
-)
-def test_toml_without_bound_is_refused_before_it_is_parsed(tmp_path: Path, text: str, limit: int) -> None:
-    with bounded():
-        fault = refusal(tmp_path, text)
-    assert str(limit) in fault.found
-    assert "no more than that" in fault.wish
+Z = 12, 16
 
 
-def test_toml_at_its_bounds_is_read() -> None:
-    """The largest file that a person can need: every tooth of two gears of 10 000 with its lists."""
-    row = ", ".join(["-12.25"] * 10_000)
-    with bounded():
-        read = load(".".join("a" * DEPTH_LIMIT) + " = 1\n" + "".join(f"k{i} = [{row}]\n" for i in range(24)))
-    assert len(read["k23"]) == 10_000
+def scope(*ranges: float) -> Scope:
+    return replace(scope_of(rough(Z, points=120)), ranges=ranges)
 
 
-@pytest.mark.parametrize("keys", ["unknown_key_{k} = 1\n", "{k} = {{}}\n"])
-def test_as_many_unknown_keys_as_are_read_are_told_at_once(tmp_path: Path, keys: str) -> None:
-    with bounded():
-        fault = refusal(tmp_path, SMALLEST + "".join(keys.format(k=k) for k in range(20_000)))
-    assert fault.where in ("driven.unknown_key_0", "driven.0")
-    assert fault.found == "unknown key"
+@pytest.mark.parametrize("gear", [0, 1])
+def test_a_fit_does_not_run_a_scale_beyond_the_next_pair_of_teeth(gear: int) -> None:
+    """Both encoders' scales together take away the whole signal: v theta_2 - v (z_1/z_2) theta_1 is v times what was
+    recorded. From half a tooth in 16 on, 12/15 or 12/17 fits better than 12/16."""
+    claim = Claim(physics=catalogue()["encoder_scale"], place=Place(gear=gear), values=(0.0,))
+    assert within(claim, np.array([-1e6]), scope(1e9)) == pytest.approx((-0.5e6 / 16,))
 
 
-def test_a_list_of_wrong_values_is_told_by_its_first(tmp_path: Path) -> None:
-    with bounded():
-        fault = refusal(tmp_path, f"{SMALLEST}[driving.inspection]\npitch_um = [{'1e9, ' * 200_000}]\n")
-    assert fault.where == "driving.inspection.pitch_um[0]"
+def test_a_scale_makes_no_ramp_beyond_what_was_recorded() -> None:
+    """20 um over the recording's driving turns, at the base circle of the driven gear."""
+    known = scope(20.0)
+    claim = Claim(physics=catalogue()["encoder_scale"], place=Place(gear=1), values=(0.0,))
+    (ppm,) = within(claim, np.array([1e6]), known)
+    turned_mm = 2.0 * np.pi * known.span * (12 / 16) * known.gears[1].r_b
+    assert ppm * 1e-6 * turned_mm == pytest.approx(20e-3)
 
 
-def test_the_nearest_key_of_a_huge_one_is_found_in_its_beginning() -> None:
-    with bounded():
-        assert nearest("torque_nm" + "x" * 900_000, ["speed_rpm", "torque_nm" + "x" * (NAME_LIMIT - 9)]) is not None
+def test_a_drift_is_no_larger_than_its_recording() -> None:
+    """385 um of drift were told of a record of 292: each term keeps within the recording that it is about, and what
+    all of them make together has to, or it is no drift."""
+    drift, known = catalogue()["thermal_drift"], scope(292.0, 10.0)
+    place = Place(recordings=(0,))
+    claim = Claim(physics=drift, place=place, values=(0.0, 0.0, 0.0))
+    assert within(claim, np.array([385.0, -385.0, 3.0]), known) == (292.0, -292.0, 3.0)
+    # A ramp of Legendre's first polynomial runs from -c to c.
+    assert drift.sensible(known, place, (145.0, 0.0, 0.0))
+    assert not drift.sensible(known, place, (147.0, 0.0, 0.0))
+    assert not drift.sensible(known, replace(place, recordings=(1,)), (6.0, 0.0, 0.0))
 
 
-def test_a_line_without_end_is_no_trace(tmp_path: Path) -> None:
-    file = tmp_path / "flanks.csv"
-    for text in ("a," * 2_000_000, "tooth,flank,roll_length_mm,deviation_um\n" + "1," * 2_000_000):
-        file.write_text(text)
-        with pytest.raises(InputFileError, match=f"at most {LINE_LIMIT}"), bounded():
-            read_traces(file, 18)
+@pytest.mark.parametrize(("size", "gains"), [(0.5, True), (0.0, False), (1.0, False), (1.2, False)])
+def test_what_the_fit_wants_at_a_bound_is_no_claim(size: float, gains: bool) -> None:
+    """A coefficient of friction of nothing, or of 1 and more: something else is fitted with it."""
+    claim = Claim(physics=catalogue()["friction"], place=Place(), values=(size,))
+    without = SimpleNamespace(misfit=200.0)
+    system = SimpleNamespace(solution=np.array([size]), misfit=100.0, without=lambda places: without)
+    linear = SimpleNamespace(system=system, layout=SimpleNamespace(places=lambda k: [0]))
+    search = SimpleNamespace(linear=linear, model=SimpleNamespace(claims=[claim], scope=scope()))
+    assert (Weigh.gain_without(cast(Any, search), 0) > 0.0) == gains
 
 
-@pytest.mark.parametrize(
-    "comment",
-    [
-        "torque_nm" + ".a" * 1000 + " = 1",
-        "torque_nm = {" + "a." * 1000 + "a = 1}",
-        "torque_nm = " + "[" * 900 + "]" * 900,
-        "torque_nm = 0x" + "f" * 9000,
-        "torque_nm = " + "{a = " * 300 + "1" + "}" * 300,
-        'flank = "' + "x" * 90_000 + '"',
-    ],
-)
-def test_a_comment_key_of_any_depth_is_a_remark_or_refused(tmp_path: Path, comment: str) -> None:
-    file = tmp_path / "rec.csv"
-    rows = "".join(f"{k},{0.72 * k}\n" for k in range(50))
-    file.write_text(f"# {comment}\ndriving_angle_deg,driven_angle_deg\n{rows}")
-    with bounded():
-        try:
-            assert read_csv(file).torque_nm is None
-        except InputFileError as error:
-            assert "line 1" in error.where
+def test_the_scales_of_two_encoders_are_two_findings() -> None:
+    """Each is about all recordings, so nothing is told recording by recording."""
+    one = findings()[2]
+    scales = [
+        replace(one, claim=Claim(physics=catalogue()["encoder_scale"], place=Place(gear=gear), values=(9.0,)))
+        for gear in (0, 1)
+    ]
+    assert gathered(cast(Search, None), list(enumerate(scales)), hold=[]) == tuple(scales)
 
 
-@pytest.mark.parametrize("read", READERS)
-def test_a_pipe_or_a_device_is_no_input(tmp_path: Path, read: Callable[[Path], object]) -> None:
-    """A pipe that nobody writes to would be waited for; a device has no end."""
-    pipe = tmp_path / "pipe.toml"
-    os.mkfifo(pipe)
-    for path in (pipe, Path("/dev/zero")):
-        with pytest.raises(InputFileError, match="a pipe or a device"), bounded():
-            read(path)
+def plain(sheet: dict[str, object] | None) -> PairFile:
+    """The plainest pair file, or with the same measured of all driving teeth."""
+    file = pair_file(Z, driving={"inspection": sheet or {}})
+    return on_gear(file, 0, inspection=None) if sheet is None else file
 
 
-@pytest.mark.parametrize("read", READERS)
-def test_loops_of_links_and_endless_names_are_told(tmp_path: Path, read: Callable[[Path], object]) -> None:
-    loop = tmp_path / "loop"
-    loop.symlink_to(loop)
-    for path, says in (
-        (loop, "round in a circle"), (loop / "a.toml", "round in a circle"), (tmp_path / ("n" * 300), "shorter name"),
-        (tmp_path / "a\0b", "null"), (tmp_path / "file" / "below", "no such file"),
-    ):  # fmt: skip
-        (tmp_path / "file").write_text("")
-        with pytest.raises(InputFileError, match=says):
-            read(path)
+@pytest.mark.parametrize("sheet", [None, {"tooth_thickness_um": -40.0}], ids=["ideal", "all alike"])
+def test_no_sheet_is_counted_otherwise_where_none_lists_teeth(sheet: dict[str, object] | None) -> None:
+    """A gear with neither grade nor inspection, and two teeth off their place."""
+    physics = catalogue()["tooth_pitch"]
+    claims = [Claim(physics=physics, place=Place(gear=0, tooth=k, flank="drive"), values=(8.0,)) for k in (3, 11)]
+    as_built = SimpleNamespace(gears=[SimpleNamespace(graded=False)] * 2)
+    model = SimpleNamespace(claims=claims, declared=plain(sheet), as_built=as_built)
+    assert recounted(cast(Any, SimpleNamespace(model=model)), cast(Any, None)) is None
 
 
-def test_targets_that_lead_nowhere_are_told(tmp_path: Path) -> None:
-    loop = tmp_path / "loop"
-    loop.symlink_to(loop)
-    for path in (loop, loop / "v.json", tmp_path / f"{'n' * 300}.json", tmp_path / "a\0b.json"):
-        for check in (check_target, lambda path: check_targets([path], inputs=[]), lambda path: write_text(path, "x")):
-            with pytest.raises(InputFileError):
-                check(path)
-    with pytest.raises(InputFileError, match="round in a circle"):
-        check_targets([tmp_path / "v.json"], inputs=[loop])
-    assert sorted(tmp_path.iterdir()) == [loop]
-
-
-LOOP_COMMANDS = (
-    """
-simulate LOOP | simulate PAIR --csv LOOP | simulate PAIR --at LOOP | compare LOOP LOOP | compare PAIR LOOP | plan LOOP
-diagnose PAIR LOOP | view LOOP | plot LOOP --to x.png | plot PAIR --to LOOP | export LOOP --to x.svg
-export PAIR --apart --to LOOP | study LOOP --out o | study STUDY --out LOOP | study-report LOOP | prove --on LOOP
-prove --quick --out LOOP | prove --on CASES --json LOOP
-""".strip()
-    .replace("\n", "|")
-    .split("|")
-)
-
-
-@pytest.mark.parametrize("name", ["loop.svg", "n" * 300 + ".svg"])
-@pytest.mark.parametrize("words", LOOP_COMMANDS)
-def test_every_command_tells_a_path_that_leads_nowhere(
-    gearpoly_command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: str, name: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("pair.toml").write_text(SMALLEST)
-    Path("study.toml").write_text('pair = "pair.toml"\n')
-    if len(name) < 255:
-        Path(name).symlink_to(name)
-    before = sorted(tmp_path.iterdir())
-    places = {"LOOP": name, "PAIR": "pair.toml", "STUDY": "study.toml", "CASES": "."}
-    ran = gearpoly_command(*(places.get(word, word) for word in words.split()))
-    assert ran.code == 2, ran.err
-    assert ran.err.startswith("gearpoly: ")
-    assert ran.err.count("\n") == 1
-    assert sorted(tmp_path.iterdir()) == before
+def test_a_candidate_far_beyond_its_bounds_is_none() -> None:
+    """To first order a candidate may be half as large again as the physics can be, not more."""
+    claim = Claim(physics=catalogue()["friction"], place=Place(), values=(0.0,))
+    assert Candidate(claim=claim, gain=1.0, freedoms=1).log_chance(tests=1) < 0.0  # one sign only
+    assert [_allowed(scope(), claim, np.array([a])) for a in (-0.1, 0.0, 1.4, 1.6)] == [False, True, True, False]

@@ -17,7 +17,7 @@ def plan(
     """Say which recordings would tell the pair's look-alikes apart."""
     from gearpoly.diagnose.plan import plan as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.plan_report import json_text, print_plan
     from gearpoly.report.progress import steps
@@ -31,3 +31,4 @@ def plan(
         write_text(json, json_text(made))
     if str(json) != "-":
         print_plan(Terminal(), made)
+    say_written(json, "the plan")

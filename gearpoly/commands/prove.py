@@ -29,7 +29,7 @@ def prove(
     import sys
 
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.prove.board import board_json
     from gearpoly.prove.page import board_text
     from gearpoly.prove.run import prove_folder, prove_ground
@@ -64,3 +64,5 @@ def prove(
     if str(json) != "-":
         print_board(console, board)
     sys.stdout.flush()
+    say_written(place, "cases and verdicts")
+    say_written(json, "the scoreboard")

@@ -23,7 +23,7 @@ def study(
     import os
 
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target
+    from gearpoly.files.output import check_target, say_written
     from gearpoly.report.terminal import Terminal
     from gearpoly.study.read import read_study
     from gearpoly.study.run import run_study
@@ -37,3 +37,5 @@ def study(
     if csv is not None:
         outcome.store.to_csv(csv)
     print_outcome(Terminal(), outcome)
+    say_written(outcome.store.folder, "the table, in rows/")
+    say_written(csv, "the table as CSV")

@@ -23,7 +23,7 @@ from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
-from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
+from gearpoly.diagnose.leftovers import FOREMOST, located_on, not_excluded, slow_or_sudden, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
@@ -34,6 +34,7 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
+from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.models import PairFile
@@ -108,6 +109,8 @@ def diagnose(
     refitted = contest(search)
     if take_back(search):
         refitted = contest(search)
+    search.step("holding the names against unseen data")
+    unseen = checked(search, begun, start_linear, comparison)
     shapes = forms(search)
     search.step("asking how deep")
     leasts = [only_the_least(search, k, shapes.get(one.key, ())) for k, one in enumerate(model.claims)]
@@ -129,6 +132,8 @@ def diagnose(
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
+    if unseen is not None and unseen.refused and not left_over and not findings:
+        left_over = comparison.located.entries[:FOREMOST]
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     recount = () if counted is None else (counted.says,)
@@ -155,7 +160,14 @@ def diagnose(
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
-        remarks=(*comparison.remarks, *_untouched(findings), *recount, *_remarks(search, file, built)),
+        remarks=(
+            *comparison.remarks,
+            *_untouched(findings),
+            *recount,
+            *(() if unseen is None else unseen.says),
+            *_remarks(search, file, built),
+        ),
+        unseen=unseen,
         seconds=watch.seconds(),
     )
 

@@ -127,7 +127,8 @@ class Exchange(Weigh):
         out = []
         for k, one in enumerate(claim.physics.coordinates[a:], start=a):
             for step in (-ASIDE * one.step, ASIDE * one.step):
-                moved = min(max(claim.values[k] + step, one.low), one.high)
+                low, high = one.bounds(self.model.scope, claim.place)
+                moved = min(max(claim.values[k] + step, low), high)
                 out.append(replace(claim, values=(*claim.values[:k], moved, *claim.values[k + 1 :])))
         return out
 

@@ -261,7 +261,7 @@ class Fit:
             model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
         claims = []
         for claim, part in zip(model.claims, layout.claims, strict=True):
-            values = within(claim, np.array(claim.values) + x[part] - old[part])
+            values = within(claim, np.array(claim.values) + x[part] - old[part], model.scope)
             x[part] = old[part] + np.array(values) - np.array(claim.values)
             claims.append(replace(claim, values=values))
         model.claims = claims

@@ -303,6 +303,15 @@ class Measurement(Section):
     )
 
 
+class WormSection(Section):
+    """The worm that the driven gear turns, and the wheel on a telescope's axis: what a guide log is read with."""
+
+    wheel_teeth: int = Field(ge=10, le=10_000, description="teeth of the worm wheel, 10 or more")
+    period_s: float | None = _field(
+        "seconds per turn of the worm, above 0; default: a sidereal day over wheel_teeth", gt=0.0, le=1e6
+    )
+
+
 class PairFile(Section):
     """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
 
@@ -313,6 +322,7 @@ class PairFile(Section):
     driving: GearSection = Field(description="the driving gear, a table")
     driven: GearSection = Field(description="the driven gear, a table")
     measurement: Measurement | None = _field("what the rig did to the recordings, a table")
+    worm: WormSection | None = _field("the worm that the driven gear turns, a table; for guide logs of telescopes")
 
     @model_validator(mode="after")
     def _gears_agree(self) -> Self:

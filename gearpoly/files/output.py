@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, escaped
 from gearpoly.files.paths import is_file, is_folder, look
 from gearpoly.files.streams import write_out
 
@@ -92,3 +93,10 @@ def write_text(target: Path | str, text: str) -> None:
     with written_aside(Path(target)) as aside:
         # A path that is no UTF-8 may be part of it.
         aside.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def say_written(target: Path | str | None, what: str) -> None:
+    """Say on standard error that ``target`` was written and ``what`` is in it; nothing where it was not asked for
+    (None) or was standard output. Standard error, since standard output may hold a result."""
+    if target is not None and str(target) != "-":
+        print(f"wrote {escaped(str(target))}: {what}", file=sys.stderr, flush=True)

@@ -64,6 +64,13 @@ class Flanks:
         psi = self.psi_drive if flank == "drive" else self.psi_coast
         return self.gear.r_b * (float(np.mean(psi[:, middle])) - self.gear.psi(float(self.r[middle])))
 
+    def largest_deviation(self, flank: str) -> float:
+        """The most in mm by which a point of an involute on ``flank`` stands off ``mean_deviation``, along the
+        normal."""
+        psi = (self.psi_drive if flank == "drive" else self.psi_coast)[:, self.root.n :]
+        nominal = np.array([self.gear.psi(float(r)) for r in self.r[self.root.n :]])
+        return float(np.max(np.abs(self.gear.r_b * (psi - nominal) - self.mean_deviation(flank))))
+
     def root_leverage(self) -> float:
         """The greatest 6 h / s^2 in 1/mm over the sections of all tooth roots, h from the section to the tip, s its
         thickness.

@@ -10,6 +10,7 @@ from gearpoly.assemble import nominal_gear
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import tight_centre_distance
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.bounds import module
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -32,7 +33,15 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="centre_distance",
-    coordinates=(Quantity(name="offset_um", step=5.0),),
+    coordinates=(
+        Quantity(
+            name="offset_um",
+            unit="um",
+            most=module,
+            why="teeth of gears farther apart do not reach each other, nearer they jam",
+            step=5.0,
+        ),
+    ),
     amplitudes=1,
     ordinary=(20.0,),
     places=_places,

@@ -21,7 +21,7 @@ from gearpoly.physics.base import (
 )
 from gearpoly.physics.encoder import misread
 from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.units import URAD, FloatArray
 
 LOWEST = 2
 """Errors per turn: once is eccentricity; a disc out of round errs twice, a marred one a few times, lines hundreds of
@@ -48,6 +48,11 @@ def _places(scope: Scope) -> Iterable[Place]:
                     yield Place(gear=gear, order=order)
 
 
+def _forward(scope: Scope, place: Place) -> float:
+    """urad. The amplitude from which a reading with so many errors per turn no longer grows with its shaft."""
+    return 1.0 / ((place.order or 1) * URAD)
+
+
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     return misread(scene, place.gear, place.order or 1, values)
 
@@ -67,7 +72,15 @@ def _reason(place: Place) -> str:
 
 PHYSICS = Physics(
     name="encoder_interpolation",
-    coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
+    coordinates=tuple(
+        Quantity(
+            name=name,
+            unit="urad",
+            most=_forward,
+            why="a reading with larger errors would run backwards within each of them",
+        )
+        for name in ("cos_urad", "sin_urad")
+    ),
     amplitudes=2,
     ordinary=(20.0, 0.0),
     # A disc out of round, and lines as many as the waves of a ghost order.

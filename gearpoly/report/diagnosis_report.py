@@ -12,7 +12,7 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.compare.entries import says
-from gearpoly.diagnose.heldout import Rms, repeatable
+from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.physics.base import Reported
@@ -58,10 +58,19 @@ def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "after": repeatable(diagnosis.after.unseen, diagnosis.noise) / UM,
             },
             "held_out": diagnosis.held_out_by,
-        },
+        }
+        | _unseen_json(diagnosis.unseen),
         "not_excluded": list(diagnosis.not_excluded),
         "remarks": list(diagnosis.remarks),
     }
+
+
+def _unseen_json(found: Checked | None) -> dict[str, Any]:
+    """Mean squares of what unseen blocks leave, over that of noise; nothing where nothing was to be named."""
+    if found is None:
+        return {}
+    names = {"declared": found.declared, "as_built": found.as_built, "with_names": found.named, "std": found.std}
+    return {"unseen_mean_square": names}
 
 
 def json_text(diagnosis: Diagnosis) -> str:

@@ -121,6 +121,12 @@ class Store:
                 self._write_table(read_part(path).slice(0, rows - start), start, rows)
             path.unlink()
 
+    def clear(self) -> None:
+        """Drop every row and the manifest; the folder is as fresh as before the first run."""
+        for _, _, path in self.parts():
+            path.unlink()
+        (self.folder / MANIFEST).unlink(missing_ok=True)
+
     def column(self, name: str, *, rows: int | None = None) -> Any:
         """One column over all parts (or those within the first ``rows``) as a numpy array, missing numbers as nan."""
         return self.columns([name], rows=rows)[name]
