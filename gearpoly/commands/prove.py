@@ -74,7 +74,7 @@ def prove(
             raise GearpolyError("; ".join(wrong))
         return
     if on is not None:
-        place = out or Path("out") / "prove" / f"on-{on.resolve().name}"
+        place = out or Path("out") / "prove" / f"on-{os.path.basename(os.path.abspath(on))}"
         proof = prove_folder(on, out=place, workers=count, say=say)
     else:
         place = out or Path("out") / "prove" / f"seed-{seed}{'-quick' if quick else ''}"
