@@ -60,7 +60,7 @@ def recording_positions(pair: GearPair, recording: Recording) -> At:
         theta_2 = theta_2 + _driven_turns(pair, recording, theta_2, keep)
     else:
         assert recording.driving_angle_rad is not None  # a Recording has one of the two
-        te = recording.te_rad if recording.te_mm is None else recording.te_mm / pair.r_b2
+        te = recording.te_in_rad(pair.r_b2)
         assert te is not None  # and TE beside a single angle
         keep = np.isfinite(recording.driving_angle_rad) & np.isfinite(te)
         theta_1 = forward(

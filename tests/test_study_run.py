@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -225,6 +226,51 @@ def test_where_it_stops_does_not_hang_on_who_was_done_when(tmp_path: Path) -> No
     one = _run(path, tmp_path / "one")
     assert one.rows == _run(path, tmp_path / "two", workers=2).rows
     assert _bytes(tmp_path / "one") == _bytes(tmp_path / "two")
+
+
+APART = "limits = { E_sns_um = -60.0, E_sni_um = -90.0, W_kns_um = -10.0, W_kni_um = -20.0 }"
+"""Limits that no gear keeps; found without drawing one."""
+
+
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_study_that_can_draw_nothing_ends_with_its_cause(tmp_path: Path, workers: int) -> None:
+    pair = PAIR.replace("grade = 6\n", f"grade = 6\n{APART}\n", 1)
+    path, out = write_study(tmp_path, GRADES, pair=pair, pairs=1000), tmp_path / "out"
+    with pytest.raises(InputFileError) as caught:
+        _run(path, out, workers=workers)
+    says = str(caught.value)
+    assert says.startswith(f"{path}: pair: all of the first 32 pairs are refused; row 0 (driving.grade = 5, ")
+    assert "no gear passes: E_s from -90.00 to -60.00 um" in says
+    assert says.endswith("ranges that overlap would do")
+    # No half-written table: the folder takes the study as it is when mended.
+    assert not list((out / "rows").iterdir())
+    assert not (out / "study.json").exists()
+    mended = pair.replace("W_kns_um = -10.0, W_kni_um = -20.0", "W_kns_um = -10.0, W_kni_um = -85.0")
+    mended = mended.replace("E_sni_um = -90.0", "E_sni_um = -200.0")
+    assert _run(write_study(tmp_path, GRADES, pair=mended, pairs=1), out).rows == 3
+
+
+def test_the_cure_for_limits_too_close_for_the_grade_works(tmp_path: Path) -> None:
+    close = PAIR.replace("grade = 6\n", "grade = 9\nlimits = { E_sns_um = -60.0, E_sni_um = -70.0 }\n", 1)
+    with pytest.raises(InputFileError, match="the only pair is refused") as caught:
+        _run(write_study(tmp_path, pair=close, pairs=1), tmp_path / "out")
+    apart = re.search(r"E_s limits 2 F_pT = ([0-9.]+) um apart", str(caught.value))
+    assert apart is not None
+    cured = close.replace("-70.0", f"{-60.0 - float(apart[1])}")
+    assert (
+        _run(write_study(tmp_path, pair=cured, pairs=3), tmp_path / "out").store.column("status").tolist()
+        == ["done"] * 3
+    )
+
+
+def test_no_study_ends_before_every_combination_was_tried(tmp_path: Path) -> None:
+    """40 combinations, of which only the last can be drawn: more than the 32 rows that are enough otherwise."""
+    keys = ["driving.limits.E_sns_um", "driving.limits.E_sni_um", "driving.limits.W_kns_um", "driving.limits.W_kni_um"]
+    values = [[-60.0, -90.0, -10.0, -20.0 - 0.01 * k] for k in range(39)] + [[-60.0, -130.0, -56.0, -122.0]]
+    text = f'outputs = ["te_pp_um"]\n[[sweep]]\nkeys = {keys}\nmethod = "list"\nvalues = {values}\n'.replace("'", '"')
+    outcome = _run(write_study(tmp_path, text, pairs=2), tmp_path / "out")
+    assert outcome.rows == 80
+    assert outcome.store.column("status").tolist() == (["refused"] * 39 + ["done"]) * 2
 
 
 def test_a_run_killed_before_its_manifest_is_taken_up(tmp_path: Path) -> None:

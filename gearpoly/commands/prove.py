@@ -28,14 +28,13 @@ def prove(
     import os
     import sys
 
-    from rich.console import Console
-
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.prove.board import board_json
     from gearpoly.prove.page import board_text
     from gearpoly.prove.run import prove_folder, prove_ground
     from gearpoly.prove.show import print_board
+    from gearpoly.report.terminal import Terminal
 
     if json is not None:
         check_target(json)
@@ -47,7 +46,7 @@ def prove(
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
     stream = sys.stderr if str(json) == "-" else sys.stdout
-    console = Console(file=stream, width=None if stream.isatty() else 160, markup=False)
+    console = Terminal(file=stream, width=None if stream.isatty() else 160)
 
     def say(what: str) -> None:
         console.print(what, highlight=False, soft_wrap=True)
@@ -65,3 +64,5 @@ def prove(
     if str(json) != "-":
         print_board(console, board)
     sys.stdout.flush()
+    say_written(place, "cases and verdicts")
+    say_written(json, "the scoreboard")

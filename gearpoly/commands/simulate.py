@@ -44,18 +44,21 @@ def simulate(
         typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
     ] = False,
     seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+    every_default: Annotated[
+        bool, typer.Option("--defaults", help="List every value that the pair file left to its default.")
+    ] = False,
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
     import numpy as np
-    from rich.console import Console
 
     from gearpoly import positions
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
+    from gearpoly.report.terminal import Terminal
     from gearpoly.simulate import simulate as run
     from gearpoly.simulate import strength_remarks
     from gearpoly.units import NM, RPM
@@ -83,7 +86,10 @@ def simulate(
         from gearpoly.recording.read import read_recording
 
         recording = corrected(
-            read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
+            read_recording(at, worm=file.worm),
+            *assembled.encoders,
+            ratio=assembled.pair.ratio,
+            r_b2=assembled.pair.r_b2,
         )
         there = positions.recording_positions(assembled.pair, recording)
         theta_2, time = there.theta_2, there.time
@@ -99,7 +105,7 @@ def simulate(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
     to_stdout = any(str(target) == "-" for target in outputs)
-    console = Console(stderr=to_stdout, markup=False)
+    console = Terminal(stderr=to_stdout)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,
@@ -126,4 +132,7 @@ def simulate(
     if not to_stdout:
         from gearpoly.report.summary import print_summary
 
-        print_summary(console, simulation, name=file.name, defaults=defaults, remarks=remarks)
+        print_summary(console, simulation, name=file.name, defaults=defaults, listed=every_default, remarks=remarks)
+    say_written(csv, "TE, backlash and touching pairs over the driven angle")
+    say_written(json, "curves, contacts and key figures")
+    say_written(plot, "curves of TE, backlash and touching pairs")

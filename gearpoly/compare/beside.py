@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.angles import smoothed
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
 from gearpoly.compare.set_up import GearKnown
@@ -21,11 +22,12 @@ from gearpoly.units import FloatArray
 class Aligned:
     """One recording beside its simulation, sample by sample (n,).
 
-    ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
-    difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
-    shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in mm what a resonance adds
-    to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording, as a part of it. Arrays
-    are taken over, and sealed; what follows from others is worked out when asked for, since recordings are long.
+    ``theta_1``, ``theta_2`` in rad, as estimated, 0 at the contract's angle zero; ``recorded``, ``simulated`` and
+    ``residual`` (their difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm,
+    ``speed`` of the driving shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in
+    mm what a resonance adds to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording,
+    as a part of it. Arrays are taken over, and sealed; what follows from others is worked out when asked for, since
+    recordings are long.
     """
 
     cleaned: Cleaned
@@ -56,8 +58,8 @@ class Aligned:
 
     @property
     def theta_1(self) -> FloatArray:
-        """Driving rotation (n,) in rad."""
-        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
+        """Driving rotation (n,) in rad, as estimated: without the noise of single samples."""
+        return np.asarray((self.theta_2 - smoothed(self.recorded) / self.r_b2) / self.cleaned.ratio)
 
     @property
     def simulated(self) -> FloatArray:

@@ -11,7 +11,9 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gear, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.angles import driven_share, smoothed
 from gearpoly.compare.beside import Aligned, Beside, Comparison
+from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
@@ -82,6 +84,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
+    recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
     for one in cleaned:
@@ -161,6 +164,10 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     counted = not recording.computed
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
+    # A transmission error that the rig computed brings its noise to the shaft that was not read.
+    share = driven_share(one.theta_1, one.theta_2, ratio=cycle.ratio) if counted else float(not driven)
+    if share > 0.0:
+        theta_2 = theta_2 - share * (one.te - smoothed(one.te))
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
     if drift:
         x = one.theta_2 if one.time_s is None else one.time_s
@@ -318,6 +325,7 @@ def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment,
         if section.inspection is None and (section.grade is not None or section.limits is not None):
             out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
     for k, one in enumerate(aligned):
+        out += [f"recording {k}: {remark}" for remark in one.cleaned.recording.remarks]
         samples = one.cleaned.torque_nm
         if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
             out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import chi2 as chi2_law
 
 from gearpoly.compare.entries import Entry, Gear, named
+from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
@@ -65,7 +66,7 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     return amplitude, std, math.atan2(ab[1], ab[0]), square
 
 
-def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
+def kind_of(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
     """Kind, gear, order, label and rivals of a wave at an integer order, ``frequency`` in cycles per mesh."""
     orders = [frequency * search.z_1, frequency * search.z_2]
     whole = [abs(order - round(order)) < 1e-6 * max(order, 1.0) for order in orders]
@@ -123,7 +124,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
-            label=_train(peak, "Hz"), together=peak.faint,
+            label=_train(peak, "Hz"), together=peak.faint, aliases=aliases(peak.frequency, s.data.even.time),
         )  # fmt: skip
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
@@ -131,7 +132,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     strange = s.search.strange(np.array([peak.frequency]))[0]
     if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
-    kind, gear, order, label, rivals = _kind(search, peak.frequency)
+    kind, gear, order, label, rivals = kind_of(search, peak.frequency)
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
@@ -152,7 +153,15 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         rivals=rivals,
         gain=square,
         together=peak.faint,
+        aliases=_order_aliases(s.data.even, kind, gear, order, z_1=search.z_1),
     )
+
+
+def _order_aliases(even: Even, kind: str, gear: Gear | None, order: float, *, z_1: int) -> tuple[float, ...]:
+    """The orders that samples at even angles show alike: of the shaft of ``gear``, or of the mesh."""
+    if kind == "mesh_order":
+        return aliases(order, None if even.driving is None else even.driving / z_1)
+    return aliases(order, even.driven if gear == "driven" else even.driving)
 
 
 def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:

@@ -25,8 +25,10 @@ from gearpoly.units import UM
 def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest."""
     model, linear, layout = search.model, search.linear, search.linear.layout
+    # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
     gears = tuple(
-        GearKnown(z=known.z, uncertainty=1e-4, zero=known.zero, direction=known.direction) for known in comparison.gears
+        GearKnown(z=known.z, uncertainty=None if known.ideal else 1e-4, zero=known.zero, direction=known.direction)
+        for known in comparison.gears
     )
     # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
     # teeth as they were built: their size is whatever the teeth leave open.

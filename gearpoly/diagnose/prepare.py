@@ -72,6 +72,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
+        finest=_finest(observed),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
@@ -88,6 +89,16 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
         turns_of=only_shaft_read(recordings),
     )
+
+
+def _finest(observed: Sequence[Observed]) -> tuple[float, float]:
+    """Half the samples per turn of the driving and of the driven shaft, at least."""
+    turns = [
+        [one.samples.size / max(float(np.ptp(angle)), 1e-300) for angle in (one.samples.theta_1, one.samples.theta_2)]
+        for one in observed
+    ]
+    first, second = (math.pi * min(per_rad) for per_rad in zip(*turns, strict=True))
+    return first, second
 
 
 def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:

@@ -116,8 +116,13 @@ def _allowed(scope: Scope, claim: Claim, amplitude: FloatArray) -> bool:
 
 
 def every_place(model: Model) -> Iterator[tuple[Physics, Place]]:
-    """Every physics at every place."""
-    return ((physics, place) for physics in model.method.physics for place in physics.places(model.scope))
+    """Every physics at every place that the recordings' samples can show."""
+    return (
+        (physics, place)
+        for physics in model.method.physics
+        for place in physics.places(model.scope)
+        if model.scope.shows(place)
+    )
 
 
 def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:

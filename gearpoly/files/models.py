@@ -8,34 +8,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NoReturn, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Strict,
-    Tag,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-# Bounds catch a mistaken unit or digit; whether the gear can be cut is for the geometry to say.
-Um = Annotated[float, Field(ge=-1e4, le=1e4)]
-UmSize = Annotated[float, Field(ge=0.0, le=1e4)]
-Length = Annotated[float, Field(gt=0.0, le=1e5)]
-
-NUMBER, LIST = "@number", "@list"
-
-
-def _number_or_list(value: object) -> str:
-    return LIST if isinstance(value, list | tuple) else NUMBER
-
-
-PerTooth = Annotated[
-    Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False)], Tag(LIST)],
-    Discriminator(_number_or_list),
-]
-"""One number for all teeth, or one per tooth in the order of meshing."""
+from gearpoly.files.kinds import ONE_FAULT, Length, Name, PerTooth, Um, UmSize
 
 
 def _field(description: str, default: Any = None, **bounds: Any) -> Any:
@@ -288,9 +264,9 @@ class GearSection(Section):
     tip_relief: TipRelief | None = _field("tip relief, a table")
     eccentricity: Eccentricity | None = _field("eccentricity, a table")
     wear_um: UmSize = _field("wear in um at the tip, none at the reference circle, 0 or more", 0.0)
-    undulation: tuple[Undulation, ...] = _field("waves on the flanks, tables", (), strict=False)
-    spall: tuple[Spall, ...] = _field("spalls, tables", (), strict=False)
-    crack: tuple[Crack, ...] = _field("cracked teeth, tables", (), strict=False)
+    undulation: tuple[Undulation, ...] = _field("waves on the flanks, tables", (), strict=False, fail_fast=True)
+    spall: tuple[Spall, ...] = _field("spalls, tables", (), strict=False, fail_fast=True)
+    crack: tuple[Crack, ...] = _field("cracked teeth, tables", (), strict=False, fail_fast=True)
     encoder: Encoder | None = _field("what this shaft's encoder reads wrong, a table")
 
     @model_validator(mode="after")
@@ -320,23 +296,33 @@ class GearSection(Section):
 class Measurement(Section):
     """What the rig itself did to recordings of this pair, apart from its encoders."""
 
-    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False)], ...] = _field(
+    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], ...] = _field(
         "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
         (),
         strict=False,
     )
 
 
+class WormSection(Section):
+    """The worm that the driven gear turns, and the wheel on a telescope's axis: what a guide log is read with."""
+
+    wheel_teeth: int = Field(ge=10, le=10_000, description="teeth of the worm wheel, 10 or more")
+    period_s: float | None = _field(
+        "seconds per turn of the worm, above 0; default: a sidereal day over wheel_teeth", gt=0.0, le=1e6
+    )
+
+
 class PairFile(Section):
     """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
 
-    name: str = _field("name of the pair in quotes", "unnamed pair")
+    name: Name = _field("name of the pair in quotes", "unnamed pair")
     pair: PairSection = _field("how the gears are mounted and run, a table", PairSection())
     model: ModelSection = _field("what is taken into account, a table", ModelSection())
     material: MaterialSection = _field("material of both gears, a table", MaterialSection())
     driving: GearSection = Field(description="the driving gear, a table")
     driven: GearSection = Field(description="the driven gear, a table")
     measurement: Measurement | None = _field("what the rig did to the recordings, a table")
+    worm: WormSection | None = _field("the worm that the driven gear turns, a table; for guide logs of telescopes")
 
     @model_validator(mode="after")
     def _gears_agree(self) -> Self:

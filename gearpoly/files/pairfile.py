@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from gearpoly.errors import InputFileError
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import GearSection, PairFile, Section
+from gearpoly.files.paths import is_file
 from gearpoly.files.traces import read_text
 
 
@@ -30,7 +31,7 @@ def read_pair(path: Path | str) -> PairFile:
         raise explain(file, raw, error) from None
     for gear, section in (("driving", pair.driving), ("driven", pair.driven)):
         for key, source in (("profile_csv", profile_csv_path(file, section)), ("gde", gde_path(file, section))):
-            if source is not None and not source.is_file():
+            if source is not None and not is_file(source):
                 called = "a trace file" if key == "profile_csv" else "an inspection file"
                 found = f"no such file, {source}"
                 wish = f"want the path of {called}, relative to the pair file"

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.errors import GeometryError, JammedError
+from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
 from gearpoly.gear.gear import inv
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
@@ -38,6 +38,11 @@ hide."""
 
 FAST_CHUNK = 5000
 """Positions of a fast run between two reports of progress."""
+
+FOLLOWED = 0.15
+"""Of the base pitch. Eccentricities and deviations together that both kernels follow without question. Of 3000 random
+pairs of 6 to 80 teeth, deviations up to 1.5 mm at module 2 among them, the first about which they differ stood 0.166 of
+a base pitch off."""
 
 Progress = Callable[[int], None]
 """Called with the number of positions finished since the last call."""
@@ -92,7 +97,7 @@ def contacts(
     Every contact is certified by the polygon kernel. With ``fast`` the compiled radial gap of the same polylines
     finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies ``SAMPLES`` positions of the run.
 
-    Raises ``GeometryError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
+    Raises ``NoContactError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
     """
     sense = 1.0 if flank == "drive" else -1.0
@@ -115,12 +120,11 @@ def contacts(
             progress(found.positions)
     rows = _joined(parts)
     if fast:
-        with _POLYGONS:
-            spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
+        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
-        raise GeometryError(
+        raise NoContactError(
             f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
             "the gears do not reach each other there"
         )
@@ -145,6 +149,36 @@ def contacts(
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )
+
+
+def certify_some(
+    pair: GearPair,
+    rows: Closings,
+    *,
+    flank: Flank,
+    poses: FloatArray,
+    guesses: FloatArray,
+    near: float,
+    samples: int,
+) -> None:
+    """Certify ``samples`` positions of a fast run, as ``radial.spot_check`` does.
+
+    Raises ``SelfCheckError`` where both kernels differ, but ``GeometryError`` where the flanks stand so far off their
+    places that neither is sure to know which teeth face each other.
+    """
+    bodies = pair.driving.body(flank), pair.driven.body(flank)
+    try:
+        with _POLYGONS:
+            spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=near, samples=samples)
+    except SelfCheckError:
+        off = sum(one.eccentricity[0] + one.flanks.largest_deviation(flank) for one in (pair.driving, pair.driven))
+        if off <= FOLLOWED * pair.driving.gear.p_b:
+            raise
+        raise GeometryError(
+            f"{flank} flanks stand up to {off / UM:.0f} um off their places, more than {FOLLOWED:.0%} of the base "
+            f"pitch, so that it is not certain which teeth face each other; check the deviations and eccentricities "
+            "and their unit (um)"
+        ) from None
 
 
 def expected_closing(pair: GearPair, flank: Flank) -> float:

@@ -49,6 +49,10 @@ class Scope:
     varied: bool = False
     """Whether the torque of any recording was read along it, and varies."""
 
+    finest: tuple[float, float] = (math.inf, math.inf)
+    """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
+    alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
+
     ranges: tuple[float, ...] = ()
     """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
 
@@ -67,6 +71,10 @@ class Scope:
         known = [speed for speed in self.speeds if speed is not None]
         known += [end for ends in self.run_ups for end in ends]
         return bool(known) and max(known) - min(known) > UNEVEN * max(known)
+
+    def shows(self, place: Place) -> bool:
+        """Whether the samples can show what a place's order does."""
+        return place.order is None or place.order < self.finest[place.gear or 0]
 
     @property
     def conditions(self) -> int:

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.compare.beside import Aligned, Comparison
+from gearpoly.compare.division import Division
 from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.units import DEG, NM, RPM, UM
@@ -58,8 +59,9 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "noise_um": located.noise_level / UM,
         "noise_um_by_recording": [noise.level / UM for noise in located.noises],
         "alignment": alignment_json(comparison),
-        "where": [entry.to_json() for entry in located.entries],
+        "where": [entry.to_json() for entry in located.where],
         "residual_rms_um": located.residual_rms / UM,
+        "divides_um": division_json(located.division),
         **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
         "recordings": [
             {
@@ -75,14 +77,32 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
                 "noise_um": noise.level / UM,
                 "noise_std_um": noise.level_std / UM,
                 "noise_from": noise.basis,
+                "divides_um": division_json(located.divisions[k]),
                 "repeatable_rms_um": None if noise.repeatable is None else noise.repeatable / UM,
                 "ratio_off": one.cleaned.ratio_offset / one.cleaned.ratio if one.cleaned.ratio_is_off else None,
                 "done": [deed.says for deed in one.cleaned.done],
             }
-            for one, noise in zip(comparison.aligned, located.noises, strict=True)
+            for k, (one, noise) in enumerate(zip(comparison.aligned, located.noises, strict=True))
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def division_json(division: Division) -> dict[str, float]:
+    """Rms in um of what is listed, of what teeth may hold, and of the rest."""
+    return {
+        "physics": division.physics / UM,
+        "as_built": division.as_built / UM,
+        "noise": division.noise / UM,
+    }
+
+
+def division_words(division: Division) -> str:
+    """How the mismatch divides, in words."""
+    return (
+        f"{division.physics / UM:.3f} um rms in what is listed below, {division.as_built / UM:.3f} um in what "
+        f"inspection or grade leave open of each tooth, {division.noise / UM:.3f} um in neither"
+    )
 
 
 def json_text(comparison: Comparison) -> str:
@@ -115,10 +135,11 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         f"{located.residual_rms / UM:.3f} um rms about each mean, noise {located.noise_level / UM:.3f} um"
         + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle"),
     )
+    table.add_row("which divides", division_words(located.division))
     console.print(table)
-    if located.entries:
-        console.print("where they differ, strongest first:", style="bold", highlight=False)
-        for line in _entry_lines(located.entries):
+    if located.where:
+        console.print("where they differ, most of the mismatch first:", style="bold", highlight=False)
+        for line in _entry_lines(located.where):
             console.print(f"  {line}", highlight=False, soft_wrap=True)
     else:
         console.print(

@@ -262,6 +262,7 @@ def lowest_contact(tooth: RackTooth, mate: RackTooth) -> float:
 def _tables() -> None:
     from gearpoly.mesh.compliance import (
         ContactPair,
+        Mate,
         contact_deflection,
         law_names,
         tooth_compliance,
@@ -312,6 +313,7 @@ def _tables() -> None:
             reference_radius=tooth.r,
             bore_radius=10.0,
             teeth=z,
+            mate=Mate(teeth=43 - z, profile_shift=0.0, dedendum=1.25),
         )
         for law in law_names():
             q = tooth_compliance(
