@@ -254,8 +254,8 @@ def _bends_alone(model: Model) -> bool:
 
 
 def _numbered(comparison: Comparison, claim: Claim) -> int | None:
-    """The number of a claimed tooth, None where the numbering is open."""
-    return claim.place.tooth if comparison.alignment.numbered else None
+    """The number of a claimed tooth, None where the numbering of its gear is open."""
+    return claim.place.tooth if comparison.alignment.numbered[claim.place.gear or 0] else None
 
 
 def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
