@@ -51,8 +51,8 @@ def test_only_the_teeth_of_that_gear_are_told_by_their_numbers() -> None:
     told = alignment_json(found)
     assert not told["numbered"] and told["numbered_gears"] == ["driving"]
     teeth = {gear: [e.tooth for e in found.located.entries if e.kind == "tooth" and e.gear == gear] for gear in GEARS}
-    # The strongest first; its neighbours may be its echo.
-    assert teeth["driving"][0] == TEETH[0]
+    # Its neighbours may be its echo.
+    assert TEETH[0] in teeth["driving"] and None not in teeth["driving"]
     assert teeth["driven"] and set(teeth["driven"]) == {None}
     pitch = catalogue()["tooth_pitch"]
     for gear, number in ((0, 3), (1, None)):

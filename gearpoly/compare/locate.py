@@ -75,8 +75,8 @@ def locate(
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number. Raises
-    ``ValueError`` where a residual is too short for a noise estimate.
+    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number.
+    Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
     if recordings is None:
