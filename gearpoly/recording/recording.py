@@ -73,9 +73,9 @@ class Recording:
     to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
     while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
     ``time_s`` rises; ``flank`` is still the one that touches. ``from_time``: shafts of which no encoder was read, since
-    their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the file, half
-    of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say what a
-    reader found, assumed or left out.
+    their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
+    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say
+    what a reader found, assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
