@@ -130,7 +130,8 @@ def _place(raw: Fields) -> Place:
     order, hz = raw.number("order"), raw.number("hz")
     if kind not in KINDS:
         raise ValueError(f"{raw.where}kind is none of {', '.join(KINDS)}")
-    if (order is None) == (hz is None) or not 0.0 < (order if hz is None else hz) < math.inf:
+    given = [one for one in (order, hz) if one is not None]
+    if len(given) != 1 or not 0.0 < given[0] < math.inf:
         raise ValueError(f"{raw.where}order or hz is no number above 0, or both are there")
     if kind == "shaft_order" and gear is None:
         raise ValueError(f"no {raw.where}gear of a shaft's order")
@@ -154,10 +155,8 @@ class Span:
     def per_turn(self, place: dict[str, Any]) -> float | None:
         """Cycles per turn of the driven shaft of an entry of the verdict, or of a place; None where it is no line."""
         order, hz = place.get("order"), place.get("hz")
-        if order is None and hz is None:
-            return None
         if order is None:
-            return None if self.seconds is None else hz * self.seconds
+            return None if self.seconds is None or hz is None else float(hz * self.seconds)
         if place["kind"] == "mesh_order":
             return float(order * self.z_2)
         return float(order * (self.z_2 / self.z_1 if place.get("gear") == "driving" else 1.0))
