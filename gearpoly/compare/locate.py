@@ -29,7 +29,7 @@ from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.units import FloatArray, read_only
+from gearpoly.units import UM, FloatArray, read_only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,14 +69,14 @@ def locate(
     gears: tuple[GearKnown, GearKnown],
     recordings: int | None = None,
     floor: float = 0.0,
-    numbered: bool = True,
+    numbered: tuple[bool, bool] = (True, True),
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering. The result does not depend on any random number. Raises
-    ``ValueError`` where a residual is too short for a noise estimate.
+    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number.
+    Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
     if recordings is None:
@@ -149,7 +149,7 @@ def locate(
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
     entries.sort(key=lambda e: -e.gain)
-    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2)
+    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=[s.data.coarse / UM for s in states])
     where, divisions = divide(search, solution, entries)
 
     def recorded(entry: Entry) -> Entry:

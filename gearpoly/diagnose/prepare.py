@@ -65,6 +65,10 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
             any(r.driving_angle_rad is not None for r in recordings) or computed,
             any(r.driven_angle_rad is not None for r in recordings) or computed,
         ),
+        from_time=(
+            any("driving" in r.from_time for r in recordings),
+            any("driven" in r.from_time for r in recordings),
+        ),
         timed=all(one.samples.time is not None for one in observed),
         varied=any(one.samples.load is not None for one in observed),
         counted=all(compared),
@@ -73,6 +77,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
         finest=_finest(observed),
+        stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
