@@ -89,7 +89,9 @@ def test_without_a_standard_output_only_what_is_asked_for_there_fails(tmp_path: 
     "words",
     [
         ("export", PAIR, "--to", "r.svg"),
-        pytest.param(("simulate", PAIR, "--csv", "r.csv"), marks=pytest.mark.slow),
+        pytest.param(
+            ("simulate", PAIR, "--turns", "1", "--points-per-mesh", "8", "--csv", "r.csv"), marks=pytest.mark.slow
+        ),
         pytest.param(("view", PAIR, "--html", "r.html"), marks=pytest.mark.slow),
         pytest.param(("plot", PAIR, "--to", "r.png"), marks=pytest.mark.slow),
         pytest.param(("export", PAIR, "--to", "r.stl"), marks=pytest.mark.slow),
