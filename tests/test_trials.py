@@ -89,7 +89,9 @@ def test_without_a_standard_output_only_what_is_asked_for_there_fails(tmp_path: 
     "words",
     [
         ("export", PAIR, "--to", "r.svg"),
-        pytest.param(("simulate", PAIR, "--csv", "r.csv"), marks=pytest.mark.slow),
+        pytest.param(
+            ("simulate", PAIR, "--turns", "1", "--points-per-mesh", "8", "--csv", "r.csv"), marks=pytest.mark.slow
+        ),
         pytest.param(("view", PAIR, "--html", "r.html"), marks=pytest.mark.slow),
         pytest.param(("plot", PAIR, "--to", "r.png"), marks=pytest.mark.slow),
         pytest.param(("export", PAIR, "--to", "r.stl"), marks=pytest.mark.slow),
@@ -140,17 +142,23 @@ def table(out: Path) -> list[dict[str, Any]]:
     return [row for _, _, path in read_store(out)[0].parts() for row in pq.read_table(path).to_pylist()]
 
 
-def killed(study: Path, out: Path, *, after: float, by: signal.Signals, workers: int) -> tuple[int, str]:
-    """A study as a terminal starts it, and its whole group killed or interrupted after so many s."""
+def killed(
+    study: Path, out: Path, *, after: float, by: signal.Signals, workers: int, begun: bool = False
+) -> tuple[int, str]:
+    """A study as a terminal starts it, and its whole group killed or interrupted after so many s: since its start, or
+    since it had ``begun`` to start workers."""
     words = ["-m", "gearpoly", "study", str(study), "--out", str(out), "--workers", str(workers)]
-    begun = subprocess.Popen(
+    running = subprocess.Popen(
         [sys.executable, "-c", HEED, sys.executable, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         text=True, start_new_session=True,
     )  # fmt: skip
+    until = time.monotonic() + PATIENCE
+    while begun and not (out / MANIFEST).exists() and time.monotonic() < until:
+        time.sleep(0.02)
     time.sleep(after)
-    os.killpg(begun.pid, by)
-    said = begun.communicate(timeout=PATIENCE)[1]
-    return begun.returncode, said
+    os.killpg(running.pid, by)
+    said = running.communicate(timeout=PATIENCE)[1]
+    return running.returncode, said
 
 
 def check_killed(tmp_path: Path, *, moments: list[float], by: signal.Signals, workers: int) -> None:
@@ -183,9 +191,13 @@ def test_a_study_stopped_at_random_moments_loses_nothing(tmp_path: Path, by: sig
     check_killed(tmp_path, moments=[draw.uniform(0.1, 12.0) for _ in range(12)], by=by, workers=workers)
 
 
-def test_an_interrupt_in_the_first_seconds_of_two_workers_is_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "after", [1.0, pytest.param(0.1, marks=pytest.mark.slow), pytest.param(0.4, marks=pytest.mark.slow)]
+)
+def test_an_interrupt_in_the_first_seconds_of_two_workers_is_one_line(tmp_path: Path, after: float) -> None:
     """It reaches the workers too, which are still starting: only their parent speaks."""
-    code, said = killed(write_study(tmp_path, pairs=500), tmp_path / "out", after=3.0, by=signal.SIGINT, workers=2)
+    study, out = write_study(tmp_path, pairs=500), tmp_path / "out"
+    code, said = killed(study, out, after=after, by=signal.SIGINT, workers=2, begun=True)
     assert code == 130, said
     assert said.startswith("gearpoly: interrupted")
     assert said.count("\n") == 1
