@@ -25,7 +25,9 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         if found is None:
             continue
         gain, amplitude, std = found.steps.at(found.at)
-        if _comes_round(search, solution, k, found.at, amplitude):
+        # Beside teeth that hardly came twice a jump and they may cancel: none is larger than all that was recorded.
+        too_large = abs(amplitude) > float(np.ptp(search.states[k].data.residual))
+        if too_large or _comes_round(search, solution, k, found.at, amplitude):
             continue
         level, _ = found.colour
         moment, moment_std = found.steps.moment(search.stretch(k), level=level, about=found.at, within=search.turn(k))

@@ -322,4 +322,4 @@ def _of_another_pair(search: Search) -> Iterator[str]:
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
         more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
-        yield f"{named}{more}: the pair file may not state these gears as they are, or something else turns with them"
+        yield f"{named}{more}: perhaps the pair file does not state these gears as they are, or other things turn too"
