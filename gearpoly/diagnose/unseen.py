@@ -15,9 +15,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.diagnose.conditions import shaped_teeth, with_and_without
+from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
 from gearpoly.diagnose.fit import Kept
-from gearpoly.diagnose.heldout import Checked, held
+from gearpoly.diagnose.heldout import Checked, cross_validated, held
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import FLOOR, System
@@ -113,8 +113,9 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
 
 def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) -> Checked | None:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, and then all
-    where the declared pair or as-built teeth alone do as well; ``start`` is the fit of the state ``begun`` before any
-    claim. None where nothing is claimed."""
+    where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
+    larger with names than without; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
+    claimed."""
     model, refused = search.model, []
     if not model.claims:
         return None
@@ -132,12 +133,13 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         refused += gone
     unchecked = tuple(one for one in model.claims if not repeats(search, one))
     number = _numbers(search)
-    start = start.under(search.noises)
+    before_any, start = start, start.under(search.noises)
     declared = Blocks(_declared(search, start, comparison), number).unseen()
     as_built = Blocks(start.system, number).unseen()
     named = Blocks(_held(search), number).unseen()
     gains = [gained(one, named, number) for one in (declared, as_built)]
-    if len(unchecked) < len(model.claims) and any(gain <= SURELY * std for gain, std in gains):
+    worse = any(gain <= SURELY * std for gain, std in gains) or _larger(search, before_any)
+    if len(unchecked) < len(model.claims) and worse:
         refused += model.claims
         unchecked = ()
         search.restore(begun)
@@ -189,6 +191,15 @@ def _idle(search: Search) -> tuple[int, ...] | None:
         if gain <= SURELY * std:
             return j, k
     return None
+
+
+def _larger(search: Search, start: Linear) -> bool:
+    """Whether the plain rms of held-out samples, colour and all, is larger with the claims than with as-built teeth
+    alone: what only whitening makes better is not seen."""
+    masks = [one.fit for one in search.model.observed]
+    waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
+    without = cross_validated(start, masks, leave=waves)
+    return cross_validated(search.linear, masks, hold=held_places(search)).unseen > without.unseen
 
 
 def _held(search: Search) -> System:
@@ -247,4 +258,4 @@ def repeats(search: Search, claim: Claim) -> bool:
         angle = scene.samples.theta_1 if gear == 0 else scene.samples.theta_2
         turn = np.floor(angle / (2.0 * math.pi) - tooth / z + 0.5).astype(np.int64)
         passes += np.bincount(turn - np.min(turn), effect**2).tolist()
-    return max(passes) < ONCE * sum(passes)
+    return bool(max(passes) < ONCE * sum(passes))
