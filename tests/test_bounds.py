@@ -94,7 +94,7 @@ def test_no_sheet_is_counted_otherwise_where_none_lists_teeth(sheet: dict[str, o
     claims = [Claim(physics=physics, place=Place(gear=0, tooth=k, flank="drive"), values=(8.0,)) for k in (3, 11)]
     as_built = SimpleNamespace(gears=[SimpleNamespace(graded=False)] * 2)
     model = SimpleNamespace(claims=claims, declared=plain(sheet), as_built=as_built)
-    assert recounted(cast(Any, SimpleNamespace(model=model)), cast(Any, None)) is None
+    assert recounted(cast(Any, SimpleNamespace(model=model, over=False)), cast(Any, None)) is None
 
 
 def test_a_candidate_far_beyond_its_bounds_is_none() -> None:

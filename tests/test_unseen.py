@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearpoly.compare.entries import says
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.heldout import Checked
+from gearpoly.diagnose.leftovers import taken_back
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unseen import Blocks, _idle, gained, repeats
 from gearpoly.physics import catalogue
@@ -160,10 +162,37 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
 
 def test_a_refusal_and_an_unchecked_tooth_are_told() -> None:
     wave, tooth = claim("eccentricity", 0, 1.0, 0.0), claim("tooth_pitch", 0, 3.0)
-    one = Checked(declared=1.2, as_built=1.1, named=1.15, std=0.02, refused=(wave,), unchecked=(tooth,))
-    refused, unchecked = one.says
-    assert "unseen data fit no better" in refused and "eccentricity" in refused and "1.15 with names" in refused
+    figures = {"declared": 1.2, "as_built": 1.1, "named": 1.15, "std": 0.02, "rms": (2e-3, 3e-3)}
+    refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=(tooth,)).says
+    assert "unseen data do not surely fit better" in refused and "rms 3 um with names, 2 without" in refused
+    assert "mean square" in refused and "eccentricity" in refused and "1.15 with names" in refused
     assert "tooth pitch" in unchecked and "came once only" in unchecked
+
+
+@pytest.mark.parametrize(
+    ("one", "kind", "where"),
+    [
+        (claim("eccentricity", 1, 1.0, 0.0), "shaft_order", {"gear": "driven", "order": 1.0}),
+        (claim("wear", 0, 1.0), "mesh_phase", {"gear": None, "phase": (0.0, 1.0)}),
+        (Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=4), values=(1.0,)), "tooth",
+         {"gear": "driving", "tooth": 4, "encoder_deg": 72.0}),
+        (Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=4), values=(1.0,)), "tooth",
+         {"gear": "driven", "tooth": None, "encoder_deg": 72.0}),
+        (Claim(physics=catalogue()["thermal_drift"], place=Place(recordings=(1,)), values=(1.0, 0.0, 0.0)), "time",
+         {"hz": 0.0, "recordings": (1,)}),
+        (Claim(physics=catalogue()["friction"], place=Place(), values=(0.1,)), "mesh_phase", {"recordings": (0, 1)}),
+    ],
+)  # fmt: skip
+def test_what_is_refused_is_located(one: Claim, kind: str, where: dict[str, object]) -> None:
+    """Where it was, and no cause."""
+    known = SimpleNamespace(encoder_deg=lambda tooth: 18.0 * tooth)
+    comparison: Any = SimpleNamespace(
+        aligned=[None, None], alignment=SimpleNamespace(numbered=(True, False)), gears=(known, known)
+    )
+    entry = taken_back(comparison, one, 2e-3)
+    assert entry.kind == kind and entry.rms_um == 2.0
+    assert {name: getattr(entry, name) for name in where} == where
+    assert "2 um rms" in says(entry)
 
 
 def test_time_that_is_over_stays_over() -> None:

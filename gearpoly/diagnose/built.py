@@ -87,7 +87,7 @@ def contradicted(search: Search) -> list[str]:
                             f"from the inspection {most}, more than {FAR:.0f} times its uncertainty of {std:g} um: "
                             "inspect again"
                             if gear_section(model.declared, gear).inspection is not None
-                            else f"{most} from the ideal gear that the pair file declares: state its grade, or inspect it"
+                            else f"{most} from the ideal gear that the pair file declares: state a grade, or inspect it"
                         )
                     )
     return out

@@ -116,12 +116,13 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
     larger with names than without; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
     claimed."""
-    model, refused = search.model, []
+    model = search.model
+    refused: list[tuple[Claim, float]] = []
     if not model.claims:
         return None
     while (these := _idle(search)) is not None:
         search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
-        before, gone = search.kept(), [model.claims[k] for k in these]
+        before, gone = search.kept(), [(model.claims[k], _rms(search, model.claims[k])) for k in these]
         try:
             for k in sorted(these, reverse=True):
                 search.join([], instead=k)
@@ -138,9 +139,10 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     as_built = Blocks(start.system, number).unseen()
     named = Blocks(_held(search), number).unseen()
     gains = [gained(one, named, number) for one in (declared, as_built)]
-    worse = any(gain <= SURELY * std for gain, std in gains) or _larger(search, before_any)
+    rms = _told(search, before_any)
+    worse = any(gain <= SURELY * std for gain, std in gains) or rms[1] > rms[0]
     if len(unchecked) < len(model.claims) and worse:
-        refused += model.claims
+        refused += [(one, _rms(search, one)) for one in model.claims]
         unchecked = ()
         search.restore(begun)
     least = min(gains, key=lambda one: one[0] - SURELY * one[1])
@@ -150,6 +152,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         as_built=as_built.misfit / count,
         named=named.misfit / count,
         std=least[1] / count,
+        rms=rms,
         refused=tuple(refused),
         unchecked=unchecked,
     )
@@ -193,13 +196,20 @@ def _idle(search: Search) -> tuple[int, ...] | None:
     return None
 
 
-def _larger(search: Search, start: Linear) -> bool:
-    """Whether the plain rms of held-out samples, colour and all, is larger with the claims than with as-built teeth
-    alone: what only whitening makes better is not seen."""
+def _told(search: Search, start: Linear) -> tuple[float, float]:
+    """The plain rms in mm of held-out samples, colour and all, with as-built teeth alone and with the claims: what only
+    whitening makes better is not seen."""
     masks = [one.fit for one in search.model.observed]
     waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
     without = cross_validated(start, masks, leave=waves)
-    return cross_validated(search.linear, masks, hold=held_places(search)).unseen > without.unseen
+    return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
+
+
+def _rms(search: Search, claim: Claim) -> float:
+    """Rms in mm of what a claim does over all recordings."""
+    return float(
+        np.sqrt(np.mean(np.concatenate(search.model.change(search.scenes, claim, claim.values, but=claim)) ** 2))
+    )
 
 
 def _held(search: Search) -> System:
