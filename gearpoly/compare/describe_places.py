@@ -15,6 +15,10 @@ from gearpoly.compare.search import Search
 from gearpoly.compare.teeth import ToothFind
 from gearpoly.units import UM, FloatArray
 
+ANOTHER = 0.02
+"""Part by which torque or speed of two recordings differ where the condition is another: rigs keep them to a percent,
+and a speed of angles over times is that of its part of a wobble."""
+
 _PHASES = (np.arange(96) + 0.5) / 96.0
 
 
@@ -169,10 +173,9 @@ def _condition(search: Search, solution: Solution, base: int, k: int, tests: int
     if wave > 0.0:
         what.append(f"waves {math.sqrt(wave) / UM:.2g} um rms")
     changed = []
-    if (s.data.torque or 0.0) != (t.data.torque or 0.0):
-        changed.append("torque")
-    if (s.data.speed or 0.0) != (t.data.speed or 0.0):
-        changed.append("speed")
+    for name, there, here in (("torque", t.data.torque, s.data.torque), ("speed", t.data.speed, s.data.speed)):
+        if abs((here or 0.0) - (there or 0.0)) > ANOTHER * max(here or 0.0, there or 0.0):
+            changed.append(name)
     return Entry(
         kind="condition", rms_um=rms / UM, recordings=(k,), p_value=p, gain=square,
         label=f"{', '.join(what)} against recording {base}" + (f"; {' and '.join(changed)} changed" if changed else ""),

@@ -82,8 +82,8 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
 
 
 def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What the fit gives to teeth, zeros and compliance (n,), to all that is listed (n,), and of that to whole orders of
-    the shafts (n,), in mm."""
+    """What the fit gives to teeth, zeros and compliance (n,), to all that is listed (n,), and of that to whole orders
+    of the shafts (n,), in mm."""
     s, stack, places = search.states[k], search.stacks[k], search.places[k]
     names = {int(where[0]): name for name, where in places.items() if where.size}
     listed, fitted, others = (np.zeros(s.data.u.size) for _ in range(3))
@@ -115,7 +115,9 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
     open_[orders.whole.size :] = False
     taken = [int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known]
     mean = float(np.mean(values))
-    rest, heights, curve = values - mean, np.zeros(0), np.zeros(values.size)
+    rest: FloatArray = values - mean
+    heights: FloatArray = np.zeros(0)
+    curve: FloatArray = np.zeros(values.size)
     while True:
         if taken:
             columns = _rows(s, orders.frequency[taken].tolist())
@@ -143,8 +145,8 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
 
 
 def _as_large(entry: Entry, by: dict[int, _Wave], search: Search) -> Entry:
-    """An order that stands out of what teeth may hold, as large as the whole mismatch has it where that is another size:
-    then the fit gave one part of it to teeth and another to a wave. It is nothing where both cancel."""
+    """An order that stands out of what teeth may hold, as large as the whole mismatch has it where that differs: then
+    the fit gave one part of it to teeth and another to a wave. It is nothing where both cancel."""
     best = max(by, key=lambda k: by[k].amplitude / by[k].std)
     size, std = by[best].amplitude / UM, by[best].std / UM
     if entry.amplitude_um is None or abs(size - entry.amplitude_um) < DIFFERS * (entry.std_um or 0.0):

@@ -74,8 +74,8 @@ class Entry:
         return None
 
     def mean_square(self, z_1: int, z_2: int) -> float:
-        """What it adds to the mean square of a recording's mismatch, um^2: a tooth or a stretch of every mesh only while
-        it is in contact; a jump as if it were half way."""
+        """What it adds to the mean square of a recording's mismatch, um^2: a tooth or a stretch of every mesh only
+        while it is in contact; a jump as if it were half way."""
         size = self.rms_um if self.rms_um is not None else abs(self.amplitude_um or 0.0) / math.sqrt(2.0)
         if self.kind == "tooth":
             low, high = self.phase or (0.0, 1.0)

@@ -28,8 +28,9 @@ class Even:
     driven: float | None = None
 
 
-def even_rate(x: FloatArray) -> float | None:
-    """Samples per unit of ``x`` (n,), rising, where they come evenly, some of them perhaps left out; else ``None``."""
+def even_rate(x: FloatArray, *, rounding: float = 0.0) -> float | None:
+    """Samples per unit of ``x`` (n,), rising, where they come evenly, some of them perhaps left out, but for the
+    ``rounding`` of ``x``, rms; else ``None``."""
     step = np.diff(x)
     usual = float(np.median(step)) if step.size else 0.0
     if usual <= 0.0:
@@ -38,7 +39,7 @@ def even_rate(x: FloatArray) -> float | None:
     along = x - np.mean(x)
     rate = float(along @ number) / float(along @ along)
     stray = number - np.mean(number) - rate * along
-    return rate if math.sqrt(float(stray @ stray) / x.size) <= STRAY else None
+    return rate if math.sqrt(float(stray @ stray) / x.size) <= math.hypot(STRAY, rounding / usual) else None
 
 
 def even_in(theta_1: FloatArray, theta_2: FloatArray, time_s: FloatArray | None) -> Even:

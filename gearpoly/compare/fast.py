@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.compare.describe import label_of
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
@@ -126,7 +127,7 @@ def _entry(
         phase_deg=math.degrees(math.atan2(ab[1], ab[0])),
         recordings=(k,),
         p_value=float((SHARES.time if timed else SHARES.between) * math.exp(min(0.0, peak.log_false))),
-        label="" if timed else "no integer of either shaft",
+        label="" if timed else label_of(peak.frequency, z=(z_1, z_2), span=lines.span),
         rivals=rivals,
         aliases=aliases(peak.frequency, even.time) if timed else aliases(peak.frequency * z_1, even.driving),
         gain=(amplitude / std) ** 2,

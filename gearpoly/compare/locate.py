@@ -29,7 +29,7 @@ from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.units import FloatArray, read_only
+from gearpoly.units import UM, FloatArray, read_only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -149,7 +149,7 @@ def locate(
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
     entries.sort(key=lambda e: -e.gain)
-    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2)
+    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=[s.data.coarse / UM for s in states])
     where, divisions = divide(search, solution, entries)
 
     def recorded(entry: Entry) -> Entry:

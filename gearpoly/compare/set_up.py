@@ -41,6 +41,13 @@ class GearKnown:
         return self.uncertainty is None and self.F_pT is None
 
     @property
+    def known_by(self) -> str:
+        """Where what is known of its teeth comes from, in a word or two."""
+        if self.uncertainty is not None:
+            return "inspected"
+        return "ideal" if self.ideal else "limits only, not inspected"
+
+    @property
     def prior_std(self) -> tuple[float, float]:
         """Standard deviation in mm of a tooth's pitch (index) and slope about what was simulated.
 
@@ -70,7 +77,8 @@ class AlignedResidual:
     ``theta_2`` (k,) with what is not known exactly (zeros, compliance), (k, m) in mm per standard deviation;
     ``nuisance`` (n, m) the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over
     which each sample is a mean already (0: it is none), ``even`` how evenly those came that it is a mean of.
-    ``ends_per_mm`` pitches by which the ends of contact move when an axis moves by 1 mm.
+    ``ends_per_mm`` pitches by which the ends of contact move when an axis moves by 1 mm. ``coarse`` in mm, the largest
+    wave that the rounding of readings makes in samples that come evenly (0: rounding makes noise).
     """
 
     theta_1: FloatArray
@@ -89,6 +97,7 @@ class AlignedResidual:
     averaged: float = 0.0
     even: Even = field(default_factory=Even)
     ends_per_mm: float = 0.0
+    coarse: float = 0.0
 
     def __post_init__(self) -> None:
         sizes = {self.theta_1.size, self.theta_2.size, self.residual.size}

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
@@ -36,7 +37,6 @@ from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
-from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
@@ -79,7 +79,7 @@ def diagnose(
     each other; ``GeometryError`` and ``OutOfRangeError`` where the declared pair cannot run under their conditions.
     """
     watch, budget = Watch(step, reached), Budget(seconds=within)
-    file = with_gde_stated(file, path=path)
+    file = with_sheets_stated(file, path=path)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = prepare(file, comparison, path=Path(path))
     entries = foreign_entries(comparison)
@@ -302,7 +302,9 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
         out += [one.says(name) for one in built[gear].exceeded]
         if any(one.limit.grade is not None for one in built[gear].exceeded):
             shown = "no grade" if needed is None else f"grade {needed}"
-            out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
+            out.append(
+                f"by pitch and slope the {name} gear as it runs fits {shown}, not its declared grade {section.grade}"
+            )
     return tuple(out)
 
 
@@ -322,4 +324,4 @@ def _of_another_pair(search: Search) -> Iterator[str]:
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
         more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
-        yield f"{named}{more}: perhaps the pair file is of another pair, or of another state of this one"
+        yield f"{named}{more}: the pair file may not state these gears as they are, or something else turns with them"

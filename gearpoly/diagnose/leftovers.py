@@ -60,6 +60,7 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
                 speed=one.speed,
                 flank=one.flank,
                 sharing=template.sharing,
+                coarse=one.coarse,
                 contact=template.sharing.contact,
             )
         )

@@ -49,9 +49,16 @@ class Scope:
     varied: bool = False
     """Whether the torque of any recording was read along it, and varies."""
 
+    from_time: tuple[bool, bool] = (False, False)
+    """Whether each shaft's angle is nothing but time, so that no reading tells where on its encoder a line stands."""
+
     finest: tuple[float, float] = (math.inf, math.inf)
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
+
+    stepped: bool = False
+    """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
+    then told from an encoder's or a flank's."""
 
     ranges: tuple[float, ...] = ()
     """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
@@ -74,7 +81,10 @@ class Scope:
 
     def shows(self, place: Place) -> bool:
         """Whether the samples can show what a place's order does."""
-        return place.order is None or place.order < self.finest[place.gear or 0]
+        if place.order is None:
+            return True
+        gear = place.gear or 0
+        return place.order < self.finest[gear] and not (self.stepped and place.order > self.gears[gear].z / 2)
 
     @property
     def conditions(self) -> int:

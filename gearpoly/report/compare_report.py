@@ -78,6 +78,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
                 "noise_um": noise.level / UM,
                 "noise_std_um": noise.level_std / UM,
                 "noise_from": noise.basis,
+                "reading_step_deg": dict(zip(("driving", "driven"), map(_deg_step, one.steps), strict=True)),
+                "rounding_um": one.rounding / UM,
                 "divides_um": division_json(located.divisions[k]),
                 "repeatable_rms_um": None if noise.repeatable is None else noise.repeatable / UM,
                 "ratio_off": one.cleaned.ratio_offset / one.cleaned.ratio if one.cleaned.ratio_is_off else None,
@@ -87,6 +89,10 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def _deg_step(step: float | None) -> float | None:
+    return None if step is None else step / DEG
 
 
 def division_json(division: Division) -> dict[str, float]:
@@ -113,14 +119,11 @@ def json_text(comparison: Comparison) -> str:
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
     """Print what an engineer asks first: do they lie on each other, how much is left, how loud is the noise, where."""
-    pair, located = comparison.assembled.pair, comparison.located
+    located = comparison.located
     table = Table(title=comparison.name, title_justify="left", show_header=False, box=None, pad_edge=False)
     table.add_column(style="bold", no_wrap=True)
     table.add_column()
-    gears = " on ".join(
-        f"{z} teeth ({origin})"
-        for z, origin in zip((pair.driving.gear.z, pair.driven.gear.z), comparison.assembled.origin, strict=True)
-    )
+    gears = " on ".join(f"{gear.z} teeth ({gear.known_by})" for gear in comparison.gears)
     table.add_row("gears", gears)
     for k, one in enumerate(comparison.aligned):
         table.add_row(f"recording {k}", _recording_words(comparison, k, one))
