@@ -24,7 +24,7 @@ from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
-from gearpoly.diagnose.leftovers import FOREMOST, located_on, not_excluded, slow_or_sudden, unexplained
+from gearpoly.diagnose.leftovers import FOREMOST, located_on, not_excluded, slow_or_sudden, taken_back, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
@@ -129,6 +129,8 @@ def diagnose(
     stopped = search.over
     if (stopped or (unseen is not None and unseen.refused)) and not left_over and not findings:
         left_over = comparison.located.entries[:FOREMOST]
+    if unseen is not None and not left_over and not findings:
+        left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     recount = () if counted is None else (counted.says,)
