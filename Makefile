@@ -7,7 +7,7 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow lint bench paper proof clean
+.PHONY: run test test-slow fuzz lint bench paper proof clean
 
 # What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
 PAIR := data/pairs/ottewill_18_18.toml
@@ -31,6 +31,11 @@ test: lint
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
+
+# Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
+FUZZ ?= 10000
+fuzz: $(VENV)/.test
+	GEARPOLY_FUZZ=$(FUZZ) $(BIN)/pytest tests/fuzz
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .

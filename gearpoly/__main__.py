@@ -20,7 +20,7 @@ def command() -> None:
         import warnings
 
         logging.disable(logging.WARNING)
-        if not sys.warnoptions:
+        if not sys.flags.dev_mode:
             warnings.simplefilter("ignore")
         main()
     except SystemExit as end:

@@ -32,7 +32,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         from gearpoly import __version__
 
-        typer.echo(f"gearpoly {__version__}")
+        print(f"gearpoly {__version__}")
         raise typer.Exit
 
 

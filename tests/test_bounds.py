@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from gearpoly.diagnose.built import contradicted
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.linear import within
 from gearpoly.diagnose.scan import Candidate, _allowed
@@ -93,7 +94,7 @@ def test_no_sheet_is_counted_otherwise_where_none_lists_teeth(sheet: dict[str, o
     claims = [Claim(physics=physics, place=Place(gear=0, tooth=k, flank="drive"), values=(8.0,)) for k in (3, 11)]
     as_built = SimpleNamespace(gears=[SimpleNamespace(graded=False)] * 2)
     model = SimpleNamespace(claims=claims, declared=plain(sheet), as_built=as_built)
-    assert recounted(cast(Any, SimpleNamespace(model=model)), cast(Any, None)) is None
+    assert recounted(cast(Any, SimpleNamespace(model=model, over=False)), cast(Any, None)) is None
 
 
 def test_a_candidate_far_beyond_its_bounds_is_none() -> None:
@@ -101,3 +102,17 @@ def test_a_candidate_far_beyond_its_bounds_is_none() -> None:
     claim = Claim(physics=catalogue()["friction"], place=Place(), values=(0.0,))
     assert Candidate(claim=claim, gain=1.0, freedoms=1).log_chance(tests=1) < 0.0  # one sign only
     assert [_allowed(scope(), claim, np.array([a])) for a in (-0.1, 0.0, 1.4, 1.6)] == [False, True, True, False]
+
+
+@pytest.mark.parametrize(("sheet", "says"), [(None, "from the ideal gear"), ({}, "from the inspection")])
+def test_a_gear_that_nobody_inspected_contradicts_no_inspection(sheet: dict[str, object] | None, says: str) -> None:
+    """Driving tooth 2 stands 3 um off what is known to 0.01."""
+    prior = SimpleNamespace(graded=False, pitch=np.array([[1e-4]]), slope=0.01)
+    pitch = [3.0 * (np.arange(12) == 2), np.zeros(16)]
+    as_built = SimpleNamespace(
+        gears=[prior] * 2, flanks=("drive",), pitch=lambda built, flank, gear: pitch[gear],
+        slope=lambda built, flank, gear: np.zeros(Z[gear]),
+    )  # fmt: skip
+    model = SimpleNamespace(as_built=as_built, declared=plain(sheet), built=None)
+    (words,) = contradicted(cast(Any, SimpleNamespace(model=model)))
+    assert "driving tooth 2" in words and "3.0 um" in words and says in words

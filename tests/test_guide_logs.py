@@ -192,3 +192,15 @@ def test_real_logs_read(log: str, wheel: int, frames: int, rms: float) -> None:
     y = read.te_rad[held] / ARCSEC / wheel
     left = y - np.polyval(np.polyfit(read.time_s[held], y, 1), read.time_s[held])
     assert float(np.std(left)) == pytest.approx(rms, rel=0.02)
+
+
+def test_an_angle_that_is_time_has_no_encoder_whose_lines_could_err(tmp_path: Path) -> None:
+    """An angle written to six places at one rate is time; one that wobbles by a thousandth of a degree was read."""
+    rng = np.random.default_rng(5)
+    time = np.round(0.5 * np.arange(400) + 0.05 * rng.random(400), 3)
+    angle = time * (360.0 / PERIOD)
+    for wobble, timed in ((0.0, ("driven",)), (1e-3 * rng.standard_normal(400), ())):
+        file = tmp_path / "made.csv"
+        table = np.column_stack((time, (angle + wobble) % 360.0, rng.standard_normal(400)))
+        np.savetxt(file, table, delimiter=",", header="time_s,driven_angle_deg,te_arcsec", comments="", fmt="%.6f")
+        assert read_recording(file).from_time == timed

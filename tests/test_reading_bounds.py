@@ -194,11 +194,11 @@ def test_a_damaged_hdf5_that_its_library_does_not_survive(
 
 
 def test_limits_grow_with_the_file(tmp_path: Path) -> None:
-    sizes = (1, 10, 12, 85, 90, 4096)
+    sizes = (1, 10, 12, 113, 114, 4096)
     limits = []
     for size in sizes:
         with (tmp_path / "rec").open("wb") as stream:
             stream.truncate(size * 2**20)
         limits.append(importlib.import_module("gearpoly.recording.reader").memory_limit(tmp_path / "rec") / 2**20)
-    assert limits == [512, 512, 576, 4080, 4096, 4096]
+    assert limits == [384, 384, 432, 4068, 4096, 4096]
     assert all(one <= other for one, other in itertools.pairwise(limits))

@@ -207,7 +207,7 @@ HEADER = "time_s,driving_angle_deg,driven_angle_deg"
         ("= 25.0", "= 25,0", "line 1", "torque_nm = 25,0", "a number with a decimal point"),
         ("= 25.0", "= -25.0", "line 1", "torque_nm = -25.0", "0 or more"),
         ("= 25.0", "= nan", "line 1", "torque_nm = nan", "a torque in N.m"),
-        ("= 25.0", "= true", "line 1", "torque_nm = True", "a torque in N.m"),
+        ("= 25.0", "= true", "line 1", "torque_nm = true", "a torque in N.m"),
         ("= 25.0", '= "25"', "line 1", 'torque_nm = "25"', "a torque in N.m"),
         ("= 25.0", "=", "line 1", "torque_nm = ", "a TOML value"),
         ("= 30.0", "= 0", "line 2", "speed_rpm = 0", "above 0"),

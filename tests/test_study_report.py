@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,12 @@ from typer.testing import CliRunner
 
 from gearpoly.cli import app
 from gearpoly.errors import InputFileError, OutOfRangeError
-from gearpoly.study.answers import answer
+from gearpoly.study.answers import Answers, answer
 from gearpoly.study.models import Limit
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
 from gearpoly.study.statistics import share
+from gearpoly.study.yields import cheapest, yields
 from tests.study_files import GRADES, THICKNESS, write_study
 
 pytest.importorskip("pyarrow")
@@ -32,8 +34,13 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def test_groups_hold_the_rows_of_their_combination(table: Path) -> None:
-    answers = answer(table)
+@pytest.fixture(scope="module")
+def plain(table: Path) -> Answers:
+    return answer(table)
+
+
+def test_groups_hold_the_rows_of_their_combination(plain: Answers) -> None:
+    answers = plain
     found = answers.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um"])
     assert [group.label for group in answers.groups][:2] == [
         "grade = 5, driving.bore_mm = 6",
@@ -47,28 +54,31 @@ def test_groups_hold_the_rows_of_their_combination(table: Path) -> None:
         assert (group.pairs, group.done, group.jams, group.refused) == (12, 12, 0, 0)
 
 
-def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(table: Path) -> None:
-    plain = answer(table)
+def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(plain: Answers) -> None:
     worst = [
         max(g.sample("te_pp_um").values[-1] for g in plain.groups if g.values["driving.grade"] == n) for n in (5, 6, 7)
     ]
     limit = Limit(output="te_pp_um", at_most=0.5 * (worst[1] + worst[2]), share=0.7)
-    answers = answer(table, limits=[limit])
+    groups, design = plain.groups, plain.store.plan.design
+
+    def asked(limit: Limit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        (found,) = yields((limit,), groups, confidence=0.95)
+        grade = cheapest(found, groups, design)
+        assert grade is not None
+        return found.verdicts, grade.says
+
+    verdicts, says = asked(limit)
     # 12 of 12 leave 0.735 as the lower end: enough for a share of 0.7, not for one of 0.9.
-    assert [
-        v for v, g in zip(answers.yields[0].verdicts, answers.groups, strict=True) if g.values["driving.grade"] < 7
-    ] == ["keeps it"] * 4
-    assert len(answers.cheapest[0].says) == 2  # one for each bore
-    if answers.yields[0].verdicts[-1] != "keeps it":
-        assert "grade 6" in answers.cheapest[0].says[0]
-    strict = answer(table, limits=[limit.model_copy(update={"share": 0.9})])
-    assert "which so few pairs do not settle" in strict.cheapest[0].says[0]
-    none = answer(table, limits=[Limit(output="te_pp_um", at_most=0.01)])
-    assert none.cheapest[0].says[0].endswith("none of the grades keeps it")
+    assert [v for v, g in zip(verdicts, groups, strict=True) if g.values["driving.grade"] < 7] == ["keeps it"] * 4
+    assert len(says) == 2  # one for each bore
+    if verdicts[-1] != "keeps it":
+        assert "grade 6" in says[0]
+    assert "which so few pairs do not settle" in asked(limit.model_copy(update={"share": 0.9}))[1][0]
+    assert asked(Limit(output="te_pp_um", at_most=0.01))[1][0].endswith("none of the grades keeps it")
 
 
-def test_the_bore_drives_nothing_and_the_grade_much(table: Path) -> None:
-    indices = {one.factor: one for one in dict(answer(table).sensitivity)["te_pp_um"]}
+def test_the_bore_drives_nothing_and_the_grade_much(plain: Answers) -> None:
+    indices = {one.factor: one for one in dict(plain.sensitivity)["te_pp_um"]}
     assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)  # unloaded: no tooth bends
     assert indices["grade"].first.value > 0.1  # steps of 41 % in all deviations
     assert indices["grade"].first.value + indices["chance"].first.value <= 1.0 + 1e-9
@@ -103,6 +113,13 @@ def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -
     )
     half = float(np.median(answers.groups[0].sample("te_pp_um").values))
     assert answer(mixed, limits=[_limit(at_most=half)]).yields[0].shares[0] == share(3, 5)
+
+
+def test_pairs_that_come_out_of_mesh_are_bad_ones(plain: Answers) -> None:
+    apart = replace(plain.groups[0], pairs=15, no_contact=3)
+    (found,) = yields((_limit(at_most=1e6),), (apart,), confidence=0.95)
+    assert found.judged == (15,)
+    assert found.shares == (share(12, 15),)
 
 
 def test_reasons_that_differ_in_numbers_alone_are_one_cause(mixed: Path) -> None:
@@ -149,8 +166,8 @@ def test_sensitivity_says_on_how_much_it_rests(mixed: Path) -> None:
     assert not any(indices for _, indices in answers.sensitivity)
 
 
-def test_limits_together_are_counted_pair_by_pair(table: Path) -> None:
-    found = answer(table).store.columns(["driving.grade", "driving.bore_mm", "te_pp_um", "backlash_least_um"])
+def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -> None:
+    found = plain.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um", "backlash_least_um"])
     te, gap = (float(np.median(found[name])) for name in ("te_pp_um", "backlash_least_um"))
     limits = [
         Limit(output="te_pp_um", at_most=te, share=0.9),
@@ -173,7 +190,7 @@ def test_limits_together_are_counted_pair_by_pair(table: Path) -> None:
         for one, two, both in zip(*(y.shares for y in answers.yields), strict=True)
     )
     assert len(answers.cheapest) == 3
-    assert [len(one.limits) for one in answer(table, limits=limits[:1]).yields] == [1]
+    assert [len(one.limits) for one in yields((limits[0],), plain.groups, confidence=0.95)] == [1]
 
 
 def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:

@@ -22,6 +22,9 @@ def diagnose(
     fitted: Annotated[
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
+    within: Annotated[
+        float, typer.Option(min=1.0, metavar="SECONDS", help="Look no longer than so many seconds of work.")
+    ] = 120.0,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run
@@ -39,7 +42,7 @@ def diagnose(
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
         read = [read_recording(recording, worm=file.worm) for recording in recordings]
-        diagnosis = run(file, read, path=pair, step=step, reached=step.reached)
+        diagnosis = run(file, read, path=pair, step=step, reached=step.reached, within=within)
     # All are made before any is written.
     made: list[tuple[Path, str, str]] = []
     if fitted is not None:

@@ -35,7 +35,7 @@ def simulate(
     ] = None,
     turns: Annotated[
         float | None,
-        typer.Option(help="Turns of the driven gear; default: a whole hunting cycle.", min=0.0),
+        typer.Option(help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=0.0),
     ] = None,
     points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
@@ -52,7 +52,7 @@ def simulate(
     import numpy as np
 
     from gearpoly import positions
-    from gearpoly.assemble import assemble
+    from gearpoly.assemble import assemble, root_remarks
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
@@ -76,7 +76,7 @@ def simulate(
     remarks: list[str] = []
     time = off = None
     backward = False
-    torque, speed = file.pair.torque_nm, file.pair.speed_rpm
+    torque, speed = file.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:
@@ -121,7 +121,7 @@ def simulate(
             backward=backward,
             progress=progress,
         )
-    remarks += strength_remarks(simulation)
+    remarks += root_remarks(file) + strength_remarks(simulation)
     defaults = effective_defaults(file)
     if csv is not None:
         write_text(csv, csv_text(simulation))

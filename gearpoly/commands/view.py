@@ -67,7 +67,7 @@ def view(
                 assembled,
                 name=file.name,
                 path=pair,
-                torque=file.pair.torque_nm * NM,
+                torque=file.torque_nm * NM,
                 at_deg=at,
                 flank="coast" if flank == FlankChoice.coast else "drive",
                 seed=seed or 0,

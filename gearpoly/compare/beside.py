@@ -175,7 +175,11 @@ class Comparison(Beside):
 
     def moved(self, offset: float) -> Comparison:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
-        there = self._with(self.alignment.moved(offset, ratio=self._ratio, directions=self._directions))
+        there = self._with(
+            self.alignment.moved(
+                offset, ratio=self._ratio, directions=self._directions, z=(self.gears[0].z, self.gears[1].z)
+            )
+        )
         return replace(there, aligned=tuple(one.moved(offset) for one in self.aligned))
 
     def turned(self, by: float) -> Comparison:

@@ -83,7 +83,7 @@ def turned(recording: Recording, *, z_1: int, z_2: int) -> tuple[Recording, Cloc
         if pulses is None or angle is None or te is None or recording.size > LARGEST:
             continue
         good = np.isfinite(angle) & np.isfinite(pulses) & np.isfinite(te)
-        timed = recording.time_s is not None and _even(recording.time_s[good], angle[good])
+        timed = shaft in recording.from_time
         whole = angle[good] if timed else np.unwrap(angle[good])
         clock = found(whole, pulses[good], te[good], teeth=teeth, mate=z_1 + z_2 - teeth, timed=timed)
         there = np.full(recording.size, math.nan)
@@ -91,12 +91,6 @@ def turned(recording: Recording, *, z_1: int, z_2: int) -> tuple[Recording, Cloc
         changes: dict[str, Any] = {f"{shaft}_angle_rad": there, "remarks": (*recording.remarks, clock.says)}
         return replace(recording, **changes), clock
     return recording, None
-
-
-def _even(time: FloatArray, angle: FloatArray) -> bool:
-    """Whether an angle is nothing but time at one rate."""
-    slope = np.polyfit(time, angle, 1)
-    return bool(np.ptp(angle) > 0.0 and np.std(angle - np.polyval(slope, time)) < 1e-6 * np.ptp(angle))
 
 
 def found(angle: FloatArray, pulses: FloatArray, te: FloatArray, *, teeth: int, mate: int, timed: bool) -> Clock:

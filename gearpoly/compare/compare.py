@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gear, stated_limits
+from gearpoly.assemble import Assembled, nominal_gears, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.angles import driven_share, smoothed
 from gearpoly.compare.beside import Aligned, Beside, Comparison
@@ -91,7 +91,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     refuse_twins(cleaned)
-    torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
+    torques = [recorded_torque(one.recording, default=file.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
     stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
     # What swings in a run-up never comes again, so templates are of the mesh alone.
@@ -311,8 +311,8 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
         )
     if section.grade is None and section.limits is None:
         return GearKnown(z=section.teeth, zero=zero, direction=direction)
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
-    mine = nominal_gear(section)
+    gears = nominal_gears(file)
+    mine = gears[0 if section is file.driving else 1]
     limits = stated_limits(section, mine, a=tight_centre_distance(*gears))
     return GearKnown(
         z=section.teeth,

@@ -22,7 +22,7 @@ and a speed of angles over times is that of its part of a wobble."""
 _PHASES = (np.arange(96) + 0.5) / 96.0
 
 
-def tooth_entries(search: Search, solution: Solution, *, numbered: bool) -> list[Entry]:
+def tooth_entries(search: Search, solution: Solution, *, numbered: tuple[bool, bool]) -> list[Entry]:
     """One entry for every tooth that stands out, in whatever recordings it does."""
     groups: dict[tuple[int, int, str], list[ToothFind]] = {}
     for find in search.finds:
@@ -30,7 +30,7 @@ def tooth_entries(search: Search, solution: Solution, *, numbered: bool) -> list
     return [_tooth_entry(search, solution, finds, numbered=numbered) for finds in groups.values()]
 
 
-def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, numbered: bool) -> Entry:
+def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, numbered: tuple[bool, bool]) -> Entry:
     find = max(finds, key=lambda f: f.gain)
     gear = search.gears[find.gear - 1]
     alike = [j for j, s in enumerate(search.states) if s.data.flank == find.flank]
@@ -43,12 +43,15 @@ def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, 
     rms = float(np.sqrt(np.mean(shape[inside] ** 2))) if inside.any() else abs(find.amplitude)
     rivals: tuple[str, ...] = ()
     if find.rival is not None:
-        rivals = (f"{GEARS[find.rival[0] - 1]} tooth {find.rival[1]}, which explains nearly as much",)
+        other, number = find.rival
+        name = GEARS[other - 1]
+        what = f"{name} tooth {number}" if numbered[other - 1] else f"a tooth of the {name} gear"
+        rivals = (f"{what}, which explains nearly as much",)
     sizes = {f.recording: f.amplitude / UM for f in finds if f.recording is not None}
     return Entry(
         kind="tooth",
         gear=GEARS[find.gear - 1],
-        tooth=find.tooth if numbered else None,
+        tooth=find.tooth if numbered[find.gear - 1] else None,
         encoder_deg=gear.encoder_deg(find.tooth),
         phase=(round(find.phase[0], 4), round(find.phase[1], 4)),
         amplitude_um=find.amplitude / UM,

@@ -207,8 +207,11 @@ class LineSearch:
             if len(out) == most or here_z < 0.02 * z[places[order[0]]]:
                 break
             if best * per_mesh > least - FOOT / self.span:
-                best, higher = refined(x, white, best, span)
-                here_z *= max(higher, 1.0)
+                best, _ = refined(x, white, best, span)
+                # Summed anew: angle and time differ by units of gains of ten thousand, as a grid's interpolation errs.
+                there, _ = self.rest_at(domain, np.array([best]), noise)
+                sums = (np.sum(white[k] * np.exp((-2j * np.pi * best) * x[k])) for k in pieces(x.size))
+                here_z = float(abs(sum(sums)) ** 2) / (white.size * float(there[0]))
             # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
             std = 0.551 / span / math.sqrt(2.0 * here_z)
             peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)

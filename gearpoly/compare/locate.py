@@ -69,14 +69,14 @@ def locate(
     gears: tuple[GearKnown, GearKnown],
     recordings: int | None = None,
     floor: float = 0.0,
-    numbered: bool = True,
+    numbered: tuple[bool, bool] = (True, True),
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering. The result does not depend on any random number. Raises
-    ``ValueError`` where a residual is too short for a noise estimate.
+    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number.
+    Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
     if recordings is None:

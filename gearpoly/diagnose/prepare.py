@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear, stated_limits
+from gearpoly.assemble import nominal_gears, stated_limits
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
@@ -64,6 +64,10 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         encoders=(
             any(r.driving_angle_rad is not None for r in recordings) or computed,
             any(r.driven_angle_rad is not None for r in recordings) or computed,
+        ),
+        from_time=(
+            any("driving" in r.from_time for r in recordings),
+            any("driven" in r.from_time for r in recordings),
         ),
         timed=all(one.samples.time is not None for one in observed),
         varied=any(one.samples.load is not None for one in observed),
@@ -147,7 +151,7 @@ def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:
 
 def gear_priors(file: PairFile) -> tuple[tuple[Gear, Gear], tuple[GearPrior, GearPrior]]:
     """Both deviation-free gears, and what the file says of their teeth beforehand."""
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
+    gears = nominal_gears(file)
     return gears, (_prior(file.driving, gears, 0), _prior(file.driven, gears, 1))
 
 
@@ -161,7 +165,7 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
-    mine, mate = nominal_gear(section), gears[1 - which]
+    mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
     cosine = math.cos(mine.alpha)  # from the reference circle to the line of action

@@ -53,7 +53,7 @@ def recounted(search: Search, begun: Kept) -> Recounted | None:
     with the one that fits best, from the state ``begun`` before any claim, if that is better than all the claims."""
     for gear in (0, 1):
         mine = [one for one in search.model.claims if one.physics.name in PITCHES and one.place.gear == gear]
-        if len(mine) < SEVERAL or not _listed(search.model.declared, gear):
+        if search.over or len(mine) < SEVERAL or not _listed(search.model.declared, gear):
             continue
         end, declared, scope = search.kept(), search.model.declared, search.model.scope
         search.step("counting the teeth of the inspection otherwise")

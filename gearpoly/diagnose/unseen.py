@@ -15,9 +15,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.diagnose.conditions import shaped_teeth, with_and_without
+from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
 from gearpoly.diagnose.fit import Kept
-from gearpoly.diagnose.heldout import Checked, held
+from gearpoly.diagnose.heldout import Checked, cross_validated, held
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import FLOOR, System
@@ -113,14 +113,16 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
 
 def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) -> Checked | None:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, and then all
-    where the declared pair or as-built teeth alone do as well; ``start`` is the fit of the state ``begun`` before any
-    claim. None where nothing is claimed."""
-    model, refused = search.model, []
+    where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
+    larger with names than without; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
+    claimed."""
+    model = search.model
+    refused: list[tuple[Claim, float]] = []
     if not model.claims:
         return None
     while (these := _idle(search)) is not None:
         search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
-        before, gone = search.kept(), [model.claims[k] for k in these]
+        before, gone = search.kept(), [(model.claims[k], _rms(search, model.claims[k])) for k in these]
         try:
             for k in sorted(these, reverse=True):
                 search.join([], instead=k)
@@ -132,13 +134,15 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         refused += gone
     unchecked = tuple(one for one in model.claims if not repeats(search, one))
     number = _numbers(search)
-    start = start.under(search.noises)
+    before_any, start = start, start.under(search.noises)
     declared = Blocks(_declared(search, start, comparison), number).unseen()
     as_built = Blocks(start.system, number).unseen()
     named = Blocks(_held(search), number).unseen()
     gains = [gained(one, named, number) for one in (declared, as_built)]
-    if len(unchecked) < len(model.claims) and any(gain <= SURELY * std for gain, std in gains):
-        refused += model.claims
+    rms = _told(search, before_any)
+    worse = any(gain <= SURELY * std for gain, std in gains) or rms[1] > rms[0]
+    if len(unchecked) < len(model.claims) and worse:
+        refused += [(one, _rms(search, one)) for one in model.claims]
         unchecked = ()
         search.restore(begun)
     least = min(gains, key=lambda one: one[0] - SURELY * one[1])
@@ -148,6 +152,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         as_built=as_built.misfit / count,
         named=named.misfit / count,
         std=least[1] / count,
+        rms=rms,
         refused=tuple(refused),
         unchecked=unchecked,
     )
@@ -189,6 +194,22 @@ def _idle(search: Search) -> tuple[int, ...] | None:
         if gain <= SURELY * std:
             return j, k
     return None
+
+
+def _told(search: Search, start: Linear) -> tuple[float, float]:
+    """The plain rms in mm of held-out samples, colour and all, with as-built teeth alone and with the claims: what only
+    whitening makes better is not seen."""
+    masks = [one.fit for one in search.model.observed]
+    waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
+    without = cross_validated(start, masks, leave=waves)
+    return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
+
+
+def _rms(search: Search, claim: Claim) -> float:
+    """Rms in mm of what a claim does over all recordings."""
+    return float(
+        np.sqrt(np.mean(np.concatenate(search.model.change(search.scenes, claim, claim.values, but=claim)) ** 2))
+    )
 
 
 def _held(search: Search) -> System:
@@ -247,4 +268,4 @@ def repeats(search: Search, claim: Claim) -> bool:
         angle = scene.samples.theta_1 if gear == 0 else scene.samples.theta_2
         turn = np.floor(angle / (2.0 * math.pi) - tooth / z + 0.5).astype(np.int64)
         passes += np.bincount(turn - np.min(turn), effect**2).tolist()
-    return max(passes) < ONCE * sum(passes)
+    return bool(max(passes) < ONCE * sum(passes))

@@ -1,11 +1,12 @@
-"""Kinds of values in a file's models: bounded numbers, lists with one number per tooth, names."""
+"""What a file's models are made of: tables, bounded numbers, lists with one number per tooth, names."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any, NoReturn
 
-from pydantic import AfterValidator, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic_core import PydanticCustomError
 
 from gearpoly.errors import shown
 
@@ -26,12 +27,30 @@ ONE_FAULT = Field(fail_fast=True)
 NUMBER, LIST = "@number", "@list"
 
 
-def _number_or_list(value: object) -> str:
+def number_or_list(value: object) -> str:
     return LIST if isinstance(value, list | tuple) else NUMBER
 
 
 PerTooth = Annotated[
     Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], Tag(LIST)],
-    Discriminator(_number_or_list),
+    Discriminator(number_or_list),
 ]
 """One number for all teeth, or one per tooth in the order of meshing."""
+
+
+def field(description: str, default: Any = None, **bounds: Any) -> Any:
+    """A key with its ``description`` (meaning and unit; after "; default: " what a missing one means) and bounds."""
+    return Field(default=default, description=description, **bounds)
+
+
+def broken(key: str, found: str, wish: str) -> NoReturn:
+    """Refuse values that are fine one by one but not together; ``key`` counts from the model that
+    checks.
+    """
+    raise PydanticCustomError("rule", "{key}: {found}; {wish}", {"key": key, "found": found, "wish": wish})
+
+
+class Section(BaseModel):
+    """A table of a file: unknown keys, values of another kind and infinities are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

@@ -13,6 +13,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import GearSection, PairFile, Section
 from gearpoly.files.paths import is_file
+from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.files.traces import read_text
 
 
@@ -24,7 +25,7 @@ def read_pair(path: Path | str) -> PairFile:
     then keys that contradict one another).
     """
     file = Path(path)
-    raw = parse(file, read_text(file))
+    raw = with_sheets(parse(file, read_text(file)), file)
     try:
         pair = PairFile.model_validate(raw)
     except ValidationError as error:
@@ -77,7 +78,7 @@ _COMPUTED = {
     "centre_distance_mm": "tight mesh of the deviation-free gears",
     "speed_rpm": "quasi-static",
     "bore_mm": "half the root diameter",
-    "root_radius": "0.38, or the largest that fits",
+    "root_radius": "0.38, or the largest that fits and leaves the mate's tip free",
 }
 
 

@@ -64,6 +64,10 @@ def told_output() -> Iterator[None]:
     try:
         yield
         told.flush()
+    except SystemExit as end:
+        if not end.code:
+            told.flush()
+        raise
     except GearpolyError:
         # What was printed before the error comes first; the error that is told is the first one.
         with contextlib.suppress(GearpolyError):

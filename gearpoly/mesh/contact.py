@@ -144,7 +144,7 @@ def _missed(
 
 def _pair_keys(m: Meeting, jobs: Jobs) -> IntArray:
     """One number (jobs,) for each pose and pair of teeth."""
-    return (jobs.pose * m.turning.faces.shape[0] + jobs.turning) * m.fixed.faces.shape[0] + jobs.fixed
+    return np.asarray((jobs.pose * m.turning.faces.shape[0] + jobs.turning) * m.fixed.faces.shape[0] + jobs.fixed)
 
 
 def _first_rotation(jobs: Jobs, positions: int) -> FloatArray:

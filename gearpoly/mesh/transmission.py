@@ -16,6 +16,7 @@ import numpy as np
 
 from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
 from gearpoly.gear.gear import inv
+from gearpoly.gear.rack import STANDARD, free_round
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
@@ -260,6 +261,20 @@ def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4
     return mean_count(pair, found.theta_2, found.pairs, count_at, resolution=resolution)
 
 
+def _root_advice(pair: GearPair) -> str:
+    """Which roots stand in the way of the mate's tip, and what would leave it free."""
+    said = ""
+    for name, mounted, mate in (("driving", pair.driving, pair.driven), ("driven", pair.driven, pair.driving)):
+        rack, h_aP = mounted.gear.rack, mate.gear.rack.h_aP
+        free = free_round(alpha=rack.alpha, h_fP=rack.h_fP, h_aP=h_aP)
+        if rack.rho_fP <= free + STANDARD:
+            continue
+        cure = f"a root_radius of at most {free:.4f}" if free > 0.0 else f"a dedendum above {h_aP:g}"
+        said += f"the {name} gear's root_radius = {rack.rho_fP:g} may stand in the way of its mate's tip ({cure} "
+        said += "leaves it free); "
+    return said
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Backlash:
     """Lost motion of a pair: ``j_bn`` (N,) normal backlash in mm at each driven rotation of ``drive`` and ``coast``
@@ -294,6 +309,6 @@ def both_flanks(
             f"the gears jam: at driven angle {theta_2[worst] / DEG:.3f} deg the teeth overlap by "
             f"{-j_bn[worst] / UM:.3f} um "
             f"(drive flank: driving tooth {teeth[0]} on driven {mates[0]}; coast flank: {teeth[1]} on {mates[1]}); "
-            "thin the teeth (tooth_thickness_um, E_sns_um) or enlarge centre_distance_mm"
+            f"{_root_advice(pair)}thin the teeth (tooth_thickness_um, E_sns_um) or enlarge centre_distance_mm"
         )
     return Backlash(drive=drive, coast=coast, j_bn=j_bn)

@@ -49,6 +49,9 @@ class Scope:
     varied: bool = False
     """Whether the torque of any recording was read along it, and varies."""
 
+    from_time: tuple[bool, bool] = (False, False)
+    """Whether each shaft's angle is nothing but time, so that no reading tells where on its encoder a line stands."""
+
     finest: tuple[float, float] = (math.inf, math.inf)
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear
+from gearpoly.assemble import nominal_gears
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import tight_centre_distance
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
@@ -27,7 +27,7 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     a = file.pair.centre_distance_mm
     if a is None:
-        a = tight_centre_distance(nominal_gear(file.driving), nominal_gear(file.driven))
+        a = tight_centre_distance(*nominal_gears(file))
     return on_pair(file, centre_distance_mm=a + values[0] * UM)
 
 

@@ -40,7 +40,7 @@ not, left no line that is more than the noise's highest of so many; what laws of
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        if scope.encoders[gear]:
+        if scope.encoders[gear] and not scope.from_time[gear]:
             z = scope.gears[gear].z
             for order in range(LOWEST, HIGHEST + 1):
                 # At a low mesh order every mean tooth errs: nothing tells an encoder from it.

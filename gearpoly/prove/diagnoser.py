@@ -43,7 +43,7 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     file = read_pair(pair)
     read = [read_recording(path, worm=file.worm) for path in recordings]
     if how.one_torque:
-        torques = [recorded_torque(one, default=file.pair.torque_nm) for one in read]
+        torques = [recorded_torque(one, default=file.torque_nm) for one in read]
         read = [one for one, torque in zip(read, torques, strict=True) if torque >= 0.999 * max(torques)]
     if how.wrong:
         file = wrong(file)

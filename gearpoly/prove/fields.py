@@ -8,6 +8,9 @@ from typing import Any
 
 GEARS = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
+MOST = 10_000
+"""Entries of a list. A case conceals a handful of effects; without a bound a file of 10 MB would have a million."""
+
 
 @dataclass(frozen=True)
 class Fields:
@@ -68,8 +71,8 @@ class Fields:
     def values(self, name: str) -> list[Any]:
         """A list; empty where there is none."""
         value = self.raw.get(name, [])
-        if not isinstance(value, list):
-            raise self._wrong(name, "a list")
+        if not isinstance(value, list) or len(value) > MOST:
+            raise self._wrong(name, f"a list of at most {MOST} entries")
         return value
 
     def numbers(self, name: str) -> tuple[float, ...]:
@@ -79,7 +82,7 @@ class Fields:
     def entries(self, name: str, *, needed: bool = False) -> Iterator[Fields]:
         """A list of objects, which may be empty; where it is ``needed`` it has to be there."""
         if needed and name not in self.raw:
-            raise self._wrong(name, "a list")
+            raise self._wrong(name, f"a list of at most {MOST} entries")
         for k, one in enumerate(self.values(name)):
             yield Fields(one, f"{self.where}{name}[{k}].")
 

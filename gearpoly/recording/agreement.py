@@ -33,8 +33,9 @@ def rounding(values: FloatArray) -> FloatArray:
     size = np.abs(values)
     half = PRECISION * size
     finite = np.flatnonzero(np.isfinite(values))
-    seen = values[finite[np.unique(np.linspace(0, finite.size - 1, LOOKED_AT).astype(np.int64))]] if finite.size else []
-    some = np.asarray(seen, dtype=np.float64)
+    if not finite.size:
+        return half
+    some = values[finite[np.unique(np.linspace(0, finite.size - 1, LOOKED_AT).astype(np.int64))]]
     some = some[some != 0.0]
     if not some.size:
         return half

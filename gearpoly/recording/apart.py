@@ -13,6 +13,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import importlib
+import importlib.util
 import json
 import os
 import subprocess
@@ -145,7 +146,7 @@ def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dic
     columns = {}
     for name, size in answer.get("columns", []):
         values = np.empty(size, dtype=np.float64)
-        into, at = memoryview(values).cast("B"), 0
+        into, at = values.data.cast("B") if size else memoryview(b""), 0
         while at < len(into):
             got = process.stdout.readinto(into[at:])  # type: ignore[attr-defined]
             if not got:
@@ -187,7 +188,8 @@ def serve(orders: BinaryIO, answers: BinaryIO) -> None:
         answer, table = _answer(json.loads(line))
         answers.write(json.dumps(answer).encode("ascii") + b"\n")
         for values in table.columns.values() if table is not None else ():
-            answers.write(memoryview(np.ascontiguousarray(values)).cast("B"))
+            if values.size:
+                answers.write(np.ascontiguousarray(values).data.cast("B"))
         answers.flush()
         del table
 

@@ -170,7 +170,7 @@ def _read_slowly(file: Path, names: list[str], head_lines: int, stream: TextIO) 
         if number <= head_lines or not line.strip():
             continue
         try:
-            row = [float(cell) for cell in line.split(",")]
+            row = [float(cell) if (cell := part.strip()) else math.nan for part in line.split(",")]
         except ValueError:
             row = []
         plain = "_" not in line and line.isascii()  # float() takes 1_000 and foreign digits too

@@ -47,14 +47,14 @@ NUMBER_BYTES = 32
 parser's own. Measured with 4 10^6 numbers (benchmarks.reading): 8 (HDF5) to 29 bytes (MAT 5 with a struct).
 """
 
-SMALL_LIMIT_BYTES = 2**29
-"""The same where the file is small: 1.7 kB of HDF5 can state any size and hold nothing of it. 512 MB are 1.6 10^7
-numbers; a comparison holds ten times their 8 bytes, so that the whole stays below 1.5 GB.
+SMALL_LIMIT_BYTES = 3 * 2**27
+"""The same where the file is small: 1.7 kB of HDF5 can state any size and hold nothing of it. 384 MB are 1.2 10^7
+numbers; cleaning and comparing hold ten times their 8 bytes, so that the whole process stays below 1.5 GB.
 """
 
-UNPACKED_MOST = 48
-"""Times its size that a file may take where that is more (from 10 MB on): twelve times its size in numbers. Angles with
-noise pack to a half; what packs to less than a twelfth repeats itself.
+UNPACKED_MOST = 36
+"""Times its size that a file may take where that is more (from 11 MB on): nine times its size in numbers. Angles with
+noise pack to a half; what packs to less than a ninth repeats itself.
 """
 
 NAME_CUTOFF = 0.7

@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import InputFileError, shown_value
+from gearpoly.recording.from_time import is_from_time
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
@@ -71,9 +72,10 @@ class Recording:
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
     to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
     while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
-    ``time_s`` rises; ``flank`` is still the one that touches. ``last_places`` holds, by column of the file, half
-    of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say what a
-    reader found, assumed or left out.
+    ``time_s`` rises; ``flank`` is still the one that touches. ``from_time``: shafts of which no encoder was read, since
+    their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
+    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say
+    what a reader found, assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -96,6 +98,7 @@ class Recording:
     driving_direction: Literal[1, -1] = 1
     driven_direction: Literal[1, -1] = 1
     backward: bool = False
+    from_time: tuple[str, ...] = ()
     last_places: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
@@ -256,6 +259,12 @@ def recording_from_columns(
         return float(value) * unit if isinstance(value, int | float) else None
 
     te_unit = {"te_urad": URAD, "te_arcsec": ARCSEC}
+    time = columns.get("time_s")
+    computed = any(name in columns for name in TE_COLUMNS)
+    steady = tuple(
+        shaft for shaft, name in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
+        if computed and time is not None and name in columns and is_from_time(time, columns[name])
+    )  # fmt: skip
     units = {**te_unit, "te_um": UM, "driving_angle_deg": DEG, "driven_angle_deg": DEG}
     return Recording(
         source=file,
@@ -276,6 +285,7 @@ def recording_from_columns(
         driving_direction=-1 if stated("driving_direction") == -1.0 else 1,
         driven_direction=-1 if stated("driven_direction") == -1.0 else 1,
         backward=bool(keys.get("reversed", False)),
+        from_time=steady,
         last_places={name: half * units[name] for name, half in (places or {}).items()},
         remarks=tuple(remarks),
     )

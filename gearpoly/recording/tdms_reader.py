@@ -33,6 +33,7 @@ from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray
 
 SAME_TIME = 1e-6
 """s. Times that differ by no more are one: npTDMS gives time stamps in whole microseconds."""
@@ -133,7 +134,10 @@ def _take_times(file: Path, properties: dict[str, dict[str, Any]], table: Table)
         found = f"{lacking} has no wf_increment above 0, and others have, or begin at another time"
         raise InputFileError(file, found=found, wish="want wf_increment in s for every channel, or a channel time_s")
     rates = {float(step) for step in steps.values() if step}
-    even = {n: starts[n] + float(steps[n] or 0.0) * np.arange(v.size) for n, v in table.columns.items()}
+    even: dict[str, FloatArray] = {
+        name: starts[name] + float(steps[name] or 0.0) * np.arange(values.size, dtype=np.float64)
+        for name, values in table.columns.items()
+    }
     if not apart and len(rates) == 1:
         table.columns["time_s"] = max(even.values(), key=lambda time: time.size)
         table.remarks.append(f"time_s from the waveform properties: {1.0 / rates.pop():g} samples per second")
@@ -150,8 +154,9 @@ def _begins(file: Path, properties: dict[str, dict[str, Any]]) -> dict[str, floa
         if not isinstance(stamp, np.datetime64) or np.isnat(stamp):
             found = f"wf_start_time {'missing' if stamp is None else shorten(str(stamp))}, which others have"
             raise InputFileError(file, where=f"channel {name}", found=found, wish="want a time stamp for every channel")
-    first = min(stamps.values())
-    return {name: float((stamp - first) / np.timedelta64(1, "us")) * 1e-6 for name, stamp in stamps.items()}
+    microseconds = {name: int(np.datetime64(stamp, "us").astype(np.int64)) for name, stamp in stamps.items()}
+    first = min(microseconds.values())
+    return {name: 1e-6 * (stamp - first) for name, stamp in microseconds.items()}
 
 
 def _seconds(file: Path, name: str, properties: dict[str, Any], key: str) -> float | None:

@@ -238,7 +238,7 @@ def _add_time(file: Path, held: dict[str, tuple[FloatArray, FloatArray | None, _
         return
     times = [axis for name, axis in stated.items() if held[name][2].is_time]
     first = next(iter(stated.values()))
-    if all(np.array_equal(*(x[: min(axis.size, first.size)] for x in (axis, first))) for axis in stated.values()):
+    if all(np.array_equal(axis[: first.size], first[: axis.size]) for axis in stated.values()):
         if times:
             one = next(one for _, _, one in held.values() if one.is_time)
             digits = "" if one.binary and not one.even else ", which the format keeps to 6 digits"

@@ -115,7 +115,7 @@ def begin_worker() -> None:
     """A worker leaves interrupts to its parent, and ends when its parent does, however that was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # What a library warns of in a worker is no more for the user than what it warns of in the parent.
-    if not sys.warnoptions:
+    if not sys.flags.dev_mode:
         warnings.simplefilter("ignore")
     parent = parent_process()
     if parent is not None:

@@ -127,7 +127,9 @@ class StudyFile(Section):
     )
     flank: Literal["drive", "coast"] = _field('flank that carries, "drive" or "coast"', "drive")
     positions_per_mesh: int = _field("positions per pitch, 2 or more", 20, ge=2, le=10_000)
-    turns: float | None = _field("turns of the driven gear, above 0; default: a whole hunting cycle", gt=0.0, le=1e4)
+    turns: float | None = _field(
+        "turns of the driven gear, above 0, to the end of a mesh; default: a whole hunting cycle", gt=0.0, le=1e4
+    )
     samples: int | None = _field("Sobol points, a power of two", ge=2, le=2**20)
     sensitivity: bool = _field("true: Sobol points laid out for sensitivity indices", False)
     outputs: Annotated[tuple[str, ...], Strict(False), ONE_FAULT] = _field(

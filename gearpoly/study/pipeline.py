@@ -140,7 +140,7 @@ def run_pair(assembled: Assembled, file: PairFile, plan: Plan, *, certify: bool)
     pair, flank = assembled.pair, plan.file.flank
     needs = needs_of(plan.file.outputs)
     theta_2 = cycle_positions(pair, turns=plan.file.turns, points_per_mesh=plan.file.positions_per_mesh)
-    torque = file.pair.torque_nm * NM
+    torque = file.torque_nm * NM
     bends = assembled.elasticity if torque > 0.0 else None
     load, ratio = None, None
     if bends is not None:

@@ -13,6 +13,7 @@ from gearpoly.errors import GearpolyError, InputFileError, shown, shown_value
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.paths import is_file
+from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.files.traces import nearest, read_text
 from gearpoly.study.keys import check_key, with_values
 from gearpoly.study.models import Limit, StudyFile, Sweep, Until
@@ -63,7 +64,7 @@ def read_study(path: Path | str) -> Study:
     pair_file = file.parent / study.pair
     if not is_file(pair_file):
         raise InputFileError(file, where="pair", found=f"no such file, {pair_file}", wish="want a pair file")
-    raw = with_values(parse(pair_file, read_text(pair_file)), study.set)
+    raw = with_sheets(with_values(parse(pair_file, read_text(pair_file)), study.set), pair_file)
     raw, traces = _with_traces(raw, pair_file)
     return Study(path=file, file=study, raw=raw, traces=traces)
 
