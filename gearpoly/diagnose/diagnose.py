@@ -325,6 +325,6 @@ def _of_another_pair(search: Search) -> Iterator[str]:
             named += f", since {search.disowned} more would explain but a part of what is missing"
         more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
         yield (
-            f"{named}{more}: perhaps something beside the gears is recorded, or the pair file is of another pair, or of "
-            "another state of this one"
+            f"{named}{more}: perhaps something beside the gears is recorded, or the pair file is of another pair, or "
+            "of another state of this one"
         )
