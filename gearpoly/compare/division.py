@@ -132,7 +132,7 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
     while True:
         if taken:
             columns = _rows(s, orders.frequency[taken].tolist())
-            heights = np.linalg.lstsq(columns, values - mean, rcond=None)[0]
+            heights = np.asarray(np.linalg.lstsq(columns, values - mean, rcond=None)[0], dtype=np.float64)
             curve = np.asarray(columns @ heights, dtype=np.float64)
             rest = values - mean - curve
         power = np.where(open_, np.abs(s.search.order_grid.transform(rest)[s.search.known]) ** 2, 0.0)
