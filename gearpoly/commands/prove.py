@@ -11,7 +11,10 @@ ORDER = 70
 
 
 def prove(
-    quick: Annotated[bool, typer.Option("--quick", help="16 cases instead of 454, without controls.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A few cases of every class, without controls.")] = False,
+    ground: Annotated[
+        str | None, typer.Option(help="bench (default), short (half a hunting cycle to two) or real-life.")
+    ] = None,
     seed: Annotated[
         int | None, typer.Option(help="Seed of the ground (default: 1); another one makes cases that nobody has seen.")
     ] = None,
@@ -36,6 +39,7 @@ def prove(
     from gearpoly.prove.page import board_text
     from gearpoly.prove.run import prove_folder, prove_ground
     from gearpoly.prove.show import print_board
+    from proving.grounds import BENCH, GROUNDS
 
     if json is not None:
         check_target(json)
@@ -43,6 +47,11 @@ def prove(
         raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
     if on is not None and seed is not None:
         raise OutOfRangeError("--seed is for the seeded ground; a folder given with --on is scored as it is")
+    if on is not None and ground is not None:
+        raise OutOfRangeError("--ground is for seeded cases; a folder given with --on is scored as it is")
+    ground = BENCH if ground is None else ground
+    if ground not in GROUNDS:
+        raise OutOfRangeError(f"--ground {ground}: want one of {', '.join(GROUNDS)}")
     seed = 1 if seed is None else seed
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
@@ -57,8 +66,9 @@ def prove(
         place = out or Path("out") / "prove" / f"on-{on.resolve().name}"
         proof = prove_folder(on, out=place, workers=count, say=say)
     else:
-        place = out or Path("out") / "prove" / f"seed-{seed}{'-quick' if quick else ''}"
-        proof = prove_ground(seed, quick=quick, out=place, workers=count, say=say)
+        which = "" if ground == BENCH else f"{ground}-"
+        place = out or Path("out") / "prove" / f"{which}seed-{seed}{'-quick' if quick else ''}"
+        proof = prove_ground(seed, quick=quick, out=place, workers=count, say=say, ground=ground)
     board = board_json(proof)
     if json is not None:
         write_text(json, board_text(board))

@@ -5,31 +5,30 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from gearpoly.errors import InputFileError
 from gearpoly.prove.thresholds import Thresholds
+from proving.physics import CATALOGUE, PHYSICS
 
 GEARS = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
-SIZES = {
-    "eccentricity": "amplitude_um", "cumulative_pitch": "amplitude_um", "tooth_pitch": "deviation_um",
-    "profile_slope": "slope_um", "profile_crowning": "crowning_um", "tip_relief": "amount_um",
-    "undulation": "amplitude_um", "wear": "depth_um", "tooth_spall": "depth_um", "tooth_crack": "compliance_factor",
-    "tooth_deflection": "compliance_um_per_n", "misalignment": "lead_um", "friction": "coefficient",
-    "centre_distance": "offset_um", "tooth_thickness": "deviation_um", "shaft_windup": "compliance_urad_per_nm",
-    "mesh_resonance": "frequency_hz", "thermal_drift": "amplitude_um", "encoder_eccentricity": "amplitude_urad",
-    "encoder_interpolation": "amplitude_urad", "encoder_scale": "ratio",
-}  # fmt: skip
-"""The parameter that says how much of it there is."""
+SIZES = {name: PHYSICS[name].size for name in CATALOGUE}
+"""The parameter that says how much of it there is, of every physics of the catalogue."""
 
-FROM_ONE = ("tooth_crack", "encoder_scale")
+FROM_ONE = tuple(name for name in CATALOGUE if PHYSICS[name].from_one)
 """Physics whose size counts from 1."""
+
+WRONG_FILE = "wrong_file"
+"""Kind of a case whose files say what is not so: nothing may be named, and that is to be said."""
 
 COLOURED = 0.6
 """AR(1) coefficient from which on noise that is not whitened raises a false alarm in every healthy pair."""
+
+DETECTED = 7.0
+"""Size over the limit from which on a wrong statement is to be noticed, as ``detection`` of the thresholds has it."""
 
 FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 """Parameters beside the size of which truths may tell."""
@@ -51,9 +50,9 @@ class Item:
     """One effect concealed in a case.
 
     ``physics`` by the contract's name, ``shape`` for one outside the catalogue (then ``physics`` is empty); ``gear``,
-    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` at which even
-    samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over the theoretical limit
-    (infinite: not known) and its ``rivals``.
+    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` and ``aliases``
+    (orders) at which even samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over
+    the theoretical limit (infinite: not known) and its ``rivals``.
     """
 
     physics: str
@@ -65,6 +64,7 @@ class Item:
     order: float | None = None
     hz: float | None = None
     images_hz: tuple[float, ...] = ()
+    aliases: tuple[float, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
     rivals: tuple[Rival, ...] = ()
@@ -121,6 +121,13 @@ class Truth:
     hunting_cycles: float | None
     depth: dict[str, float]
     concealed_by: str
+    may_name: tuple[Item, ...] | None
+    """Every name that would not be false; None: what is concealed and its rivals within the evidence."""
+    must_name: tuple[Item, ...]
+    must_locate: tuple[Item, ...]
+    """What a careful expert could name, and where they would say that something is."""
+    says: tuple[str, ...]
+    """Of a wrong file: words of which a remark or a refusal has to have one; empty where it cannot be known."""
     tempting: bool
     """Whether a large eccentricity is declared and the noise is coloured: what most often looks like more."""
 
@@ -143,8 +150,8 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         raise InputFileError(
             path, found=f"{type(error).__name__}: {error}", wish="want a truth file with kind, truth and noise_um"
         ) from None
-    if kind not in ("none", "missing", "unknown"):
-        raise InputFileError(path, where="kind", found=repr(kind), wish="want none, missing or unknown")
+    if kind not in ("none", "missing", "unknown", WRONG_FILE):
+        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
     for one in items:
         if kind == "missing" and one.physics and one.physics not in SIZES:
             wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
@@ -176,8 +183,23 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         hunting_cycles=raw.get("hunting_cycles"),
         depth=raw.get("depth", {}),
         concealed_by=raw.get("concealed_by", ""),
+        may_name=None if "may_name" not in raw else tuple(_item(one) for one in raw["may_name"]),
+        must_name=tuple(_item(one) for one in raw.get("must_name", ())),
+        must_locate=tuple(_place(one) for one in raw.get("must_locate", ())),
+        says=_says(raw.get("file", {}), limits_from=DETECTED),
         tempting=any(raw.get("declared_eccentricity_um", ())) and raw.get("noise_colour", 0.0) >= COLOURED,
     )
+
+
+def _place(raw: dict[str, Any]) -> Item:
+    """Somewhere that something is; its ``shape`` is the kind of entry that would say so."""
+    return replace(_item(raw), shape=raw.get("kind", "any"))
+
+
+def _says(file: dict[str, Any], *, limits_from: float) -> tuple[str, ...]:
+    """Words for a wrong file whose fault shows by at least so many times the theoretical limit."""
+    over = file.get("over_limit")
+    return tuple(file.get("says", ())) if over is None or over >= limits_from else ()
 
 
 def _item(raw: dict[str, Any]) -> Item:
@@ -194,6 +216,7 @@ def _item(raw: dict[str, Any]) -> Item:
         order=raw.get("order"),
         hz=raw.get("hz"),
         images_hz=tuple(float(hz) for hz in raw.get("images_hz", ())),
+        aliases=tuple(float(order) for order in raw.get("aliases", ())),
         parameters=known,
         over_limit=float(raw.get("over_limit", math.inf)),
         rivals=tuple(
