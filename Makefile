@@ -7,18 +7,35 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow lint bench paper proof clean
+.PHONY: run test test-slow fuzz lint bench paper proof clean
+
+# What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
+PAIR := data/pairs/ottewill_18_18.toml
+RECORDED := data/recordings/eccentric_low_tooth
 
 run: $(VENV)/.core
-	mkdir -p out
-	$(BIN)/gearpoly simulate data/pairs/ottewill_18_18.toml --csv out/ottewill_18_18.csv --json out/ottewill_18_18.json --plot out/ottewill_18_18.png
-	$(BIN)/gearpoly simulate data/pairs/paper_18_25.toml --turns 1 --csv out/paper_18_25.csv --plot out/paper_18_25.png
+	@mkdir -p out
+	@printf '\n1. Simulate a real pair.\n\n'
+	$(BIN)/gearpoly simulate $(PAIR) --csv out/simulated.csv --plot out/simulated.png
+	@printf '\n2. Compare a recording with the simulation of its pair.\n\n'
+	$(BIN)/gearpoly compare $(RECORDED)/pair.toml $(RECORDED)/rec_0.csv --plot out/compared.png
+	@printf '\n3. Diagnose what the simulation left out, from both flanks.\n\n'
+	$(BIN)/gearpoly diagnose $(RECORDED)/pair.toml $(RECORDED)/rec_*.csv --html out/diagnosis.html --json out/diagnosis.json --fitted out/fitted.toml
+	@printf '\n4. In short.\n\n'
+	@$(BIN)/python examples/first_run.py out/diagnosis.json out/diagnosis.html out/compared.png out/simulated.png
+	@printf 'What was hidden: $(RECORDED).truth.json\n'
+	@printf 'Commands of the documentation run as they stand after this line:\n  . $(BIN)/activate\n'
 
 test: lint
 	$(BIN)/pytest -n $(JOBS) -m "not slow"
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
+
+# Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
+FUZZ ?= 10000
+fuzz: $(VENV)/.test
+	GEARPOLY_FUZZ=$(FUZZ) $(BIN)/pytest tests/fuzz
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
@@ -39,7 +56,7 @@ paper: $(VENV)/.core
 
 $(VENV)/.core: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable ".[all]"
 	touch $@
 
 $(VENV)/.test: pyproject.toml

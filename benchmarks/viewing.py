@@ -32,7 +32,7 @@ def main() -> None:
                 assemble(file, path=path, seed=0),
                 name=file.name,
                 path=path,
-                torque=file.pair.torque_nm * NM,
+                torque=file.torque_nm * NM,
                 progress=lambda done: None,
             )
             page = Path(folder) / f"{path.stem}.html"

@@ -24,6 +24,7 @@ from gearpoly.export.write import Exported, export
 from gearpoly.files.faults import explain
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
+from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.gear.deviations import Deviations, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
@@ -110,10 +111,11 @@ class Pair:
         Measured traces named in it are looked for in the working folder. Raises ``InputFileError``.
         """
         source = "pair"
+        raw = with_sheets(dict(known), Path(source))
         try:
-            file = PairFile.model_validate(dict(known))
+            file = PairFile.model_validate(raw)
         except ValidationError as error:
-            raise explain(Path(source), dict(known), error) from None
+            raise explain(Path(source), raw, error) from None
         return cls(assembled=assemble(file, path=source, seed=seed), file=file, source=source, seed=seed)
 
     @property
@@ -156,7 +158,7 @@ class Pair:
         return simulate(
             self.assembled,
             cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
-            torque=(self.file.pair.torque_nm if torque_nm is None else torque_nm) * NM,
+            torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM,
             flank=flank,
             seed=self.seed,
             evenly=True,

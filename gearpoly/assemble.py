@@ -13,10 +13,9 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import blamed
-from gearpoly.files.gde_inspection import inspection
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.pairfile import profile_csv_path
-from gearpoly.files.traces import Trace, read_traces
+from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
@@ -35,6 +34,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.rack import Rack, usual_round
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
+from gearpoly.inspected import measured
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
@@ -62,12 +62,19 @@ class Assembled:
     encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
 
 
-def nominal_gear(section: GearSection) -> Gear:
-    """The deviation-free gear of one gear section. Raises ``GeometryError`` where it cannot be cut."""
+def nominal_gears(file: PairFile) -> tuple[Gear, Gear]:
+    """Both deviation-free gears of a pair file. Raises ``GeometryError`` where one cannot be cut."""
+    return nominal_gear(file.driving, file.driven), nominal_gear(file.driven, file.driving)
+
+
+def nominal_gear(section: GearSection, mate: GearSection | None = None) -> Gear:
+    """The deviation-free gear of one gear section, with a root that leaves the tip of its ``mate`` free where none is
+    stated. Raises ``GeometryError`` where it cannot be cut."""
     alpha, round_ = section.pressure_angle_deg * DEG, section.root_radius
     # The default means the same where a file writes it out.
     if round_ is None or round_ == Rack.rho_fP:
-        round_ = max(usual_round(alpha=alpha, h_fP=section.dedendum), 0.0)
+        h_aP = None if mate is None else mate.addendum
+        round_ = usual_round(alpha=alpha, h_fP=section.dedendum, h_aP=h_aP)
     rack = Rack(alpha=alpha, h_aP=section.addendum, h_fP=section.dedendum, rho_fP=round_)
     return Gear(
         z=section.teeth,
@@ -79,6 +86,30 @@ def nominal_gear(section: GearSection) -> Gear:
     )
 
 
+def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
+    """The pair file at ``path`` with pitch and thickness of its inspections written out as deviations per tooth, so
+    that what is found can be added to them; traces stay where they are. Raises ``InputFileError``."""
+    sections: dict[str, GearSection] = {}
+    for k, gear in enumerate(nominal_gears(file)):
+        name = NAMES[k]
+        section: GearSection = getattr(file, name)
+        if section.inspection is not None:
+            sheet, _ = measured(path, section, section.inspection, gear, name)
+            sections[name] = section.model_copy(update={"inspection": sheet})
+    return file.model_copy(update=sections)
+
+
+def root_remarks(file: PairFile) -> list[str]:
+    """Which roots are less round than usual because a usual one would not fit the cutting rack or would stand in the
+    way of the mate's tip."""
+    return [
+        f"the {name} gear's root_radius is {gear.rack.rho_fP:.4f}, the largest that fits and leaves its mate's tip "
+        f"free; the usual {Rack.rho_fP:g} does not"
+        for name, gear, section in zip(NAMES, nominal_gears(file), (file.driving, file.driven), strict=True)
+        if section.root_radius in (None, Rack.rho_fP) and gear.rack.rho_fP != Rack.rho_fP
+    ]
+
+
 def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     """Both gears of ``file`` (read from ``path``) drawn and mounted; ``seed`` decides what the file leaves to chance.
 
@@ -87,9 +118,9 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     """
     sections = (file.driving, file.driven)
     gears: list[Gear] = []
-    for name, section in zip(("driving", "driven"), sections, strict=True):
+    for name, section, other in zip(NAMES, sections, sections[::-1], strict=True):
         with blamed(path, name):
-            gears.append(nominal_gear(section))
+            gears.append(nominal_gear(section, other))
     with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
     flanks, origins, limits, made_of = [], [], [], []
@@ -218,9 +249,7 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
     """Deviations as measured: pitch, thickness, slope and crowning from the sheet, whole traces in place of the last
     two."""
     gear, z = made.gear, made.gear.z
-    traces: tuple[Trace, ...] = ()
-    if sheet.gde is not None:
-        sheet, traces = inspection(path, made.section, sheet, which)
+    sheet, traces = measured(path, made.section, sheet, gear, which)
     coast = sheet.pitch_coast_um
     where = pitch_and_thickness(
         gear,

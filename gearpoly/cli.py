@@ -16,6 +16,8 @@ from gearpoly import commands
 
 # Threads share recordings here, and matrices are small: a second crew of threads would only wait for the first.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Pictures are files. Whatever stands here matplotlib reads as it is imported, and gives up at what it does not know.
+os.environ["MPLBACKEND"] = "agg"
 
 app = typer.Typer(
     name="gearpoly",
@@ -30,7 +32,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         from gearpoly import __version__
 
-        typer.echo(f"gearpoly {__version__}")
+        print(f"gearpoly {__version__}")
         raise typer.Exit
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,14 +15,18 @@ from gearpoly.units import BoolArray, FloatArray
 POINTS_PER_MESH = 40
 """Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
 
+ROUNDING = 1e-12
+"""Part of a mesh count that the product of turns and teeth may round up: 0.1 turns of 30 teeth are 3 meshes, not 4."""
+
 
 def cycle_positions(
     pair: GearPair, *, turns: float | None = None, points_per_mesh: int = POINTS_PER_MESH
 ) -> FloatArray:
     """Driven rotations (N,) in rad: ``turns`` of the driven gear (default: a whole hunting cycle) at
-    ``points_per_mesh`` a pitch."""
-    meshes = pair.meshes_per_cycle if turns is None else turns * pair.driven.gear.z
-    count = max(1, round(meshes * points_per_mesh))
+    ``points_per_mesh`` a pitch, up to the end of the last mesh that is begun: means, contact ratio and peak to peak
+    over a part of a mesh would say where it ends."""
+    meshes = pair.meshes_per_cycle if turns is None else math.ceil(turns * pair.driven.gear.z * (1.0 - ROUNDING))
+    count = max(1, meshes) * points_per_mesh
     return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
 
 
@@ -60,7 +65,7 @@ def recording_positions(pair: GearPair, recording: Recording) -> At:
         theta_2 = theta_2 + _driven_turns(pair, recording, theta_2, keep)
     else:
         assert recording.driving_angle_rad is not None  # a Recording has one of the two
-        te = recording.te_rad if recording.te_mm is None else recording.te_mm / pair.r_b2
+        te = recording.te_in_rad(pair.r_b2)
         assert te is not None  # and TE beside a single angle
         keep = np.isfinite(recording.driving_angle_rad) & np.isfinite(te)
         theta_1 = forward(

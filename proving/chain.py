@@ -42,7 +42,8 @@ class Chain:
 
     noise_um: rms per sample along the line of action; colour: AR(1) coefficient from sample to sample, 0 white;
     zeros_deg: true readings at the angle zeros; known: whether a rough reading of them is stated; directions: +1 or -1;
-    steps_deg: one count of each encoder; column: "angles" or "te_um".
+    steps_deg: one count of each encoder; column: "angles" or "te_um"; decimals: digits that a file has of an angle in
+    deg; wrapped: whether an encoder starts again at 0 after a turn.
     """
 
     noise_um: float = 0.3
@@ -53,6 +54,8 @@ class Chain:
     steps_deg: tuple[float, float] = (0.0, 0.0)
     column: str = "angles"
     timed: bool = True
+    decimals: int = 8
+    wrapped: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,18 +187,19 @@ def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.r
         (theta_1, theta_2), chain.zeros_deg, chain.directions, chain.steps_deg, strict=True
     ):
         reading = zero + direction * theta / DEG
-        readings.append(np.round(reading / step) * step if step else reading)
+        reading = np.round(reading / step) * step if step else reading
+        readings.append(np.mod(reading, 360.0) if chain.wrapped else reading)
     columns = [path.time] if chain.timed else []
     names = ["time_s"] if chain.timed else []
     if chain.column == "te_um":
         columns += [readings[1], x / UM]
         names += ["driven_angle_deg", "te_um"]
-        formats = ["%.8f", "%.5f"]
+        formats = [f"%.{chain.decimals}f", "%.5f"]
     else:
         columns += readings
         names += ["driving_angle_deg", "driven_angle_deg"]
-        formats = ["%.8f", "%.8f"]
-    formats = (["%.6f"] if chain.timed else []) + formats
+        formats = [f"%.{chain.decimals}f"] * 2
+    formats = ([f"%.{min(6, chain.decimals)}f"] if chain.timed else []) + formats
     line = ",".join(formats)
     rows = [line % row for row in zip(*(c.tolist() for c in columns), strict=True)]
     return "\n".join([*head, ",".join(names), *rows]) + "\n"

@@ -126,14 +126,14 @@ class Known:
 
 
 def pair_file(pair: Pair, built: tuple[Teeth, Teeth], known: tuple[Known, Known], *, torque: float, speed: float,
-              deflect: bool, rng: np.random.Generator) -> str:  # fmt: skip
+              deflect: bool, rng: np.random.Generator, name: str = "proving ground") -> str:  # fmt: skip
     """The text of pair.toml: what an engineer would declare, inspections read by a gauge with noise."""
-    lines = ['name = "proving ground"', "", "[pair]"]
+    lines = [f'name = "{name}"', "", "[pair]"]
     lines += [f"torque_nm = {torque:g}", f"speed_rpm = {speed:g}", "", "[model]"]
     lines += [f"tooth_deflection = {'true' if deflect else 'false'}", ""]
-    for name, gear, teeth, said in zip(("driving", "driven"), (pair.driving, pair.driven), built, known, strict=True):
+    for which, gear, teeth, said in zip(("driving", "driven"), (pair.driving, pair.driven), built, known, strict=True):
         lines += [
-            f"[{name}]",
+            f"[{which}]",
             f"teeth = {gear.z}",
             f"module_mm = {gear.m:g}",
             f"pressure_angle_deg = {gear.alpha_deg:g}",
@@ -147,17 +147,17 @@ def pair_file(pair: Pair, built: tuple[Teeth, Teeth], known: tuple[Known, Known]
         lines += [f"grade = {said.grade}", ""]
         if said.inspected:
             reads = [v + rng.normal(0, said.uncertainty, gear.z) for v in (teeth.p, teeth.slope)]
-            lines.append(f"[{name}.inspection]")
+            lines.append(f"[{which}.inspection]")
             for key, values in zip(("pitch_um", "profile_slope_um"), reads, strict=True):
                 lines.append(f"{key} = [{', '.join(f'{v:.2f}' for v in values)}]")
             lines += [f"tooth_thickness_um = {said.E_s:g}", f"uncertainty_um = {said.uncertainty:g}", ""]
         else:
-            lines += [f"[{name}.limits]", f"E_sns_um = {said.E_s + 10:g}", f"E_sni_um = {said.E_s - 10:g}", ""]
+            lines += [f"[{which}.limits]", f"E_sns_um = {said.E_s + 10:g}", f"E_sni_um = {said.E_s - 10:g}", ""]
         if said.relief is not None:
             amount, length, power = said.relief
             shape = "linear" if power == 1 else "parabolic"
             lines += [
-                f"[{name}.tip_relief]",
+                f"[{which}.tip_relief]",
                 f"amount_um = {amount:g}",
                 f"length_mm = {length:g}",
                 f'shape = "{shape}"',
@@ -165,5 +165,5 @@ def pair_file(pair: Pair, built: tuple[Teeth, Teeth], known: tuple[Known, Known]
             ]
         if said.eccentricity is not None:
             amplitude, angle = said.eccentricity
-            lines += [f"[{name}.eccentricity]", f"amplitude_um = {amplitude:.2f}", f"angle_deg = {angle:.2f}", ""]
+            lines += [f"[{which}.eccentricity]", f"amplitude_um = {amplitude:.2f}", f"angle_deg = {angle:.2f}", ""]
     return "\n".join(lines)

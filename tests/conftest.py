@@ -39,7 +39,7 @@ def pair_file(tmp_path: Path) -> Path:
     return file
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Chromium]:
     with Chromium() as chromium:
         yield chromium

@@ -10,7 +10,6 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.pairfile import read_pair
 
 ROOT = Path(__file__).parents[1]
-BENCH = Path(__file__).parents[2] / "shared" / "recordings" / "bench"
 
 SMALLEST = """\
 [driving]

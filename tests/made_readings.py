@@ -15,8 +15,6 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.read import read_recording
 from tests import recording_files as files
 
-SHARED = Path(__file__).parents[2] / "shared" / "recordings"
-
 N = 1001  # odd, so that no block of 2, 4 or 6 numbers in a line comes out even
 
 KEYS: dict[str, object] = {

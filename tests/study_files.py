@@ -34,6 +34,17 @@ def write_study(folder: Path, text: str = "", *, pair: str = PAIR, pairs: int = 
     return path
 
 
+THICKNESS = """
+outputs = ["te_pp_um", "backlash_least_um", "load_share_peak"]
+[[sweep]]
+name = "E_sns"
+keys = ["driven.limits.E_sns_um", "driven.limits.E_sni_um", "driven.limits.W_kns_um", "driven.limits.W_kni_um"]
+method = "list"
+values = [[-60, -130, -56, -122], [-60, -90, -10, -20], [-70, -90, -10, -20], [190, 120, 180, 110]]
+"""
+"""Thicknesses of the driven gear: sound; twice limits of E_s and W_k that no gear keeps, refused at once; so thick that
+the gears jam."""
+
 GRADES = """
 [[sweep]]
 name = "grade"

@@ -89,7 +89,7 @@ def test_zeros_wrong_by_half_a_tooth_are_refined(tmp_path: Path, wrong: tuple[fl
     file, path, made = inspected(tmp_path, rng, gauge=0.2)
     stated = (RIG.zero_1 + wrong[0] * HALF_1, RIG.zero_2 + wrong[1] * HALF_2)
     beside = lay_beside(file, [record(made, RIG, rng, stated=stated)], path=path)
-    assert beside.alignment.numbered
+    assert all(beside.alignment.numbered)
     assert np.max(np.abs(errors(beside, RIG))) < NEEDED
     assert beside.alignment.contradicted is None
 
@@ -128,7 +128,7 @@ def test_recordings_shorter_than_a_hunting_cycle(tmp_path: Path, cycles: float) 
     beside = lay_beside(file, [record(made, RIG, rng, cycles=cycles)], path=path)
     found = beside.alignment
     error_1, error_2 = errors(beside, RIG)
-    assert found.numbered
+    assert all(found.numbered)
     # Seen less often, so less sure; four stated standard errors as above.
     assert abs(error_2) < 4.0 * found.std_driven / DEG < 10.0 * NEEDED
     assert abs(error_1) < 4.0 * found.std_driving / DEG

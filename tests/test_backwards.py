@@ -129,6 +129,7 @@ def test_flanks_slide_the_other_way() -> None:
     assert np.std(changes[0] + changes[1]) < 0.1 * np.std(changes[0] - changes[1])
 
 
+@pytest.mark.slow
 def test_a_resonance_lags_in_time_and_so_leads_in_angle() -> None:
     """Its equation of motion, integrated from rest over 30 decay times, along a curve that is passed from its end to
     its beginning; straight lines between 128 places a pitch leave a hundredth of what swings."""

@@ -17,8 +17,7 @@ from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.travel import nearest_teeth, slope
-
-SHARED = Path(__file__).parents[2] / "shared" / "recordings"
+from tests.at_hand import BENCH, SHARED, SHIPPED, here
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -380,18 +379,18 @@ def test_recorded_errors_along_the_line_of_action_need_the_base_radius() -> None
     np.testing.assert_allclose(got.theta_1, (got.theta_2 - got.te) / RATIO, rtol=4e-16)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not here")
 def test_bench_recordings_come_through_whole() -> None:
-    found = sorted(SHARED.glob("bench/*/rec_*.csv"))
+    found = [file for folder in here(SHIPPED, BENCH) for file in sorted(folder.glob("*/rec_*.csv"))]
     assert found
     for file in found:
         pair = tomllib.loads((file.parent / "pair.toml").read_text(encoding="utf-8"))
         ratio = pair["driving"]["teeth"] / pair["driven"]["teeth"]
         rec = read_recording(file)
         got = clean(rec, ratio=ratio)
-        assert got.done == ()
+        assert {deed.what for deed in got.done} <= {"driving wraps", "driven wraps"}
         assert got.size == rec.size
-        assert got.theta_1[-1] - got.theta_1[0] == pytest.approx(50.0 * TURN, abs=0.1)  # two hunting cycles of 25
+        turns = 50.0 if pair["driven"]["teeth"] == 25 else 24.0  # two hunting cycles of 25, eight of 3
+        assert got.theta_1[-1] - got.theta_1[0] == pytest.approx(turns * TURN, abs=0.2)  # as far as samples are apart
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not here")

@@ -16,8 +16,8 @@ from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.transmission import contacts
 from gearpoly.units import DEG, UM
+from tests.at_hand import BENCH, SHIPPED, here, truths
 
-BENCH = Path(__file__).parents[2] / "shared" / "recordings" / "bench"
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the shared bench recordings are not on this machine")
 
 PITCH_1 = [3.0, 1.1, -2.2, 0.4, 2.9, -1.5, -3.1, 0.8, 1.7, -0.6, -2.4, 2.2]
@@ -96,13 +96,23 @@ def test_a_wave_of_no_integer_order_is_located(tmp_path: Path) -> None:
     assert entry["amplitude_um"] == pytest.approx(0.5, abs=4.0 * entry["std_um"])
 
 
-@needs_bench
-def test_an_inspected_healthy_pair_raises_nothing() -> None:
-    found = compared(BENCH / "control_inspected" / "pair.toml", BENCH / "control_inspected" / "rec_0.csv")
+@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+def test_an_inspected_healthy_pair_raises_nothing(folder: Path) -> None:
+    found = compared(folder / "pair.toml", folder / "rec_0.csv")
     assert found["where"] == []
-    # The recordings' own note: 0.39 um with the declared deviations; the noise put in is 0.3 um.
-    assert found["residual_rms_um"] == pytest.approx(0.39, abs=0.02)
+    # The noise put in is 0.3 um. The gauge's 0.2 um on pitch and slope of both gears leave 0.39 um of the bench's
+    # recording, as its own note has it, and 0.42 um of ours.
+    assert found["residual_rms_um"] == pytest.approx(0.405, abs=0.025)
     assert found["noise_um"] == pytest.approx(0.3, rel=0.05)
+
+
+@pytest.mark.parametrize("folder", here(SHIPPED / "unknown", BENCH / "unknown_order"), ids=str)
+def test_an_order_that_no_gear_makes_is_located(folder: Path) -> None:
+    (wave,) = compared(folder / "pair.toml", folder / "rec_0.csv")["where"]
+    (hidden,) = truths(folder)
+    assert (wave["kind"], wave["gear"]) == ("shaft_order", "driving")
+    assert wave["order"] == pytest.approx(hidden["order"], rel=1e-3)
+    assert wave["amplitude_um"] == pytest.approx(hidden["amplitude_um"], abs=4.0 * wave["std_um"])
 
 
 @needs_bench
@@ -110,9 +120,6 @@ def test_an_inspected_healthy_pair_raises_nothing() -> None:
 def test_hidden_waves_and_teeth_of_the_bench_are_located() -> None:
     ghost = compared(BENCH / "ghost_order" / "pair.toml", BENCH / "ghost_order" / "rec_0.csv")["where"]
     assert [(e["kind"], e["gear"], e["order"]) for e in ghost] == [("shaft_order", "driving", 61)]
-    unknown = compared(BENCH / "unknown_order" / "pair.toml", BENCH / "unknown_order" / "rec_0.csv")["where"]
-    assert len(unknown) == 1
-    assert unknown[0]["order"] == pytest.approx(4.41, rel=1e-3)
     two = compared(BENCH / "two_at_once" / "pair.toml", BENCH / "two_at_once" / "rec_0.csv")["where"]
     assert (two[0]["kind"], two[0]["gear"], two[0]["order"]) == ("shaft_order", "driving", 1)
     assert (two[1]["kind"], two[1]["gear"], two[1]["tooth"]) == ("tooth", "driven", 9)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.template import make_template
@@ -19,6 +20,7 @@ MOST = 10.0
 """Times the recording's numbers that may be held at once, by the issue."""
 
 
+@pytest.mark.slow
 def test_a_million_samples_take_ten_times_their_numbers(tmp_path: Path) -> None:
     """Time and two angles, 24 MB; what does not grow with the recording (three hunting cycles searched at a time, some
     70 MB) is in it. numpy reports every array to tracemalloc."""

@@ -157,13 +157,14 @@ def test_energy_form_is_reciprocal_and_the_published_one_is_not() -> None:
 # Finite elements ---------------------------------------------------------------------------------
 
 DEPTH = 5.0  # far boundary, modules below the root
+ACROSS = 6  # elements across a tooth: 0.8 % from the limit, a twentieth of the 15 % that is asked of a law
 
 
 @cache
 def ring(z: int) -> tuple[np.ndarray, np.ndarray]:
     """Load radii (tip, pitch point, lowest contact) and FEM compliance times E b, 18/25 pair."""
     tooth = rack_tooth(z, 2.0)
-    model = FemTooth(tooth, r_inner=tooth.r_f - DEPTH * tooth.m, n=8)
+    model = FemTooth(tooth, r_inner=tooth.r_f - DEPTH * tooth.m, n=ACROSS)
     loads = [model.load(r) for r in (tooth.r_a, tooth.r, lowest_contact(tooth, rack_tooth(43 - z, 2.0)))]
     return np.array([load.radius for load in loads]), np.array([load.compliance for load in loads])
 
@@ -200,9 +201,10 @@ def test_finite_element_mesh_is_converged() -> None:
     # A sector has the same tooth, fillet and rim blocks and is cheap to refine.
     coarse, middle, fine = (
         np.array([FemTooth(tooth, r_inner=5.5, n=n, neighbours=1).load(r).compliance for r in radii])
-        for n in (8, 12, 18)
+        for n in (ACROSS, 8, 12)
     )
-    # 0.5 % at the mesh that the tests use, 30 times below the 15 % asked; and the error falls.
+    # 0.7 % at the mesh that the tests use, 20 times below the 15 % asked, half of it at 8; and the error falls.
+    np.testing.assert_allclose(coarse, fine, rtol=8e-3)
     np.testing.assert_allclose(middle, fine, rtol=5e-3)
     assert (np.abs(middle - fine) < np.abs(coarse - fine)).all()
 
@@ -211,8 +213,8 @@ def test_finite_element_boundary_is_as_stated() -> None:
     """A rim of 4 modules takes off up to 7 %, sides clamped at 1.5 pitches up to 20 %."""
     tooth = rack_tooth(18, 2.0)
     radius, fem = ring(18)
-    shallow = FemTooth(tooth, r_inner=tooth.r_f - 4.0 * tooth.m, n=8)
-    sector = FemTooth(tooth, r_inner=tooth.r_f - DEPTH * tooth.m, n=8, neighbours=1)
+    shallow = FemTooth(tooth, r_inner=tooth.r_f - 4.0 * tooth.m, n=ACROSS)
+    sector = FemTooth(tooth, r_inner=tooth.r_f - DEPTH * tooth.m, n=ACROSS, neighbours=1)
     for model, least in ((shallow, 0.92), (sector, 0.79)):
         ratio = np.array([model.load(r).compliance for r in (tooth.r_a, tooth.r, float(radius[2]))]) / fem
         # 0.01 below what docs/compliance.md gives, for the coarser mesh here.
@@ -226,7 +228,7 @@ def test_undercut_and_many_teeth_against_finite_elements(z: int) -> None:
     inner = tooth.r_f - DEPTH * tooth.m
     # A ring of 12 teeth would close upon itself before 5 modules: 4 there.
     inner = inner if inner > 2.0 else tooth.r_f - 4.0 * tooth.m
-    model = FemTooth(tooth, r_inner=inner, n=6)
+    model = FemTooth(tooth, r_inner=inner, n=ACROSS)
     loads = [model.load(r) for r in (tooth.r_a, tooth.r)]
     q = tooth_compliance(section_of(tooth, bore_radius=2.0), radius=[load.radius for load in loads], **STEEL) * B * E
     # Other gears than the study's: found +4, +7 % (12 teeth) and +9, +16 % (40 teeth); 20 %
@@ -242,7 +244,7 @@ def test_potential_energy_is_a_ring_in_plane_stress() -> None:
     not the integration's.
     """
     tooth = rack_tooth(25, 2.0)
-    model = FemTooth(tooth, r_inner=10.0, n=8, plane="stress")
+    model = FemTooth(tooth, r_inner=10.0, n=ACROSS, plane="stress")
     loads = [model.load(r, with_body=True) for r in (tooth.r_a, tooth.r, lowest_contact(tooth, rack_tooth(18, 2.0)))]
     q = (
         tooth_compliance(

@@ -109,6 +109,7 @@ def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grows", [False, True])
 def test_what_swells_is_no_eccentricity(grows: bool, tmp_path: Path) -> None:
     """4 um of the driven gear from end to end, or from nothing to 8 um: a belt that slackens may do so, a gear does

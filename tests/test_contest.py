@@ -275,6 +275,7 @@ def test_a_pit_of_teeth_that_always_meet_has_the_mate_s_as_its_rival() -> None:
     assert {(c.physics.name, c.place.gear, c.place.tooth) for c in both} >= {("tooth_spall", k, 4) for k in (0, 1)}
 
 
+@pytest.mark.slow
 def test_teeth_far_thinner_than_their_limits_are_named_however_little_noise_there_is(tmp_path: Path) -> None:
     """What is known of thickness are its limits, and in 0.04 um of noise that is a millionth of what recordings of both
     flanks tells of the sum of both gears': no rounding, but 40 um beyond limits that leave 3. Either gear may be it."""

@@ -16,28 +16,20 @@ from gearpoly.diagnose.plan import plan
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.report.diagnosis_report import verdict_json
+from tests.at_hand import BENCH, SHARED, SHIPPED, diagnosed, here, recordings, truths
 
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "recordings"
-BENCH, TELESCOPE = SHARED / "bench", SHARED / "telescope"
+TELESCOPE = SHARED / "telescope"
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings are not here")
 needs_telescope = pytest.mark.skipif(not TELESCOPE.is_dir(), reason="the telescope recordings are not here")
 
 
 def verdict(case: str) -> dict[str, Any]:
-    folder = BENCH / case
-    recordings = [read_recording(path) for path in sorted(folder.glob("rec_*.csv"))]
-    found = diagnose(read_pair(folder / "pair.toml"), recordings, path=folder / "pair.toml")
-    return verdict_json(found)
-
-
-def truths(case: str) -> list[dict[str, Any]]:
-    document = json.loads((BENCH / f"{case}.truth.json").read_text())
-    return list(document["truth"])
+    return verdict_json(diagnosed(BENCH / case))
 
 
 def check(case: str) -> None:
     """Every hidden physics named on its gear and tooth, sizes within 5 % or twice the stated error, nothing else."""
-    found, hidden = verdict(case), truths(case)
+    found, hidden = verdict(case), truths(BENCH / case)
     named = [(one["physics"], one.get("gear")) for one in found["missing"]]
     gears = {1: "driving", 2: "driven", None: None}
     assert sorted(named, key=str) == sorted(((t["physics"], gears[t.get("gear")]) for t in hidden), key=str)
@@ -80,19 +72,19 @@ def test_what_is_hidden_is_named_and_nothing_else_slowly(case: str) -> None:
     check(case)
 
 
-@needs_bench
-def test_a_healthy_pair_misses_nothing() -> None:
-    found = verdict("control_inspected")
+@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+def test_a_healthy_pair_misses_nothing(folder: Path) -> None:
+    found = verdict_json(diagnosed(folder))
     assert found["status"] == "nothing_missing"
     assert found["missing"] == []
     assert found["unexplained"] == []
-    # A continuous-involute calculation reaches 0.31 um held out once pitch and slope are refined.
+    # A continuous-involute calculation reaches 0.31 um held out once pitch and slope are refined: of 0.3 um of noise.
     assert found["fit"]["heldout_rms_um"]["after"] < 0.31
 
 
 @needs_bench
 def test_an_order_that_no_gear_makes_is_located_and_not_named() -> None:
-    found = verdict("unknown_order")
+    found = verdict_json(diagnosed(BENCH / "unknown_order"))
     assert found["status"] == "unexplained"
     assert found["missing"] == []
     (one,) = found["unexplained"]
@@ -100,14 +92,12 @@ def test_an_order_that_no_gear_makes_is_located_and_not_named() -> None:
     assert one["amplitude_um"] == pytest.approx(0.609, abs=3.0 * one["std_um"])
 
 
-@needs_bench
-def test_the_fitted_file_is_a_pair_file_that_leaves_only_noise(tmp_path: Path) -> None:
-    folder = BENCH / "two_at_once"
-    recordings = [read_recording(path) for path in sorted(folder.glob("rec_*.csv"))]
-    found = diagnose(read_pair(folder / "pair.toml"), recordings, path=folder / "pair.toml")
+@pytest.mark.parametrize("folder", here(SHIPPED / "encoder_off_centre", BENCH / "two_at_once"), ids=str)
+def test_the_fitted_file_is_a_pair_file_that_leaves_only_noise(folder: Path, tmp_path: Path) -> None:
+    found = diagnosed(folder)
     target = tmp_path / "fitted.toml"
     target.write_text(dump_pair(found.fitted))
-    again = compare(read_pair(target), recordings, path=target)
+    again = compare(read_pair(target), [read_recording(path) for path in recordings(folder)], path=target)
     # All cycles were fitted, so what is left is the noise less what 90 parameters took of 18 000 samples.
     assert again.aligned[0].rms < 1.02 * found.noise
     # The tooth's form differs from the formula of a spall by a few per cent of its depth, and may show.
@@ -162,17 +152,15 @@ def run(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
 
 
-@needs_bench
 def test_json_alone_goes_to_standard_output() -> None:
-    folder = BENCH / "control_inspected"
+    folder = SHIPPED / "healthy"
     ran = run("diagnose", folder / "pair.toml", folder / "rec_0.csv", "--json", "-")
     assert ran.returncode == 0, ran.stderr
     assert json.loads(ran.stdout)["status"] == "nothing_missing"
 
 
-@needs_bench
 def test_recordings_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
-    folder = BENCH / "encoder_ecc"
+    folder = SHIPPED / "encoder_off_centre"
     lines = (folder / "rec_1.csv").read_text().splitlines(keepends=True)
     moved = [line for line in lines if not line.startswith("# driven_zero_deg")]
     zero = float(next(line for line in lines if line.startswith("# driven_zero_deg")).split("=")[1])
@@ -197,7 +185,8 @@ def test_a_recording_that_is_none_is_refused(tmp_path: Path) -> None:
     assert not fitted.exists()
 
 
-@needs_bench
+@pytest.mark.slow
 def test_the_same_recordings_give_the_same_verdict() -> None:
-    first, second = (json.dumps(verdict("control_inspected")) for _ in range(2))
+    folder = SHIPPED / "healthy"
+    first, second = (json.dumps(verdict_json(make(folder))) for make in (diagnosed, diagnosed.__wrapped__))
     assert first == second

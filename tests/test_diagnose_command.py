@@ -155,12 +155,20 @@ class BothBuilt(Strict):
     driven: Built
 
 
+class Squares(Strict):
+    declared: Size
+    as_built: Size
+    with_names: Size
+    std: Size
+
+
 class Fit(Strict):
     heldout_rms_um: Rms
     train_rms_um: Rms
     as_built_only_heldout_rms_um: Size
     repeatable_mismatch_um: Rms
     held_out: str
+    unseen_mean_square: Squares
 
 
 class Verdict(Strict):

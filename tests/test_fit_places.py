@@ -69,7 +69,7 @@ def later(one: Recording, pitches: float) -> Recording:
     return replace(one, driving_zero_rad=ZEROS[0] - pitch * Z[1] / Z[0], driven_zero_rad=ZEROS[1] + pitch)
 
 
-@pytest.mark.parametrize("pitches", [0.0, 0.3])
+@pytest.mark.parametrize("pitches", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_unloaded_teeth_that_nobody_inspected_leave_only_noise(pitches: float, tmp_path: Path) -> None:
     """Each step of the fit moves all hand-overs, and the declared curve is flat: nothing says where a pitch begins but
     the teeth, of which nothing is known. 3 % of the noise are three standard errors of its 3840 samples."""
@@ -108,6 +108,7 @@ def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitch
     assert off_by(Fit.begun(model, foreign, lambda _: None, trial=6)) == -pitches
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pitches", [0.9, -7.0])
 def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float, tmp_path: Path) -> None:
     """Also from beside a pitch: neither place is judged before its fit has come to rest."""
@@ -122,6 +123,7 @@ def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float, tmp_path: 
     assert abs(off_pitches_of(model.observed[0].samples.theta_2, one)) < 0.2
 
 
+@pytest.mark.slow
 def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -140,6 +142,7 @@ def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
     assert model.offset == pytest.approx(at, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """What shortened ones left seven teeth off is mended; from the right place a wrong step is taken back, teeth as
     built and all."""
@@ -317,6 +320,7 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
     assert sum(moved) == pytest.approx(0.05 if moves else 0.0)
 
 
+@pytest.mark.slow
 def test_a_fit_that_has_wandered_to_teeth_of_no_grade_begins_elsewhere_in_the_pitch(tmp_path: Path) -> None:
     """Two gears 60 and 32 um off their axes: placed 1.6 % of a pitch late, the fit rested with slopes of 43 and 51 um
     on teeth of grade 6 (3.75 um, one sigma) and 4 % more misfit than noise, and a centre distance was named for it."""

@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearpoly import api
-from gearpoly.assemble import assemble
+from gearpoly.assemble import assemble, with_sheets_stated
 from gearpoly.errors import InputFileError
 from gearpoly.files.gde import GearInspection, Profile, Turn, gde_text
-from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.gde_read import read_gde
 from gearpoly.files.pairfile import dump_pair, moved, read_pair
 from gearpoly.files.traces import read_traces
@@ -280,7 +279,7 @@ def test_what_is_found_of_a_measured_gear_is_added_to_its_file(tmp_path: Path) -
     written(tmp_path)
     path = tmp_path / "pair.toml"
     path.write_text(pair_text("driving"))
-    file = with_gde_stated(read_pair(path), path=path)
+    file = with_sheets_stated(read_pair(path), path=path)
     sheet = file.driving.inspection
     assert sheet is not None
     assert sheet.gde == "gear.gde"

@@ -19,7 +19,7 @@ PACKAGE = ROOT / "gearpoly"
 ORDER = (
     "errors threads units",
     "files gear",
-    "mesh recording",
+    "mesh recording inspected",
     "assemble positions",
     "simulate",
     "export compare",

@@ -346,7 +346,7 @@ def test_jumps_that_moved_to_the_same_sample_stay_two() -> None:
     assert there not in held
 
 
-@pytest.mark.parametrize("size", [2.0, 30.0])
+@pytest.mark.parametrize("size", [2.0, pytest.param(30.0, marks=pytest.mark.slow)])
 def test_a_knocked_reader_is_left_unexplained(tmp_path: Path, size: float) -> None:
     file, path, recording, place = knocked(tmp_path, size_um=size)
     verdict = diagnose(file, [recording], path=path)
@@ -382,6 +382,7 @@ def test_both_parts_of_a_fit_see_every_stretch_between_jumps(tmp_path: Path) -> 
     assert beside_jumps(model.observed, [[]])[0] is model.observed[0]
 
 
+@pytest.mark.slow
 def test_what_jumps_up_and_down_is_so_many_jumps() -> None:
     """A loose contact: 3 um up and down again, six times. Each is told once; those that would move to the place of
     another leave it there. One of a hundred is missed in 1 um of noise at 180 samples a second, so five of six do."""

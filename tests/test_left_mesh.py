@@ -78,6 +78,7 @@ def test_a_tooth_out_of_the_mesh_is_named_with_its_least_size(lagging: dict[floa
     assert diagnosis.after.unseen == pytest.approx(diagnosis.noise, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_tooth_that_touches_keeps_its_size_and_error(lagging: dict[float, Recording], tmp_path: Path) -> None:
     diagnosis = found(lagging[-2.0], tmp_path)
     (one,) = diagnosis.findings
@@ -88,6 +89,7 @@ def test_a_tooth_that_touches_keeps_its_size_and_error(lagging: dict[float, Reco
     assert not any("the least it can have" in remark for remark in diagnosis.remarks)
 
 
+@pytest.mark.slow
 def test_a_loaded_tooth_out_of_the_mesh_is_no_crack(tmp_path: Path) -> None:
     """Bent by 1 and 2 um, pairs close over a tooth that stands 20 um back, as over one that gives ten times as much: to
     first order a tooth out of the mesh has no place, only a softness."""
@@ -106,6 +108,7 @@ def test_a_loaded_tooth_out_of_the_mesh_is_no_crack(tmp_path: Path) -> None:
     assert "tooth_pitch" not in {other.claim.physics.name for other in without.findings}
 
 
+@pytest.mark.slow
 def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: Path) -> None:
     """Its walls, where teeth still touch, tell the edges to a wall's width; the bottom is at least as deep."""
     (one,) = recorded(pair(0.0, spall_um=20.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0)

@@ -22,6 +22,7 @@ ORDER, GAIN = 0.83, 90.0
 """Of the pulses, and what they take of the misfit."""
 
 
+@pytest.mark.slow
 def test_a_train_of_which_no_line_stands_out_is_not_lost_in_the_fit(tmp_path: Path) -> None:
     """Its lines are fitted beside the teeth, each too faint to be put back for itself; together they are what was
     found."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +20,7 @@ from gearpoly.mesh.loaded import SMALL, loaded
 from gearpoly.mesh.pair import GearPair, mount
 from gearpoly.simulate import Simulation, simulate, strength_remarks
 from gearpoly.units import NM, UM, read_only
+from tests.made_command import Command
 from tests.made_loaded import (
     BALANCE,
     PALMGREN,
@@ -179,10 +178,6 @@ def test_yield_is_remarked_with_its_stress(tmp_path: Path) -> None:
     assert 1.0 < float(remark.split(" is ")[1].split(" MPa")[0]) / stress < 1.3
 
 
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "gearpoly", *arguments], capture_output=True, text=True, check=False)
-
-
 @pytest.mark.parametrize(
     ("torque", "width", "says"),
     [
@@ -192,11 +187,13 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
         (1e6, "face_width_mm = 20.0", "small deflections"),
     ],
 )
-def test_bad_loads_exit_2_and_leave_nothing(tmp_path: Path, torque: float, width: str, says: str) -> None:
+def test_bad_loads_exit_2_and_leave_nothing(
+    gearpoly_command: Command, tmp_path: Path, torque: float, width: str, says: str
+) -> None:
     out = tmp_path / "out.csv"
     path = pair_file(tmp_path, torque=torque, width=width)
-    done = command("simulate", str(path), "--turns", "0.04", "--points-per-mesh", "4", "--csv", str(out))
-    assert done.returncode == 2
-    assert says in done.stderr
-    assert "Traceback" not in done.stderr
+    done = gearpoly_command("simulate", path, "--turns", "0.04", "--points-per-mesh", "4", "--csv", out)
+    assert done.code == 2
+    assert says in done.err
+    assert "Traceback" not in done.err
     assert not out.exists()

@@ -176,7 +176,7 @@ def test_unnumbered_teeth_keep_their_encoder_angle() -> None:
     n = np.rint(data.u).astype(int)
     gears = tuple(replace(g, zero=0.0) for g in inspected(18, 25))
     values = np.where(n % 25 == 5, 2.0 * UM, 0.0)
-    entry = locate([plus(data, values)], gears=(gears[0], gears[1]), numbered=False).entries[0]
+    entry = locate([plus(data, values)], gears=(gears[0], gears[1]), numbered=(False, False)).entries[0]
     assert entry.to_json()["tooth"] is None
     assert entry.encoder_deg == pytest.approx(72.0)
 

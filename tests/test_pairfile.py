@@ -13,7 +13,8 @@ from gearpoly.assemble import nominal_gear
 from gearpoly.errors import GeometryError, InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, effective_defaults, moved, profile_csv_path, read_pair
-from tests.made_pairfile import BENCH, CONTRACT, PITCH, ROOT, SMALLEST, write
+from tests.at_hand import BENCH, SHIPPED, here
+from tests.made_pairfile import CONTRACT, PITCH, ROOT, SMALLEST, write
 
 
 def test_contract_example_is_read_whole(tmp_path: Path) -> None:
@@ -223,9 +224,8 @@ def test_shipped_pairs_are_read(name: str) -> None:
     assert (pair.driving.teeth, pair.driven.teeth) == tuple(int(z) for z in name.split("_")[1:])
 
 
-@pytest.mark.skipif(not BENCH.is_dir(), reason="the shared bench recordings are not here")
-def test_bench_pairs_are_read_and_written_back(tmp_path: Path) -> None:
-    files = sorted(BENCH.glob("*/pair.toml"))
+def test_pairs_of_recordings_are_read_and_written_back(tmp_path: Path) -> None:
+    files = [file for folder in here(SHIPPED, BENCH) for file in sorted(folder.glob("*/pair.toml"))]
     assert files
     for file in files:
         pair = read_pair(file)

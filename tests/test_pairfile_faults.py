@@ -304,7 +304,7 @@ def test_file_that_cannot_be_read(tmp_path: Path) -> None:
     def reason(path: Path) -> str:
         with pytest.raises(InputFileError) as caught:
             read_pair(path)
-        assert caught.value.file == str(path)
+        assert caught.value.file == str(path).replace("\0", "\\x00")
         return caught.value.found
 
     assert reason(tmp_path / "absent.toml") == "no such file"

@@ -81,6 +81,7 @@ def test_a_pit_with_a_bottom_has_no_other_form() -> None:
     assert not list(PITTED.otherwise(scope, Place(gear=0, tooth=4), (0.0, 11.96, 12.06, 0.045)))
 
 
+@pytest.mark.slow
 def test_a_narrow_pit_with_steep_walls_is_as_deep_as_it_is(tmp_path: Path) -> None:
     """4.4 um over 0.28 mm at module 1: where teeth lose touch over its bottom, a bowl of 51 um is nearly as good, a fit
     that ran there rested 30 of misfit higher. An inspection to 0.2 um and noise of 0.3 um leave 0.3 um."""
@@ -94,6 +95,7 @@ def test_a_narrow_pit_with_steep_walls_is_as_deep_as_it_is(tmp_path: Path) -> No
     assert diagnosis.after.unseen == pytest.approx(diagnosis.noise, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_pit_whose_fit_rests_beside_it_is_found_once_its_edges_are_moved(tmp_path: Path) -> None:
     """0.4 mm beside the true edge, walls at their steepest, plain steps lead nowhere: a third of the noise is left."""
     case = Pitted(m=3.0, tooth=19, pit=(17.6, 34.94, 36.41, 0.134))
@@ -112,7 +114,9 @@ def test_a_pit_whose_fit_rests_beside_it_is_found_once_its_edges_are_moved(tmp_p
     assert search.linear.system.beyond < 0.03 * search.linear.system.samples
 
 
-@pytest.mark.parametrize("pit", [(20.8, 17.755, 18.07, 0.02), (16.0, 17.684, 18.068, 0.02)])
+@pytest.mark.parametrize(
+    "pit", [(20.8, 17.755, 18.07, 0.02), pytest.param((16.0, 17.684, 18.068, 0.02), marks=pytest.mark.slow)]
+)
 def test_a_pit_over_which_other_teeth_carry_is_named_with_its_least_size(pit: Values, tmp_path: Path) -> None:
     """Unloaded, in two hunting cycles: teeth lose touch over the pit's bottom, so the next micrometre of its depth is
     hardly seen, and half of the recording leads a straight line from its edges astray; all that it does is seen well.

@@ -87,3 +87,18 @@ def test_bad_wishes_are_refused(tmp_path: Path, options: list[str]) -> None:
     result = CliRunner().invoke(app, ["plot", str(GRADED), *(option.format(tmp_path) for option in options)])
     assert isinstance(result.exception, GearpolyError)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_pinion_of_five_teeth_is_drawn_as_it_is_exported(tmp_path: Path) -> None:
+    """Its deviations of grade 11 turn roots past the middle of their spaces."""
+    file = tmp_path / "pair.toml"
+    file.write_text(
+        "[driving]\nteeth = 5\nmodule_mm = 2\nprofile_shift = -0.5\ngrade = 11\n"
+        "[driven]\nteeth = 25\nmodule_mm = 2\ngrade = 11\n"
+    )
+    for words in (
+        ["export", "--apart", "--to", "p.svg"],
+        ["plot", "--what", "mesh", "--flank", "coast", "--to", "p.png"],
+    ):
+        done = CliRunner().invoke(app, [words[0], str(file), *words[1:-1], str(tmp_path / words[-1])])
+        assert done.exit_code == 0, done.output

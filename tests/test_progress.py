@@ -7,7 +7,7 @@ import sys
 import pytest
 from rich.progress import Progress
 
-from gearpoly.diagnose.diagnose import STAGES, _Watch
+from gearpoly.diagnose.budget import STAGES, Watch
 from gearpoly.report.progress import Steps, steps
 
 
@@ -24,7 +24,7 @@ def test_the_bar_follows_the_stages() -> None:
     """All stages in their order move the bar on; the next recording, thought of per finding, does not."""
     with Progress(disable=True) as bar:
         step = Steps(bar)
-        watch = _Watch(step, step.reached)
+        watch = Watch(step, step.reached)
         seen = []
         for name in (*STAGES[:4], "next recording", *STAGES[4:]):
             watch.stage(name)(f"at {name}")

@@ -303,6 +303,7 @@ def test_two_processes_write_the_same_ground(tmp_path: Path) -> None:
     assert all((tmp_path / "one" / path).read_bytes() == (tmp_path / "two" / path).read_bytes() for path in files)
 
 
+@pytest.mark.slow
 def test_the_ground_is_written_apart_from_its_truths(tmp_path: Path) -> None:
     proof = prove_ground(3, out=tmp_path, quick=True, indices=[0], diagnoser=silent, say=quiet)
     assert [one.name for one in proof.scores] == ["case_000"]
@@ -394,6 +395,7 @@ def test_json_to_standard_output_is_all_that_goes_there(
     told = capfd.readouterr()
     assert json.loads(told.out)["cases"] == 4
     assert "truths sealed" in told.err
+    assert f"wrote {tmp_path / 'out'}: cases and verdicts" in told.err
 
 
 PAIR = """

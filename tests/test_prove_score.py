@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -393,5 +394,33 @@ def test_a_truth_that_no_physics_has_is_refused(tmp_path: Path) -> None:
 def test_a_truth_of_no_pair_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "x.truth.json").write_text('{"kind": "none", "truth": [], "noise_um": 1.0}')
     (tmp_path / "pair.toml").write_text(text)
-    with pytest.raises(InputFileError, match=r"pair\.toml.*want a pair file"):
+    with pytest.raises(InputFileError, match=r"pair\.toml.*want (a pair file|TOML)"):
+        read_truth(tmp_path / "x.truth.json", pair=tmp_path / "pair.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[]", "the whole is no object"),
+        ("3", "the whole is no object"),
+        ("[" * 5000, "no truth"),
+        ('{"kind": 3, "truth": [], "noise_um": 1}', "kind is not a text"),
+        ('{"kind": "none", "noise_um": 1}', "no truth"),
+        ('{"kind": "none", "truth": {}, "noise_um": 1}', "truth is not a list"),
+        ('{"kind": "none", "truth": [3], "noise_um": 1}', "truth[0]. is no object"),
+        ('{"kind": "none", "truth": [], "noise_um": true}', "noise_um is not a number"),
+        ('{"kind": "none", "truth": [], "noise_um": NaN}', "noise_um is not a number"),
+        ('{"kind": "none", "truth": [], "noise_um": 1' + "0" * 400 + "}", "noise_um is not a number of ordinary size"),
+        ('{"kind": "none", "truth": [], "noise_um": 1, "depth": []}', "depth. is no object"),
+        ('{"kind": "none", "truth": [], "noise_um": 1, "declared_eccentricity_um": 3}', "is not a list"),
+        ('{"kind": "unknown", "truth": [{"gear": "third"}], "noise_um": 1}', "truth[0].gear is not driving or driven"),
+        ('{"kind": "unknown", "truth": [{"tooth": 0.5}], "noise_um": 1}', "truth[0].tooth is not a whole number"),
+        ('{"kind": "unknown", "truth": [{"rivals": [{}]}], "noise_um": 1}', "no truth[0].rivals[0].physics"),
+        ('{"kind": "unknown", "truth": [{"images_hz": ["a"]}], "noise_um": 1}', "truth[0].images_hz is not a number"),
+    ],
+)
+def test_a_truth_of_another_shape_is_told_by_its_field(tmp_path: Path, text: str, says: str) -> None:
+    (tmp_path / "pair.toml").write_text("[driving]\nteeth = 18\n[driven]\nteeth = 25\n")
+    (tmp_path / "x.truth.json").write_text(text)
+    with pytest.raises(InputFileError, match=re.escape(says)):
         read_truth(tmp_path / "x.truth.json", pair=tmp_path / "pair.toml")

@@ -183,6 +183,7 @@ def test_look_alikes_name_their_rivals_the_nearest_first() -> None:
     assert any(one["separability"] * item["over_limit"] > 3.0 for one in others) or item["over_limit"] < 25.0
 
 
+@pytest.mark.slow
 def test_sizes_of_several_are_counted_with_the_others_open() -> None:
     """Two reliefs and the deflection that they cancel: each alone is seen better than beside the others."""
     case = make(4, entry_of("cancelling", ("relief_cancels_deflection",), 0.0))

@@ -9,7 +9,6 @@ import json
 import tomllib
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -19,8 +18,8 @@ from proving.effects import Effect, apply
 from proving.flanks import Teeth
 from proving.gears import Gear, Pair
 from proving.rig import Encoder, Rig, mesh
+from tests.at_hand import BENCH
 
-BENCH = Path(__file__).resolve().parents[2] / "shared" / "recordings" / "bench"
 pytestmark = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings are not part of this repository")
 
 

@@ -87,6 +87,7 @@ def test_slope_or_wear_of_one_gear_or_of_the_other(physics: str, size: float) ->
     assert found[physics, 2] < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("physics", "size"), [("profile_crowning", 18.0), ("profile_slope", 20.0), ("wear", 20.0)])
 def test_large_effects_of_either_gear_differ_by_their_second_order(physics: str, size: float) -> None:
     """Where every tooth is known, separability times size over limit is the rms by which both differ, over 1 um of
@@ -137,6 +138,7 @@ def test_pitch_waves_of_as_many_teeth_on_either_gear() -> None:
     assert ("cumulative_pitch", 1) not in separability(limit, on("cumulative_pitch", 1.0, 2, order=2, phase=0.7))
 
 
+@pytest.mark.slow
 def test_pitch_and_crack_of_the_same_tooth() -> None:
     """0.41 at one torque, 0.73 with a light one; and only a tooth that lags can be a cracked one."""
     lags, crack = on("tooth_pitch", -3.0, 2, tooth=6), on("tooth_crack", 0.4, 2, tooth=6)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.errors import NotConvergedError
+from gearpoly.errors import SelfCheckError
 from gearpoly.gear.deviations import Deviations, tip_relief
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks
@@ -334,7 +334,7 @@ def test_a_bound_too_optimistic_is_found_out(shrunk: float, monkeypatch: pytest.
     monkeypatch.undo()
     right = r.fast()
     assert np.max(np.abs(wrong.rotation[wrong.first()] - right.rotation[right.first()])) > PROMISED
-    with pytest.raises(NotConvergedError, match="fault of one of them"):
+    with pytest.raises(SelfCheckError, match="Please report it"):
         r.check(wrong, samples=80)
 
 
@@ -347,7 +347,7 @@ def test_a_lost_tip_corner_is_found_out(blunt: str) -> None:
         for name, body in (("turning", r.turning), ("fixed", r.fixed))
     }
     wrong = Run(cut["turning"], cut["fixed"], r.how).fast()
-    with pytest.raises(NotConvergedError, match="fault of one of them"):
+    with pytest.raises(SelfCheckError, match="Please report it"):
         r.check(wrong, samples=120)
 
 
@@ -357,7 +357,7 @@ def test_a_pair_left_out_is_found_out() -> None:
     keep = fast.first()
     names = [name for name in Closings.__dataclass_fields__ if name != "positions"]
     fewer = Closings(positions=fast.positions, **{name: getattr(fast, name)[keep] for name in names})
-    with pytest.raises(NotConvergedError, match="fault of one of them"):
+    with pytest.raises(SelfCheckError, match="Please report it"):
         r.check(fewer, samples=30)
 
 

@@ -425,7 +425,7 @@ def test_bad_raw_channels(tmp_path: Path) -> None:
     lone = {name: values for name, values in good.items() if name not in ("driven_a", "driven_b")}
     assert "driven_index alone" in refusal(tmp_path, lone, keys(100, 100)).found
     counts = good | {"driven_count": theta}
-    assert "driven_a and driven_count" in refusal(tmp_path, counts, keys(100, 100)).found
+    assert "driven_counts_per_line" in refusal(tmp_path, counts, keys(100, 100)).found
     count = {"time_s": t, "driving_count": np.floor(theta * 100), "driven_angle_deg": theta}
     assert "driving_counts_per_line" in refusal(tmp_path, count, {"driving_lines": 100}).found
     bits = {"driving_lines": 100, "driving_counts_per_line": 4, "driving_count_bits": 4}

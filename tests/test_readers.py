@@ -21,7 +21,8 @@ from gearpoly.recording import reader
 from gearpoly.recording.read import find_reader, read_recording, readers
 from gearpoly.recording.recording import Recording
 from tests import recording_files as files
-from tests.made_readings import ARRAYS, EVERY, FORMATS, KEYS, SHARED, N, columns, needs, refusal, write
+from tests.at_hand import SHARED, SHIPPED, here
+from tests.made_readings import ARRAYS, EVERY, FORMATS, KEYS, N, columns, needs, refusal, write
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -63,8 +64,8 @@ def test_transmission_error_needs_one_angle_only(tmp_path: Path, name: str) -> N
     [
         ({"driven_angle_deg": None}, "no column driven_angle_deg"),
         ({"driven_angle_deg": None, "driven_angle": "driven_angle_deg"}, '"driven_angle"'),
-        ({"te_um": "time_s", "te_urad": "time_s"}, "te_um and te_urad"),
-        ({"driving_count": "time_s"}, "driving_angle_deg and driving_count"),
+        ({"te_arcsec": "time_s", "te_urad": "time_s"}, "te_urad and te_arcsec"),
+        ({"driving_count": "time_s"}, "driving_lines"),
         ({"driving_angle_deg": None, "driving_b": "time_s"}, "driving_b"),
     ],
 )
@@ -216,10 +217,9 @@ def test_a_pyarrow_that_unpickles_is_not_used(tmp_path: Path, monkeypatch: pytes
         read_recording(file)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not here")
-def test_shared_recordings_survive_every_format(tmp_path: Path) -> None:
-    for source in ("bench/control_inspected/rec_0.csv", "telescope/log01_as_eq6.csv"):
-        want = read_recording(SHARED / source)
+def test_recordings_survive_every_format(tmp_path: Path) -> None:
+    for source in here(SHIPPED / "healthy" / "rec_0.csv", SHARED / "telescope" / "log01_as_eq6.csv"):
+        want = read_recording(source)
         held: dict[str, npt.NDArray[np.float64]] = {}
         for field, name, unit in [
             ("time_s", "time_s", 1.0),

@@ -142,6 +142,7 @@ def test_what_a_resonance_adds_to_any_curve_is_its_equation_of_motion(in_mesh: f
     np.testing.assert_allclose(te + shafts.follows(te, step=2e-4), settling(shafts, te, t), atol=5e-6)
 
 
+@pytest.mark.slow
 def test_changes_are_magnified_at_times_that_do_not_come_evenly() -> None:
     """Several at once, as the equation of motion has them; straight lines between samples miss (w dt)^2 / 8 of them
     twice, once for each grid: a thousandth."""
@@ -207,7 +208,9 @@ def test_one_speed_measured_twice_is_one_speed(rpm: tuple[float, float], several
     assert bool(list(catalogue()["mesh_resonance"].places(scope))) is several
 
 
-@pytest.mark.parametrize("part", [1.0, 6.0, 150.0])
+@pytest.mark.parametrize(
+    "part", [pytest.param(1.0, marks=pytest.mark.slow), 6.0, pytest.param(150.0, marks=pytest.mark.slow)]
+)
 def test_swings_at_samples_are_those_of_a_far_finer_curve(part: float) -> None:
     """Rough teeth hand over in bends between which no places lie. A resonance at 1 and 6 times the mesh frequency
     does not follow them, one at 150 times it follows them at once: 128 places a pitch come within 0.015 um of 2048,
@@ -233,6 +236,7 @@ def test_swings_at_samples_are_those_of_a_far_finer_curve(part: float) -> None:
     assert error < (0.6 if part < 100.0 else 1.05) * before
 
 
+@pytest.mark.slow
 def test_a_speed_that_wobbles_by_a_thousandth_is_followed() -> None:
     """Beside a resonance of gain 6 a speed that goes up and down by 0.5 % puts side bands beside the mesh order: a
     twentieth of what swings, which settled swings at the mean speed lack and the equation of motion has."""

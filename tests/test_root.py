@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from gearpoly.errors import GeometryError
+from gearpoly.gear.deviations import Deviations, Index
 from gearpoly.gear.flank import Flanks, draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon, tooth_polygons
@@ -211,3 +212,22 @@ def test_full_radius_rack(alpha: float) -> None:
         gear = Gear(z=z, m=M, rack=rack)
         flanks = draw_flanks(gear, points=60)
         assert gear_polygon(flanks, -gear.tau * np.arange(z)).is_valid
+
+
+@pytest.mark.parametrize(("index", "past"), [(50.0, False), (70.0, True)])
+def test_a_root_turned_past_the_middle_of_its_space_stays_on_its_own_side(index: float, past: bool) -> None:
+    """Five teeth, shift -0.5: a root begins 12.87 mrad from the middle of its space, and an index deviation turns it by
+    its size over r_b = 5 cos(20 deg) = 4.70 mm: 60.5 um reach the middle."""
+    gear = Gear(z=5, m=2.0, x=-0.5)
+    drive = np.array([index, 0.0, 0.0, 0.0, 0.0]) * UM
+    flanks = draw_flanks(gear, Deviations(drive=(Index(drive),)), points=60)
+    root = slice(1, flanks.root.n)
+    turned = flanks.root.psi[root] + drive[0] / gear.r_b
+    assert (turned[0] > flanks.root.psi[0]) == past
+    here = turned <= flanks.root.psi[0]
+    # Rounding of angles near 1 rad.
+    np.testing.assert_allclose(flanks.psi_drive[0, root][here], turned[here], rtol=0.0, atol=1e-12)
+    assert (flanks.psi_drive <= flanks.root.psi[0]).all()
+    lines = np.arange(5) * gear.tau
+    tooth_polygons(flanks, lines)  # raises where an outline crosses itself
+    gear_polygon(flanks, lines)

@@ -76,6 +76,7 @@ def _resonance(file: PairFile) -> object:
     return made(frequency_hz=HZ, damping_ratio=DAMPING)
 
 
+@pytest.mark.slow
 def test_a_declared_resonance_leaves_noise_of_a_run_up(run_up: tuple[PairFile, PairFile, Recording]) -> None:
     """At one mean speed it would leave what the pair swings by, many times the noise."""
     known, true, recording = run_up

@@ -30,6 +30,7 @@ def found(known: PairFile, true: PairFile, folder: Path) -> Diagnosis:
     return diagnose(known, recordings, path=folder / "pair.toml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "says"),
     [

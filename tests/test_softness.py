@@ -97,6 +97,7 @@ def test_a_claim_that_bends_with_its_size_goes_only_where_all_fits_without_it(
     assert bool(claims) is stands
 
 
+@pytest.mark.slow
 def test_a_gap_across_the_face_is_told_from_soft_teeth(tmp_path: Path) -> None:
     """25 um at three torques, the pair declared straight: named, to twice what is stated, teeth as soft as declared."""
     known = rough((12, 16))

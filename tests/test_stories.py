@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 
+from tests.at_hand import SHARED
+
 STORIES = Path(__file__).resolve().parents[1] / "examples" / "stories"
-TELESCOPE = Path(__file__).resolve().parents[2] / "shared" / "recordings" / "telescope"
+TELESCOPE = SHARED / "telescope"
 
 
 def told(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, *more: Path) -> dict[str, Any]:

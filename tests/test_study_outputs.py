@@ -20,7 +20,8 @@ from gearpoly.positions import cycle_positions
 from gearpoly.simulate import simulate
 from gearpoly.study.composite import composite_tolerances, grade_of, own_curve, tooth_composite, total_composite
 from gearpoly.study.making import maker
-from gearpoly.study.outputs import PLAIN, Curves, output
+from gearpoly.study.outputs import PLAIN, Curves, describe, output
+from gearpoly.study.pictures import axis_label
 from gearpoly.study.pipeline import make_row
 from gearpoly.study.read import read_study
 from gearpoly.study.run import plan_study
@@ -114,6 +115,31 @@ def test_the_grade_of_a_tolerance_is_that_grade(edition: int) -> None:
     assert math.isnan(grade_of(1.0, 0, d=3.0, m=0.1, edition=edition, eps_alpha=1.5))
 
 
+def test_an_angle_of_either_shaft_is_the_arc_over_its_base_radius(pair: GearPair) -> None:
+    """By Eq. 16 a driving rotation is z_2/z_1 times the driven one; j_bn = r_b1 lost motion on the driving shaft."""
+    te = 30.0 * np.sin(2.0 * math.pi * _waves(pair))
+    curves = replace(_curves(pair, te), j_bn=np.array([20.0, 50.0, 110.0]) * UM)
+    arcmin = math.pi / 10800.0
+    r_b = {"driving": 11.0 * math.cos(math.radians(20.0)), "driven": 13.0 * math.cos(math.radians(20.0))}  # m z/2 cos
+    for shaft, radius in r_b.items():
+        found = {name: output(f"{name}_{shaft}_arcmin").read(curves)
+                 for name in ("te_pp", "lost_motion_least", "lost_motion_mean", "lost_motion_most")}  # fmt: skip
+        arcs = {"te_pp": 60e-3, "lost_motion_least": 20e-3, "lost_motion_mean": 60e-3, "lost_motion_most": 110e-3}
+        # 12 positions a mesh meet the sine's extremes, so nothing but rounding is left.
+        assert found == pytest.approx({name: arc / radius / arcmin for name, arc in arcs.items()}, rel=1e-9)
+        assert output(f"te_pp_{shaft}_urad").read(curves) == pytest.approx(60e-3 / radius * 1e6, rel=1e-9)
+
+
+def test_every_angle_names_its_shaft() -> None:
+    for name, one in PLAIN.items():
+        if one.unit in ("arcmin", "urad"):
+            shafts = [gear for gear in ("driving", "driven") if f"_{gear}_" in name]
+            assert len(shafts) == 1
+            assert f"{shafts[0]} shaft" in one.says
+            assert f"{shafts[0]} shaft" in describe(name)
+            assert f"{shafts[0]} shaft" in axis_label(name, line=200)
+
+
 def test_every_output_says_what_it_is() -> None:
     for name, one in PLAIN.items():
         assert one.says
@@ -123,7 +149,9 @@ def test_every_output_says_what_it_is() -> None:
 
 
 def test_a_row_is_what_simulate_gives_with_its_seed(tmp_path: Path) -> None:
-    names = ["te_pp_um", "te_pp_urad", "te_pp_arcmin", "te_mean_um", "backlash_least_um", "backlash_mean_um"]
+    theirs = {"te_pp_driven_urad": "te_pp_urad", "te_pp_driven_arcmin": "te_pp_arcmin",
+              "lost_motion_mean_driving_arcmin": "lost_motion_mean_arcmin"}  # fmt: skip
+    names = ["te_pp_um", "te_mean_um", "backlash_least_um", "backlash_mean_um", *theirs]
     plan = plan_study(read_study(write_study(tmp_path, f"outputs = {names}\n".replace("'", '"'))))
     for index in (0, 3):  # the first is certified, too
         row = make_row(plan, index)
@@ -134,7 +162,9 @@ def test_a_row_is_what_simulate_gives_with_its_seed(tmp_path: Path) -> None:
             evenly=False, fast=True, progress=lambda done: None,
         ).summary()  # fmt: skip
         for name, value in zip(names, row.outputs, strict=True):
-            assert value == pytest.approx(ran[name], abs=1e-8)  # 1e-12 rad, what both kernels agree to, times r_b2
+            assert value == pytest.approx(
+                ran[theirs.get(name, name)], abs=1e-8
+            )  # 1e-12 rad, what both kernels agree to, times r_b2
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])
@@ -197,6 +227,10 @@ def test_pairs_that_jam_or_cannot_be_made_are_rows_too(tmp_path: Path) -> None:
     row = make_row(plan_study(read_study(write_study(tmp_path, far))), 1)
     assert row.status == "refused"
     assert "reach" in row.reason
+    # Tip circles of 13.6 and 15.4 mm still overlap here, but between two teeth the gears turn freely.
+    row = make_row(plan_study(read_study(write_study(tmp_path, far.replace("60.0", "28.8")))), 1)
+    assert row.status == "no_contact"
+    assert "no drive flanks touch" in row.reason
 
 
 def test_measured_traces_travel_with_the_plan(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,13 @@ from typer.testing import CliRunner
 
 from gearpoly.cli import app
 from gearpoly.errors import InputFileError, OutOfRangeError
-from gearpoly.study.answers import answer
+from gearpoly.study.answers import Answers, answer
 from gearpoly.study.models import Limit
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
-from tests.study_files import GRADES, PAIR, write_study
+from gearpoly.study.statistics import share
+from gearpoly.study.yields import cheapest, yields
+from tests.study_files import GRADES, THICKNESS, write_study
 
 pytest.importorskip("pyarrow")
 
@@ -31,8 +34,13 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def test_groups_hold_the_rows_of_their_combination(table: Path) -> None:
-    answers = answer(table)
+@pytest.fixture(scope="module")
+def plain(table: Path) -> Answers:
+    return answer(table)
+
+
+def test_groups_hold_the_rows_of_their_combination(plain: Answers) -> None:
+    answers = plain
     found = answers.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um"])
     assert [group.label for group in answers.groups][:2] == [
         "grade = 5, driving.bore_mm = 6",
@@ -46,43 +54,143 @@ def test_groups_hold_the_rows_of_their_combination(table: Path) -> None:
         assert (group.pairs, group.done, group.jams, group.refused) == (12, 12, 0, 0)
 
 
-def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(table: Path) -> None:
-    plain = answer(table)
+def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(plain: Answers) -> None:
     worst = [
         max(g.sample("te_pp_um").values[-1] for g in plain.groups if g.values["driving.grade"] == n) for n in (5, 6, 7)
     ]
     limit = Limit(output="te_pp_um", at_most=0.5 * (worst[1] + worst[2]), share=0.7)
-    answers = answer(table, limits=[limit])
+    groups, design = plain.groups, plain.store.plan.design
+
+    def asked(limit: Limit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        (found,) = yields((limit,), groups, confidence=0.95)
+        grade = cheapest(found, groups, design)
+        assert grade is not None
+        return found.verdicts, grade.says
+
+    verdicts, says = asked(limit)
     # 12 of 12 leave 0.735 as the lower end: enough for a share of 0.7, not for one of 0.9.
-    assert [
-        v for v, g in zip(answers.yields[0].verdicts, answers.groups, strict=True) if g.values["driving.grade"] < 7
-    ] == ["keeps it"] * 4
-    assert len(answers.cheapest[0].says) == 2  # one for each bore
-    if answers.yields[0].verdicts[-1] != "keeps it":
-        assert "grade 6" in answers.cheapest[0].says[0]
-    strict = answer(table, limits=[limit.model_copy(update={"share": 0.9})])
-    assert "which so few pairs do not settle" in strict.cheapest[0].says[0]
-    none = answer(table, limits=[Limit(output="te_pp_um", at_most=0.01)])
-    assert none.cheapest[0].says[0].endswith("none of the grades keeps it")
+    assert [v for v, g in zip(verdicts, groups, strict=True) if g.values["driving.grade"] < 7] == ["keeps it"] * 4
+    assert len(says) == 2  # one for each bore
+    if verdicts[-1] != "keeps it":
+        assert "grade 6" in says[0]
+    assert "which so few pairs do not settle" in asked(limit.model_copy(update={"share": 0.9}))[1][0]
+    assert asked(Limit(output="te_pp_um", at_most=0.01))[1][0].endswith("none of the grades keeps it")
 
 
-def test_the_bore_drives_nothing_and_the_grade_much(table: Path) -> None:
-    indices = {one.factor: one for one in dict(answer(table).sensitivity)["te_pp_um"]}
+def test_the_bore_drives_nothing_and_the_grade_much(plain: Answers) -> None:
+    indices = {one.factor: one for one in dict(plain.sensitivity)["te_pp_um"]}
     assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)  # unloaded: no tooth bends
     assert indices["grade"].first.value > 0.1  # steps of 41 % in all deviations
     assert indices["grade"].first.value + indices["chance"].first.value <= 1.0 + 1e-9
 
 
-def test_pairs_that_jam_are_bad_ones(tmp_path: Path) -> None:
-    tight = '[[sweep]]\nkey = "driven.limits.E_sns_um"\nmethod = "list"\nvalues = [-60.0, 40.0]\n'
-    pair = PAIR.replace("grade = 6\n", "grade = 6\nlimits = { E_sns_um = 0.0, E_sni_um = -70.0 }\n")
-    run_study(read_study(write_study(tmp_path, OUTPUTS + tight, pair=pair, pairs=5)), out=tmp_path / "out")
-    answers = answer(tmp_path / "out", limits=[Limit(output="te_pp_um", at_most=1e6, share=0.5)])
-    jammed = answers.groups[1]
-    assert jammed.jams > 0
-    assert answers.yields[0].shares[1].value == pytest.approx(jammed.done / 5)
-    assert answers.reasons
-    assert "overlap" in answers.reasons[0][0]
+@pytest.fixture(scope="module")
+def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Four combinations of five pairs: all run, all refused, all refused, all jam."""
+    folder = tmp_path_factory.mktemp("mixed")
+    run_study(read_study(write_study(folder, THICKNESS, pairs=5)), out=folder / "out")
+    return folder / "out"
+
+
+def _limit(output: str = "te_pp_um", **bound: float) -> Limit:
+    return Limit(output=output, share=0.5, **bound)
+
+
+def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -> None:
+    answers = answer(mixed, limits=[_limit(at_most=1e6)])
+    assert [(g.pairs, g.done, g.jams, g.refused) for g in answers.groups] == [
+        (5, 5, 0, 0), (5, 0, 0, 5), (5, 0, 0, 5), (5, 0, 5, 0),
+    ]  # fmt: skip
+    (found,) = answers.yields
+    assert found.judged == (5, 0, 0, 5)
+    assert found.shares[0] == share(5, 5)
+    assert found.shares[3] == share(0, 5)
+    assert found.verdicts == (
+        "probably keeps it",
+        "no pair could be drawn",
+        "no pair could be drawn",
+        "probably does not",
+    )
+    half = float(np.median(answers.groups[0].sample("te_pp_um").values))
+    assert answer(mixed, limits=[_limit(at_most=half)]).yields[0].shares[0] == share(3, 5)
+
+
+def test_pairs_that_come_out_of_mesh_are_bad_ones(plain: Answers) -> None:
+    apart = replace(plain.groups[0], pairs=15, no_contact=3)
+    (found,) = yields((_limit(at_most=1e6),), (apart,), confidence=0.95)
+    assert found.judged == (15,)
+    assert found.shares == (share(12, 15),)
+
+
+def test_reasons_that_differ_in_numbers_alone_are_one_cause(mixed: Path) -> None:
+    refused, jams = answer(mixed).causes
+    assert (refused.status, refused.pairs, refused.index) == ("refused", 10, 1)
+    assert refused.values["driven.limits.E_sns_um"] == -60.0
+    assert "no gear passes: E_s from -90.00 to -60.00 um" in refused.reason
+    assert (jams.status, jams.pairs, jams.index) == ("jams", 5, 3)
+    assert jams.seed == refused.seed  # draws are shared, so both are draw 0
+
+
+def test_the_report_begins_with_what_was_refused_and_why(mixed: Path, tmp_path: Path) -> None:
+    page, out = tmp_path / "page.html", tmp_path / "all.json"
+    arguments = [str(mixed), "--html", str(page), "--json", str(out), "--limit", "te_pp_um<=60"]
+    ran = CliRunner().invoke(app, ["study-report", *arguments])
+    assert ran.exit_code == 0, ran.output
+    said = " ".join(ran.output.split())
+    text = page.read_text(encoding="utf-8")
+    for shown, first_number in ((said, "median"), (text, "<h2>Yield")):
+        at = [shown.index(part) for part in ("10 of 20 pairs are refused", "5 of 20 pairs were drawn", "no gear passes",
+              "row 1 (driven.limits.E_sns_um = -60, ", "overlap", first_number)]  # fmt: skip
+        assert at[:3] == sorted(at[:3])
+        assert max(at[:-1]) < at[-1]
+        assert "0 of 5 pairs judged; 5 refused" in shown
+    found = json.loads(out.read_text(encoding="utf-8"))
+    assert list(found).index("failures") < list(found).index("groups")
+    assert [(one["status"], one["pairs"], one["example"]["index"]) for one in found["failures"]] == [
+        ("refused", 10, 1), ("jams", 5, 3),
+    ]  # fmt: skip
+    assert [one["judged"] for one in found["yields"][0]["groups"]] == [5, 0, 0, 5]
+    assert found["yields"][0]["groups"][1]["share"]["value"] is None
+
+
+def test_an_output_that_no_pair_has_judges_none(mixed: Path) -> None:
+    """Without a torque there is no load to share; that makes no gear a bad one."""
+    answers = answer(mixed, limits=[_limit("load_share_peak", at_most=0.9)])
+    assert answers.yields[0].judged[0] == 0
+    assert answers.yields[0].verdicts[0] == "no pair has this output"
+
+
+def test_sensitivity_says_on_how_much_it_rests(mixed: Path) -> None:
+    answers = answer(mixed)
+    assert "no sensitivity: none of 5 draws has a result in every combination" in answers.remarks
+    assert not any(indices for _, indices in answers.sensitivity)
+
+
+def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -> None:
+    found = plain.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um", "backlash_least_um"])
+    te, gap = (float(np.median(found[name])) for name in ("te_pp_um", "backlash_least_um"))
+    limits = [
+        Limit(output="te_pp_um", at_most=te, share=0.9),
+        Limit(output="backlash_least_um", at_least=gap, share=0.2),
+    ]
+    answers = answer(table, limits=limits)
+    assert [len(one.limits) for one in answers.yields] == [1, 1, 2]
+    together = answers.yields[2]
+    assert together.share == 0.2  # no more pairs keep both than keep the one of which least is asked
+    assert together.words.startswith("all 2 limits together: te_pp_um at most")
+    for group, kept in zip(answers.groups, together.shares, strict=True):
+        mine = (found["driving.grade"] == group.values["driving.grade"]) & (
+            found["driving.bore_mm"] == group.values["driving.bore_mm"]
+        )
+        good = int(np.sum((found["te_pp_um"][mine] <= te) & (found["backlash_least_um"][mine] >= gap)))
+        assert kept == share(good, 12)
+    # Shares on their own do not say it: in some group they cannot both be of the same pairs.
+    assert any(
+        both.value < min(one.value, two.value)
+        for one, two, both in zip(*(y.shares for y in answers.yields), strict=True)
+    )
+    assert len(answers.cheapest) == 3
+    assert [len(one.limits) for one in yields((limits[0],), plain.groups, confidence=0.95)] == [1]
 
 
 def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
@@ -137,6 +245,7 @@ def test_commands_from_end_to_end(tmp_path: Path) -> None:
     ran = CliRunner().invoke(app, ["study", str(study), "--out", str(out), "--workers", "1", "--csv", str(csv)])
     assert ran.exit_code == 0, ran.output
     assert "2 pairs (1 combination), 2 of them made now" in ran.output
+    assert ran.stderr.splitlines() == [f"wrote {out}: the table, in rows/", f"wrote {csv}: the table as CSV"]
     lines = csv.read_text().splitlines()
     assert lines[0] == "index,combination,draw,seed,status,reason,te_pp_um,backlash_least_um"
     assert len(lines) == 3
@@ -161,3 +270,20 @@ def test_an_unfinished_study_says_so(tmp_path: Path) -> None:
     document = json.loads(manifest.read_text()) | {"finished": False, "rows": 9}
     manifest.write_text(json.dumps(document))
     assert "3 of 9 pairs are there" in answer(tmp_path / "out").remarks[0]
+
+
+@pytest.mark.slow
+def test_a_robot_joint_of_6_arcmin_at_the_output_wants_grade_4(tmp_path: Path) -> None:
+    """What docs/studies.md says of data/studies/robot_joint.toml, from the first 20 of its 100 pairs a grade."""
+    data = Path(__file__).parents[1] / "data"
+    text = (data / "studies" / "robot_joint.toml").read_text(encoding="utf-8").replace("pairs = 100", "pairs = 20")
+    (tmp_path / "study.toml").write_text(text.replace("../pairs", str(data / "pairs")), encoding="utf-8")
+    run_study(read_study(tmp_path / "study.toml"), out=tmp_path / "out")
+    answers = answer(tmp_path / "out")
+    medians = [dict(g.sample("lost_motion_most_driven_arcmin").percentiles)[50.0] for g in answers.groups]
+    for found, stated in zip(medians, (3.88, 4.57, 5.94, 7.57, 9.95), strict=True):
+        assert found.low <= stated <= found.high
+    for group in answers.groups:  # 20 and 100 teeth: five times the angle on the input
+        on_input, on_output = (group.ran[f"lost_motion_most_{shaft}_arcmin"] for shaft in ("driving", "driven"))
+        np.testing.assert_allclose(on_input, 5.0 * on_output, rtol=1e-12)  # rounding
+    assert "grade 4" in answers.cheapest[-1].says[0]

@@ -61,6 +61,7 @@ def test_it_says_which_recordings_drift() -> None:
     assert "recordings 0, 2 and 3, alike," in some.says
 
 
+@pytest.mark.slow
 def test_recordings_that_drift_each_by_itself_are_one_finding() -> None:
     """Of three recordings two drift, differently: one entry, whose errors hold both sizes, and whose loss is both's."""
     known = rough()

@@ -112,7 +112,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Shown]:
             assemble(file, path=path, seed=1),
             name=file.name,
             path=path,
-            torque=file.pair.torque_nm * NM,
+            torque=file.torque_nm * NM,
             flank=flank,
             seed=1,
             progress=quiet,

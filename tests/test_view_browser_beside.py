@@ -93,8 +93,8 @@ def beside(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Comparison, 
     laid = lay_beside(read_pair(made.declared), [read_recording(made.recording)], path=made.declared)
     none = np.empty(0)
     located = Located(
-        entries=ENTRIES, noises=(), noise_level=0.2 * UM, maps=(), as_built=none, as_built_std=none, left=(),
-        residual_rms=laid.aligned[0].rms, repeatable_rms=None,
+        entries=ENTRIES, where=ENTRIES, divisions=(), noises=(), noise_level=0.2 * UM, maps=(), as_built=none,
+        as_built_std=none, left=(), residual_rms=laid.aligned[0].rms, repeatable_rms=None,
     )  # fmt: skip
     comparison = Comparison(**{field.name: getattr(laid, field.name) for field in fields(laid)}, located=located)
     page = made.declared.with_suffix(".html")

@@ -23,15 +23,14 @@ def compare(
     ] = None,
 ) -> None:
     """Lay recordings on the simulation of their pair and say where they differ, against the noise."""
-    from rich.console import Console
-
     from gearpoly.compare.compare import compare as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.compare_report import json_text, print_comparison
     from gearpoly.report.progress import steps
+    from gearpoly.report.terminal import Terminal
 
     check_targets([json, plot], inputs=[pair, *recordings])
     if plot is not None:
@@ -42,10 +41,14 @@ def compare(
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        comparison = run(file, [read_recording(recording) for recording in recordings], path=pair, step=step)
+        comparison = run(
+            file, [read_recording(recording, worm=file.worm) for recording in recordings], path=pair, step=step
+        )
     if json is not None:
         write_text(json, json_text(comparison))
     if plot is not None:
         plot_comparison(comparison, target=plot)
     if str(json) != "-":
-        print_comparison(Console(markup=False), comparison)
+        print_comparison(Terminal(), comparison)
+    say_written(json, "alignment, noise and where they differ")
+    say_written(plot, "maps by tooth and phase, spectra")

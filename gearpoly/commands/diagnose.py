@@ -22,34 +22,39 @@ def diagnose(
     fitted: Annotated[
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
+    within: Annotated[
+        float, typer.Option(min=1.0, metavar="SECONDS", help="Look no longer than so many seconds of work.")
+    ] = 120.0,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
-    from rich.console import Console
-
     from gearpoly.diagnose.diagnose import diagnose as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import dump_pair, moved, read_pair
     from gearpoly.recording.read import read_recording
     from gearpoly.report.diagnosis_page import page
     from gearpoly.report.diagnosis_report import json_text, print_diagnosis
     from gearpoly.report.progress import steps
+    from gearpoly.report.terminal import Terminal
 
     check_targets([json, html, fitted], inputs=[pair, *recordings])
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        read = [read_recording(recording) for recording in recordings]
-        diagnosis = run(file, read, path=pair, step=step, reached=step.reached)
+        read = [read_recording(recording, worm=file.worm) for recording in recordings]
+        diagnosis = run(file, read, path=pair, step=step, reached=step.reached, within=within)
     # All are made before any is written.
-    made: list[tuple[Path, str]] = []
+    made: list[tuple[Path, str, str]] = []
     if fitted is not None:
-        made.append((fitted, dump_pair(moved(diagnosis.fitted, source=pair, target=fitted))))
+        text = dump_pair(moved(diagnosis.fitted, source=pair, target=fitted))
+        made.append((fitted, text, "the pair file with what was missing in it"))
     if json is not None:
-        made.append((json, json_text(diagnosis)))
+        made.append((json, json_text(diagnosis), "the verdict"))
     if html is not None:
-        made.append((html, page(diagnosis)))
-    for target, text in made:
+        made.append((html, page(diagnosis), "the verdict as a page, open it in a browser"))
+    for target, text, _ in made:
         write_text(target, text)
-    if all(str(target) != "-" for target, _ in made):
-        print_diagnosis(Console(markup=False), diagnosis)
+    if all(str(target) != "-" for target, _, _ in made):
+        print_diagnosis(Terminal(), diagnosis)
+    for target, _, what in made:
+        say_written(target, what)

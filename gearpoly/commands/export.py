@@ -63,6 +63,7 @@ def export(
     from gearpoly.export.outline import Detail
     from gearpoly.export.write import check
     from gearpoly.export.write import export as run
+    from gearpoly.files.output import say_written
     from gearpoly.files.pairfile import read_pair
     from gearpoly.units import DEG, UM
 
@@ -79,4 +80,4 @@ def export(
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
     written = run(assembled, to, request, title=file.name, source=str(pair), seed=seed, curves=chosen)
-    typer.echo(written.says)
+    say_written(to, written.says)

@@ -15,14 +15,13 @@ def plan(
     json: Annotated[Path | None, typer.Option(help="Write the plan (JSON; - for standard output).")] = None,
 ) -> None:
     """Say which recordings would tell the pair's look-alikes apart."""
-    from rich.console import Console
-
     from gearpoly.diagnose.plan import plan as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.plan_report import json_text, print_plan
     from gearpoly.report.progress import steps
+    from gearpoly.report.terminal import Terminal
 
     check_targets([json], inputs=[pair])
     file = read_pair(pair)
@@ -31,4 +30,5 @@ def plan(
     if json is not None:
         write_text(json, json_text(made))
     if str(json) != "-":
-        print_plan(Console(markup=False), made)
+        print_plan(Terminal(), made)
+    say_written(json, "the plan")

@@ -41,7 +41,7 @@ def plot(
 
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_targets
+    from gearpoly.files.output import check_targets, say_written
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report import gear_plots
     from gearpoly.report.plots import check_format, save
@@ -62,4 +62,4 @@ def plot(
         else:
             figure = gear_plots.mesh_figure(assembled, at * DEG, flank=side, name=file.name)
     save(figure, to)
-    typer.echo(f"{to}: {what.value}")
+    say_written(to, what.value)

@@ -24,25 +24,32 @@ def prove(
     on: Annotated[
         Path | None, typer.Option(help="Score a folder of NAME/pair.toml, NAME/rec_K.csv and NAME.truth.json instead.")
     ] = None,
+    real: Annotated[
+        Path | None, typer.Option(help="Score a folder of real recordings with NAME.judgement.json instead.")
+    ] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=1)] = None,
     out: Annotated[Path | None, typer.Option(help="Folder of cases and verdicts; a killed run goes on there.")] = None,
 ) -> None:
     """Conceal effects, diagnose them, open the truths, and print the scoreboard."""
     import os
     import sys
+    from json import dumps
 
-    from rich.console import Console
-
-    from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.errors import GearpolyError, OutOfRangeError
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.prove.board import board_json
     from gearpoly.prove.page import board_text
+    from gearpoly.prove.real import prove_real, real_json
     from gearpoly.prove.run import prove_folder, prove_ground
-    from gearpoly.prove.show import print_board
+    from gearpoly.prove.show import print_board, print_real
+    from gearpoly.report.terminal import Terminal
     from proving.grounds import BENCH, GROUNDS
 
     if json is not None:
         check_target(json)
+    if real is not None and (on is not None or quick or seed is not None or ground is not None):
+        wish = "it goes without --on, --quick, --seed and --ground"
+        raise OutOfRangeError(f"--real scores a folder of judged recordings; {wish}")
     if on is not None and quick:
         raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
     if on is not None and seed is not None:
@@ -56,14 +63,28 @@ def prove(
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
     stream = sys.stderr if str(json) == "-" else sys.stdout
-    console = Console(file=stream, width=None if stream.isatty() else 160, markup=False)
+    console = Terminal(file=stream, width=None if stream.isatty() else 160)
 
     def say(what: str) -> None:
         console.print(what, highlight=False, soft_wrap=True)
 
     count = workers or os.cpu_count() or 1
+    if real is not None:
+        place = out or Path("out") / "prove" / f"real-{real.resolve().name}"
+        scores, wrong = prove_real(real, out=place, workers=count, say=say)
+        if json is not None:
+            write_text(json, dumps(real_json(scores), indent=1))
+        if str(json) != "-":
+            print_real(console, scores)
+        sys.stdout.flush()
+        say_written(place, "verdicts")
+        say_written(json, "the scores")
+        if wrong:
+            # The others are scored; what could not be read is said last, where it is seen.
+            raise GearpolyError("; ".join(wrong))
+        return
     if on is not None:
-        place = out or Path("out") / "prove" / f"on-{on.resolve().name}"
+        place = out or Path("out") / "prove" / f"on-{os.path.basename(os.path.abspath(on))}"
         proof = prove_folder(on, out=place, workers=count, say=say)
     else:
         which = "" if ground == BENCH else f"{ground}-"
@@ -75,3 +96,5 @@ def prove(
     if str(json) != "-":
         print_board(console, board)
     sys.stdout.flush()
+    say_written(place, "cases and verdicts")
+    say_written(json, "the scoreboard")

@@ -35,7 +35,7 @@ def simulate(
     ] = None,
     turns: Annotated[
         float | None,
-        typer.Option(help="Turns of the driven gear; default: a whole hunting cycle.", min=0.0),
+        typer.Option(help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=0.0),
     ] = None,
     points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
@@ -44,18 +44,21 @@ def simulate(
         typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
     ] = False,
     seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+    every_default: Annotated[
+        bool, typer.Option("--defaults", help="List every value that the pair file left to its default.")
+    ] = False,
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
     import numpy as np
-    from rich.console import Console
 
     from gearpoly import positions
-    from gearpoly.assemble import assemble
+    from gearpoly.assemble import assemble, root_remarks
     from gearpoly.errors import OutOfRangeError, blamed
-    from gearpoly.files.output import check_targets, write_text
+    from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
+    from gearpoly.report.terminal import Terminal
     from gearpoly.simulate import simulate as run
     from gearpoly.simulate import strength_remarks
     from gearpoly.units import NM, RPM
@@ -73,7 +76,7 @@ def simulate(
     remarks: list[str] = []
     time = off = None
     backward = False
-    torque, speed = file.pair.torque_nm, file.pair.speed_rpm
+    torque, speed = file.torque_nm, file.pair.speed_rpm
     side = flank.value if flank is not None else "drive"
     if at is not None:
         if turns is not None or points_per_mesh is not None:
@@ -83,7 +86,10 @@ def simulate(
         from gearpoly.recording.read import read_recording
 
         recording = corrected(
-            read_recording(at), *assembled.encoders, ratio=assembled.pair.ratio, r_b2=assembled.pair.r_b2
+            read_recording(at, worm=file.worm),
+            *assembled.encoders,
+            ratio=assembled.pair.ratio,
+            r_b2=assembled.pair.r_b2,
         )
         there = positions.recording_positions(assembled.pair, recording)
         theta_2, time = there.theta_2, there.time
@@ -99,7 +105,7 @@ def simulate(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
     to_stdout = any(str(target) == "-" for target in outputs)
-    console = Console(stderr=to_stdout, markup=False)
+    console = Terminal(stderr=to_stdout)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,
@@ -115,7 +121,7 @@ def simulate(
             backward=backward,
             progress=progress,
         )
-    remarks += strength_remarks(simulation)
+    remarks += root_remarks(file) + strength_remarks(simulation)
     defaults = effective_defaults(file)
     if csv is not None:
         write_text(csv, csv_text(simulation))
@@ -126,4 +132,7 @@ def simulate(
     if not to_stdout:
         from gearpoly.report.summary import print_summary
 
-        print_summary(console, simulation, name=file.name, defaults=defaults, remarks=remarks)
+        print_summary(console, simulation, name=file.name, defaults=defaults, listed=every_default, remarks=remarks)
+    say_written(csv, "TE, backlash and touching pairs over the driven angle")
+    say_written(json, "curves, contacts and key figures")
+    say_written(plot, "curves of TE, backlash and touching pairs")

@@ -22,10 +22,9 @@ def study(
     """Draw and sweep thousands of pairs; gearpoly study-report reads the answers off them."""
     import os
 
-    from rich.console import Console
-
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target
+    from gearpoly.files.output import check_target, say_written
+    from gearpoly.report.terminal import Terminal
     from gearpoly.study.read import read_study
     from gearpoly.study.run import run_study
     from gearpoly.study.summary import print_outcome
@@ -37,4 +36,6 @@ def study(
     outcome = run_study(read_study(study), out=out, workers=workers or os.cpu_count() or 1, scheduler=scheduler)
     if csv is not None:
         outcome.store.to_csv(csv)
-    print_outcome(Console(markup=False), outcome)
+    print_outcome(Terminal(), outcome)
+    say_written(outcome.store.folder, "the table, in rows/")
+    say_written(csv, "the table as CSV")

@@ -23,9 +23,8 @@ def study_report(
     """Percentiles with their intervals, yield, cheapest grade, sensitivity; as text, page and JSON."""
     from json import dumps
 
-    from rich.console import Console
-
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
+    from gearpoly.report.terminal import Terminal
     from gearpoly.study.answers import answer
     from gearpoly.study.answers_json import answers_json
     from gearpoly.study.page import write_page
@@ -40,6 +39,8 @@ def study_report(
     if json is not None:
         write_text(json, dumps(answers_json(answers), allow_nan=False, indent=1))
     if str(json) != "-":
-        console = Console(markup=False)
+        console = Terminal()
         # Tables of intervals are wider than the 80 columns that a pipe is taken for.
-        print_answers(console if console.is_terminal else Console(width=120, markup=False), answers, page=page)
+        print_answers(console if console.is_terminal else Terminal(width=120), answers)
+    say_written(page, "the answers as a page, open it in a browser")
+    say_written(json, "the answers")

@@ -29,13 +29,12 @@ def view(
     seed: Annotated[int | None, typer.Option(help="Decides what a grade leaves to chance; default 0.", min=0)] = None,
 ) -> None:
     """Write the contact debugger: gears, contacts, gaps and TE in one page that any browser opens from disk."""
-    from rich.console import Console
-
     from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, write_text
+    from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.progress import steps, watched
+    from gearpoly.report.terminal import Terminal
     from gearpoly.units import NM
     from gearpoly.view.document import document
     from gearpoly.view.html import page_text
@@ -58,7 +57,7 @@ def view(
 
         with steps() as step:
             step("reading")
-            comparison = compare(file, [read_recording(recording)], path=pair, step=step)
+            comparison = compare(file, [read_recording(recording, worm=file.worm)], path=pair, step=step)
         with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
             scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
     else:
@@ -68,7 +67,7 @@ def view(
                 assembled,
                 name=file.name,
                 path=pair,
-                torque=file.pair.torque_nm * NM,
+                torque=file.torque_nm * NM,
                 at_deg=at,
                 flank="coast" if flank == FlankChoice.coast else "drive",
                 seed=seed or 0,
@@ -77,9 +76,7 @@ def view(
     text = page_text(document(scene))
     write_text(target, text)
     if str(target) != "-":
-        console = Console(markup=False)
-        console.print(
-            f"{target}: {len(text.encode()) / 1e6:.2f} MB, open it in a browser", highlight=False, soft_wrap=True
-        )
+        console = Terminal()
         for remark in scene.remarks:
             console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
+    say_written(target, f"{len(text.encode()) / 1e6:.2f} MB, open it in a browser")

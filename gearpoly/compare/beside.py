@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.angles import smoothed
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.even import even_rate
 from gearpoly.compare.locate import Located
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
@@ -16,16 +19,21 @@ from gearpoly.mesh.pair import Flank
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import FloatArray
 
+COARSE = 0.1
+"""Part of what a recording differs by, rms, from which the rounding of its readings is worth a word: it then holds a
+hundredth of the mean square."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Aligned:
     """One recording beside its simulation, sample by sample (n,).
 
-    ``theta_1``, ``theta_2`` in rad, 0 at the contract's angle zero; ``recorded``, ``simulated`` and ``residual`` (their
-    difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm, ``speed`` of the driving
-    shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in mm what a resonance adds
-    to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording, as a part of it. Arrays
-    are taken over, and sealed; what follows from others is worked out when asked for, since recordings are long.
+    ``theta_1``, ``theta_2`` in rad, as estimated, 0 at the contract's angle zero; ``recorded``, ``simulated`` and
+    ``residual`` (their difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm,
+    ``speed`` of the driving shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in
+    mm what a resonance adds to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording,
+    as a part of it, ``steps`` in rad to which both shafts' readings are rounded, where that shows. Arrays are taken
+    over, and sealed; what follows from others is worked out when asked for, since recordings are long.
     """
 
     cleaned: Cleaned
@@ -39,6 +47,7 @@ class Aligned:
     template: Template
     swings: FloatArray | None = None
     load: FloatArray | None = None
+    steps: tuple[float | None, float | None] = (None, None)
 
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):
@@ -56,8 +65,8 @@ class Aligned:
 
     @property
     def theta_1(self) -> FloatArray:
-        """Driving rotation (n,) in rad."""
-        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
+        """Driving rotation (n,) in rad, as estimated: without the noise of single samples."""
+        return np.asarray((self.theta_2 - smoothed(self.recorded) / self.r_b2) / self.cleaned.ratio)
 
     @property
     def simulated(self) -> FloatArray:
@@ -88,6 +97,38 @@ class Aligned:
     def rms(self) -> float:
         """Rms of the residual about its mean, mm."""
         return float(np.std(self.residual))
+
+    @property
+    def _errors(self) -> tuple[float, float]:
+        """Range in rad of what rounding makes of either reading: a step, but of readings that were kept where they
+        change no more than the shaft turned since the sample before."""
+        samples = max(float(np.ptp(self.cleaned.keep)), 1.0)
+        first, second = (
+            min(step or 0.0, float(np.ptp(angle)) / samples)
+            for angle, step in zip((self.cleaned.theta_1, self.cleaned.theta_2), self.steps, strict=True)
+        )
+        return first, second
+
+    @property
+    def rounding(self) -> float:
+        """What the rounding of both readings makes of the transmission error, mm rms: evenly spread over its range."""
+        first, second = self._errors
+        return math.hypot(self.cleaned.ratio * first, second) / math.sqrt(12.0) * self.r_b2
+
+    @property
+    def stepped(self) -> bool:
+        """Whether the readings' rounding may make waves of any order: it is a good part of the mismatch, and samples
+        come so evenly that it follows a pattern."""
+        if self.rounding < COARSE * self.rms:
+            return False
+        angles = zip((self.theta_1, self.theta_2), self.steps, strict=True)
+        return any(even_rate(angle, rounding=(step or 0.0) / math.sqrt(12.0)) is not None for angle, step in angles)
+
+    @property
+    def coarse(self) -> float:
+        """The largest wave in mm that the rounding of both readings makes where they are ``stepped``: the first
+        harmonic of a saw tooth of one step, of an amplitude of a step over pi."""
+        return self.rounding * math.sqrt(12.0) / math.pi if self.stepped else 0.0
 
     @property
     def cycles(self) -> float:
@@ -134,7 +175,11 @@ class Comparison(Beside):
 
     def moved(self, offset: float) -> Comparison:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together."""
-        there = self._with(self.alignment.moved(offset, ratio=self._ratio, directions=self._directions))
+        there = self._with(
+            self.alignment.moved(
+                offset, ratio=self._ratio, directions=self._directions, z=(self.gears[0].z, self.gears[1].z)
+            )
+        )
         return replace(there, aligned=tuple(one.moved(offset) for one in self.aligned))
 
     def turned(self, by: float) -> Comparison:

@@ -35,6 +35,10 @@ SURELY = math.log(1e-6)
 than those of normal numbers, and of 53 healthy recordings of a bench three had a stretch of one in 1e5 to 1e12 that
 corners make as teeth meet."""
 
+SEEN = 3.0
+"""Standard errors that a burst's amplitude has to be: where noise is coloured, stretches are loud once white whose own
+mean square is no more than usual."""
+
 TONE = 8.0
 """Power of the strongest line of a burst over the mean of all its lines from which it rings at that frequency: of 200
 lines of noise one in 15 bursts has such a one."""
@@ -64,7 +68,8 @@ def burst_entries(k: int, data: AlignedResidual, left: FloatArray, noise: Noise,
         if len(found) == MOST:
             return []
         found.append(one)
-    return [_entry(k, data, left, white, noise, one) for one in found]
+    entries = [_entry(k, data, left, white, noise, one) for one in found]
+    return [e for e in entries if (e.amplitude_um or 0.0) > SEEN * (e.std_um or 0.0)]
 
 
 def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> _Stretch | None:

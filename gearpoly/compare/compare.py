@@ -9,16 +9,19 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gear, stated_limits
+from gearpoly.assemble import Assembled, nominal_gears, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.angles import driven_share, smoothed
 from gearpoly.compare.beside import Aligned, Beside, Comparison
+from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
+from gearpoly.compare.remarks import remarks
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
-from gearpoly.compare.stated import refuse_twins, speed_remarks
+from gearpoly.compare.stated import refuse_twins
 from gearpoly.compare.template import Condition, Template, templates_of
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
@@ -31,17 +34,15 @@ from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.load import most_off, relative_load
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.rounding import reading_step
 from gearpoly.simulate import SWINGS_PER_MESH, swings_at
-from gearpoly.units import DEG, NM, RPM, UM, FloatArray
+from gearpoly.units import NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64
 """Samples from which a noise spectrum can be estimated at all."""
 
 COMPLIANCE_DOUBT = 0.10
 """Relative one-sigma doubt about a declared compliance: what a beam, a finite-element tooth and ISO 6336 differ by."""
-
-VARIES = 0.02
-"""Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
 
 
 Step = Callable[[str], None]
@@ -82,6 +83,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
+    recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
     for one in cleaned:
@@ -89,7 +91,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     refuse_twins(cleaned)
-    torques = [recorded_torque(one.recording, default=file.pair.torque_nm) * NM for one in cleaned]
+    torques = [recorded_torque(one.recording, default=file.torque_nm) * NM for one in cleaned]
     step("turning the gears through a hunting cycle")
     stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
     # What swings in a run-up never comes again, so templates are of the mesh alone.
@@ -149,7 +151,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         aligned=aligned,
         alignment=alignment,
         gears=gears,
-        remarks=(*jam_remarks(pair), *_remarks(file, aligned, alignment, base)),
+        remarks=(*jam_remarks(pair), *remarks(file, aligned, alignment, base)),
     )
 
 
@@ -161,6 +163,10 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     counted = not recording.computed
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
+    # A transmission error that the rig computed brings its noise to the shaft that was not read.
+    share = driven_share(one.theta_1, one.theta_2, ratio=cycle.ratio) if counted else float(not driven)
+    if share > 0.0:
+        theta_2 = theta_2 - share * (one.te - smoothed(one.te))
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
     if drift:
         x = one.theta_2 if one.time_s is None else one.time_s
@@ -247,7 +253,17 @@ def _aligned(
         template=curve.template,
         swings=swings,
         load=load,
+        steps=_steps(one),
     )
+
+
+def _steps(one: Cleaned) -> tuple[float | None, float | None]:
+    """The steps in rad of both shafts' readings, where they show."""
+    read = one.recording.driving_angle_rad is not None, one.recording.driven_angle_rad is not None
+    first, second = (
+        reading_step(angle) if there else None for angle, there in zip((one.theta_1, one.theta_2), read, strict=True)
+    )
+    return first, second
 
 
 def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResidual:
@@ -279,6 +295,7 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
         speed=one.speed,
         flank=one.flank,
         sharing=one.template.sharing,
+        coarse=one.coarse,
         contact=one.template.sharing.contact,
         changes=changes if alignment.phased or template.rigid is not None else None,
         # The length of the path between the base circles is sqrt(a^2 - (r_b1 + r_b2)^2).
@@ -294,8 +311,8 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
         )
     if section.grade is None and section.limits is None:
         return GearKnown(z=section.teeth, zero=zero, direction=direction)
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
-    mine = nominal_gear(section)
+    gears = nominal_gears(file)
+    mine = gears[0 if section is file.driving else 1]
     limits = stated_limits(section, mine, a=tight_centre_distance(*gears))
     return GearKnown(
         z=section.teeth,
@@ -310,48 +327,3 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
 def _pitch_wave(section: GearSection, file: PairFile) -> float:
     """First order of a gear's index deviations that nobody inspected, mm."""
     return PITCH_WAVE * (_known(section, file, None, 1).F_pT or 0.0)
-
-
-def _remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, base: Base) -> list[str]:
-    out = []
-    for name, section in (("driving", file.driving), ("driven", file.driven)):
-        if section.inspection is None and (section.grade is not None or section.limits is not None):
-            out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
-    for k, one in enumerate(aligned):
-        samples = one.cleaned.torque_nm
-        if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
-            out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")
-        if samples is None or not np.isfinite(samples).any():
-            continue
-        spread = float(np.nanstd(samples))
-        if spread * NM > VARIES * max(one.torque, NM):
-            out.append(
-                f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}, and is followed"
-            )
-    out += speed_remarks(aligned)
-    wrong = alignment.contradicted
-    if wrong is not None:
-        places = [
-            f"{name}_zero_deg = {zero / DEG:.2f}"
-            for name, zero in (("driving", wrong.driving), ("driven", wrong.driven))
-            if zero is not None
-        ]
-        out.append(
-            f"the curves fit much better ({wrong.rms / UM:.2f} um rms instead of {alignment.zeros.rms / UM:.2f}) with "
-            f"{' and '.join(places)}, more than half a tooth from what is stated; check the stated zeros"
-        )
-    if not alignment.phased and alignment.rough:
-        to = [
-            f"the {name} shaft to {std / DEG:.{1 if std < 10.0 * DEG else 0}f} deg"
-            for name, std in (("driving", alignment.std_driving), ("driven", alignment.std_driven))
-        ]
-        out.append(
-            f"the curves place {' and '.join(to)} only, since a coupling or encoder off its axis would look alike"
-        )
-    elif not alignment.phased:
-        kept = base.driving is not None or base.driven is not None
-        out.append(
-            "the simulated curve is too flat to place the teeth: "
-            + ("the stated zeros are kept" if kept else "no zero is stated either, so tooth numbers mean nothing")
-        )
-    return out

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import chi2 as chi2_law
 
 from gearpoly.compare.entries import Entry, Gear, named
+from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
@@ -38,6 +39,9 @@ SEEN = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
 
+HALF_A_LINE = 0.5
+"""Independent lines, one per record, within which two orders are not told apart by their place alone."""
+
 SLOW_LINES = 25
 """Turns of the record up to which the noise's wandering is read off for its power law."""
 
@@ -65,7 +69,7 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     return amplitude, std, math.atan2(ab[1], ab[0]), square
 
 
-def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
+def kind_of(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
     """Kind, gear, order, label and rivals of a wave at an integer order, ``frequency`` in cycles per mesh."""
     orders = [frequency * search.z_1, frequency * search.z_2]
     whole = [abs(order - round(order)) < 1e-6 * max(order, 1.0) for order in orders]
@@ -97,6 +101,16 @@ def _kind(search: Search, frequency: float) -> tuple[str, Gear | None, float, st
     )
 
 
+def label_of(frequency: float, *, z: tuple[int, int], span: float) -> str:
+    """What is said of a wave of no known order, ``frequency`` in cycles per mesh, in a record of ``span`` meshes:
+    within half a line of a whole order it may be that one."""
+    for gear, teeth in zip(GEARS, z, strict=True):
+        near = round(frequency * teeth)
+        if near > 0 and abs(frequency - near / teeth) * span < HALF_A_LINE:
+            return f"within half a line of order {near} of the {gear} shaft"
+    return "no integer of either shaft"
+
+
 def _train(peak: Peak, unit: str, *, scale: float = 1.0) -> str:
     """The train of pulses that a wave belongs to, in words."""
     if not peak.harmonic:
@@ -123,7 +137,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
-            label=_train(peak, "Hz"), together=peak.faint,
+            label=_train(peak, "Hz"), together=peak.faint, aliases=aliases(peak.frequency, s.data.even.time),
         )  # fmt: skip
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
@@ -131,7 +145,9 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     strange = s.search.strange(np.array([peak.frequency]))[0]
     if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
-    kind, gear, order, label, rivals = _kind(search, peak.frequency)
+    kind, gear, order, label, rivals = kind_of(search, peak.frequency)
+    if not peak.known:
+        label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.search.span)
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
@@ -152,16 +168,29 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         rivals=rivals,
         gain=square,
         together=peak.faint,
+        aliases=_order_aliases(s.data.even, kind, gear, order, z_1=search.z_1),
     )
 
 
-def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
+def _order_aliases(even: Even, kind: str, gear: Gear | None, order: float, *, z_1: int) -> tuple[float, ...]:
+    """The orders that samples at even angles show alike: of the shaft of ``gear``, or of the mesh."""
+    if kind == "mesh_order":
+        return aliases(order, None if even.driving is None else even.driving / z_1)
+    return aliases(order, even.driven if gear == "driven" else even.driving)
+
+
+def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[float]) -> list[Entry]:
     """Mark what a shaft's order 1 brings along by second order: its order 2, side bands of the mesh, and the sums and
-    differences with the other shaft."""
+    differences with the other shaft; and what the rounding of readings may have made, by the largest wave of it in um
+    in each recording, ``coarse``."""
+    entries = [_by_rounding(e, z_1=z_1, z_2=z_2, coarse=coarse) for e in entries]
     ones = [e for e in entries if e.kind == "shaft_order" and e.order == 1.0]
     out = []
     for e in entries:
         parent = None
+        if e.companion_of is not None:
+            out.append(e)
+            continue
         if e.kind == "tooth":
             out.append(_echo(e, entries))
             continue
@@ -183,6 +212,19 @@ def with_companions(entries: list[Entry], *, z_1: int, z_2: int) -> list[Entry]:
                 parent = one
         out.append(e if parent is None else replace(e, companion_of=f"order 1 of the {parent.gear} shaft"))
     return out
+
+
+def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[float]) -> Entry:
+    """An entry with its mark if coarse readings at even angles could make it: they make waves of any order, no larger
+    than the first harmonic of their steps. At the low orders of a shaft, which have no more than half a wave per tooth,
+    it is left to stand: there not one in a hundred of such waves falls."""
+    most = max(coarse[k] for k in entry.recordings)
+    size = abs(entry.amplitude_um or 0.0) if entry.rms_um is None else math.sqrt(2.0) * entry.rms_um
+    z = z_2 if entry.gear == "driven" else z_1
+    low = entry.kind == "shaft_order" and entry.order_std is None and (entry.order or 0.0) <= z / 2
+    if low or entry.kind == "condition" or entry.hz == 0.0 or size > most:
+        return entry
+    return replace(entry, companion_of="the rounding of the readings")
 
 
 def _touching(entries: list[Entry]) -> list[Entry]:
@@ -245,7 +287,11 @@ def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
     tail = np.asarray(chi2_law.sf(ratio, 1)) @ (weights / np.sum(weights))
     p = float(np.min(tail)) * degree.size * len(search.states)
     curve = s.slow[:, 1:] @ beta
-    amplitude = 0.5 * float(np.ptp(curve))
+    values = s.data.residual
+    # Beside waves of a few turns curves may cancel one another: a drift is what the whole mismatch has of it.
+    if float(np.ptp(curve)) > float(np.ptp(values)):
+        curve = s.slow[:, 1:] @ np.linalg.lstsq(s.slow, values, rcond=None)[0][1:]
+    amplitude = 0.5 * min(float(np.ptp(curve)), float(np.ptp(values)))
     if p > SHARES.drift or amplitude < search.floor:
         return None
     best = int(np.argmin(tail))

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
-from gearpoly.units import UM
+from gearpoly.units import UM, FloatArray
+
+ROUND = 0.5
+"""Part of a jump that another turn steps by at the same place where it is a tooth's: teeth come again as they were, but
+for the mates that they meet."""
 
 
 def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
@@ -19,6 +25,10 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         if found is None:
             continue
         gain, amplitude, std = found.steps.at(found.at)
+        # Beside teeth that hardly came twice a jump and they may cancel: none is larger than all that was recorded.
+        too_large = abs(amplitude) > float(np.ptp(search.states[k].data.residual))
+        if too_large or _comes_round(search, solution, k, found.at, amplitude):
+            continue
         level, _ = found.colour
         moment, moment_std = found.steps.moment(search.stretch(k), level=level, about=found.at, within=search.turn(k))
         timed = search.states[k].data.time_s is not None
@@ -40,3 +50,26 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
             )
         )
     return out
+
+
+def _comes_round(search: Search, solution: Solution, k: int, at: int, amplitude: float) -> bool:
+    """Whether recording ``k`` steps as at sample ``at`` one turn of either shaft before and after too, from one pitch
+    to the next: then a tooth or its neighbours came round, and nothing jumped."""
+    s, places = search.states[k], search.places[k]
+    rest = s.data.residual - s.slow @ solution.beta[places["slow"]]
+    for z in (search.z_1, search.z_2):
+        steps = [_step(s.data.u, rest, float(s.data.u[at]) + turn * z) for turn in (-1, 0, 1)]
+        # Of the jump's own step the pitch after it holds all; another turn's is there with it or without it.
+        beside = [one for one in (steps[0], steps[2]) if one is not None]
+        if beside and all(one * amplitude > 0.0 and abs(one) > ROUND * abs(amplitude) for one in beside):
+            return True
+    return False
+
+
+def _step(u: FloatArray, values: FloatArray, at: float) -> float | None:
+    """By how much ``values`` (n,) over ``u`` (n,) meshes step at ``at``, from the mean of the pitch before to that of
+    the pitch after; ``None`` beyond the recording."""
+    low, middle, high = np.searchsorted(u, (at - 1.0, at, at + 1.0)).tolist()
+    if low == 0 or high == u.size or middle in (low, high):
+        return None
+    return float(np.mean(values[middle:high]) - np.mean(values[low:middle]))

@@ -15,10 +15,14 @@ from gearpoly.compare.search import Search
 from gearpoly.compare.teeth import ToothFind
 from gearpoly.units import UM, FloatArray
 
+ANOTHER = 0.02
+"""Part by which torque or speed of two recordings differ where the condition is another: rigs keep them to a percent,
+and a speed of angles over times is that of its part of a wobble."""
+
 _PHASES = (np.arange(96) + 0.5) / 96.0
 
 
-def tooth_entries(search: Search, solution: Solution, *, numbered: bool) -> list[Entry]:
+def tooth_entries(search: Search, solution: Solution, *, numbered: tuple[bool, bool]) -> list[Entry]:
     """One entry for every tooth that stands out, in whatever recordings it does."""
     groups: dict[tuple[int, int, str], list[ToothFind]] = {}
     for find in search.finds:
@@ -26,7 +30,7 @@ def tooth_entries(search: Search, solution: Solution, *, numbered: bool) -> list
     return [_tooth_entry(search, solution, finds, numbered=numbered) for finds in groups.values()]
 
 
-def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, numbered: bool) -> Entry:
+def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, numbered: tuple[bool, bool]) -> Entry:
     find = max(finds, key=lambda f: f.gain)
     gear = search.gears[find.gear - 1]
     alike = [j for j, s in enumerate(search.states) if s.data.flank == find.flank]
@@ -39,12 +43,15 @@ def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, 
     rms = float(np.sqrt(np.mean(shape[inside] ** 2))) if inside.any() else abs(find.amplitude)
     rivals: tuple[str, ...] = ()
     if find.rival is not None:
-        rivals = (f"{GEARS[find.rival[0] - 1]} tooth {find.rival[1]}, which explains nearly as much",)
+        other, number = find.rival
+        name = GEARS[other - 1]
+        what = f"{name} tooth {number}" if numbered[other - 1] else f"a tooth of the {name} gear"
+        rivals = (f"{what}, which explains nearly as much",)
     sizes = {f.recording: f.amplitude / UM for f in finds if f.recording is not None}
     return Entry(
         kind="tooth",
         gear=GEARS[find.gear - 1],
-        tooth=find.tooth if numbered else None,
+        tooth=find.tooth if numbered[find.gear - 1] else None,
         encoder_deg=gear.encoder_deg(find.tooth),
         phase=(round(find.phase[0], 4), round(find.phase[1], 4)),
         amplitude_um=find.amplitude / UM,
@@ -166,10 +173,9 @@ def _condition(search: Search, solution: Solution, base: int, k: int, tests: int
     if wave > 0.0:
         what.append(f"waves {math.sqrt(wave) / UM:.2g} um rms")
     changed = []
-    if (s.data.torque or 0.0) != (t.data.torque or 0.0):
-        changed.append("torque")
-    if (s.data.speed or 0.0) != (t.data.speed or 0.0):
-        changed.append("speed")
+    for name, there, here in (("torque", t.data.torque, s.data.torque), ("speed", t.data.speed, s.data.speed)):
+        if abs((here or 0.0) - (there or 0.0)) > ANOTHER * max(here or 0.0, there or 0.0):
+            changed.append(name)
     return Entry(
         kind="condition", rms_um=rms / UM, recordings=(k,), p_value=p, gain=square,
         label=f"{', '.join(what)} against recording {base}" + (f"; {' and '.join(changed)} changed" if changed else ""),

@@ -20,8 +20,9 @@ class Entry:
     ``encoder_deg``; ``phase`` (begin, end) in pitches from the pitch point; ``recordings`` in which it was found.
     ``p_value`` bounds the chance that any such entry arises from noise anywhere in the search. ``companion_of`` the
     order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
-    a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``together``: it
-    stands out only with others like it.
+    a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
+    next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
+    ``as_built``: teeth within what inspection or grade leave open could make it.
     """
 
     kind: Kind
@@ -49,8 +50,10 @@ class Entry:
     label: str = ""
     companion_of: str | None = None
     rivals: tuple[str, ...] = ()
+    aliases: tuple[float, ...] = ()
     gain: float = 0.0
     together: bool = False
+    as_built: bool = False
 
     @property
     def moment(self) -> str | None:
@@ -69,6 +72,17 @@ class Entry:
         if self.during_turns is not None:
             return f"from turn {self.during_turns[0]:.4g} to {self.during_turns[1]:.4g} of the driving shaft"
         return None
+
+    def mean_square(self, z_1: int, z_2: int) -> float:
+        """What it adds to the mean square of a recording's mismatch, um^2: a tooth or a stretch of every mesh only
+        while it is in contact; a jump as if it were half way."""
+        size = self.rms_um if self.rms_um is not None else abs(self.amplitude_um or 0.0) / math.sqrt(2.0)
+        if self.kind == "tooth":
+            low, high = self.phase or (0.0, 1.0)
+            return size**2 * (high - low) / (z_1 if self.gear == "driving" else z_2)
+        if self.kind == "mesh_phase" and self.phase is not None:
+            return size**2 * ((self.phase[1] - self.phase[0]) % 1.0)
+        return size**2
 
     def turned_round(self, turns: float) -> Entry:
         """What was found with time counting back from 0, as the recording of ``turns`` driving turns has it, or the
@@ -95,19 +109,21 @@ class Entry:
             "gear", "order", "order_std", "hz", "hz_std", "time_s", "time_s_std", "driving_turn", "driving_turn_std",
             "during_s", "during_turns",
             "amplitude_um", "std_um", "rms_um", "amplitude_um_by_recording", "phase_deg", "encoder_deg", "phase",
-            "label", "companion_of", "p_value",
+            "label", "companion_of", "aliases", "p_value",
         )  # fmt: skip
         if self.kind == "tooth":
             out["gear"] = self.gear
             out["tooth"] = self.tooth
         for name in names:
             value = getattr(self, name)
-            if value is None or value == "":
+            if value is None or value in ("", ()):
                 continue
             if name == "order" and float(value).is_integer():
                 value = int(value)
             out[name] = list(value) if isinstance(value, tuple) else value
         out["recordings"] = list(self.recordings)
+        if self.as_built:
+            out["as_built"] = True
         if self.rivals:
             out["rivals"] = list(self.rivals)
         return out
@@ -162,10 +178,15 @@ def says(entry: Entry) -> str:
     """One sentence, as an engineer would say it."""
     size = _size(entry)
     extra = f" ({entry.label})" if entry.label else ""
+    if entry.as_built:
+        extra += ", which teeth could hold within what inspection or grade leave open"
     if entry.companion_of:
         extra += f", comes with {entry.companion_of}"
     if entry.rivals:
         extra += "; or " + ", or ".join(entry.rivals)
+    if entry.aliases and (entry.hz_std is not None or entry.order_std is not None):
+        shown = f"{entry.aliases[0]:.6g} Hz" if entry.kind == "time" else f"order {entry.aliases[0]:.6g}"
+        extra += f"; {shown} would look the same in samples so even"
     if entry.kind == "tooth":
         if entry.tooth is None:
             name = f"a tooth of the {entry.gear} gear (numbering unknown)"

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.compare.describe import label_of
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import REPEATS, TIE, LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
@@ -45,6 +47,7 @@ def without_fast_waves(
     z_2: int,
     recordings: int,
     floor: float,
+    even: Even,
 ) -> Fast:
     """The ``residual`` (n,) in mm at ``u`` (n,) meshes of recording ``k`` of a set of ``recordings``, which is to be
     shortened to samples ``spacing`` meshes apart; waves below ``floor`` in mm are left."""
@@ -88,7 +91,8 @@ def without_fast_waves(
     entries = []
     for peak, ab in taken:
         level = float(np.interp(lines.per_mesh(peak), noise.frequency, noise.density))
-        entries.append(_entry(peak, ab, math.sqrt(2.0 * level / lines.u.size), k=k, z_1=z_1, z_2=z_2, lines=lines))
+        std = math.sqrt(2.0 * level / lines.u.size)
+        entries.append(_entry(peak, ab, std, k=k, z_1=z_1, z_2=z_2, lines=lines, even=even))
     return Fast(residual=residual, entries=tuple(entries), noise=noise)
 
 
@@ -98,7 +102,9 @@ def _waves(peak: Peak, x: FloatArray) -> FloatArray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _entry(peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: LineSearch) -> Entry:
+def _entry(
+    peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: LineSearch, even: Even
+) -> Entry:
     amplitude = float(np.hypot(*ab))
     timed = peak.domain == "time"
     tie = lines.time_grid is not None and peak.gain - peak.rival <= TIE
@@ -121,7 +127,8 @@ def _entry(peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int
         phase_deg=math.degrees(math.atan2(ab[1], ab[0])),
         recordings=(k,),
         p_value=float((SHARES.time if timed else SHARES.between) * math.exp(min(0.0, peak.log_false))),
-        label="" if timed else "no integer of either shaft",
+        label="" if timed else label_of(peak.frequency, z=(z_1, z_2), span=lines.span),
         rivals=rivals,
+        aliases=aliases(peak.frequency, even.time) if timed else aliases(peak.frequency * z_1, even.driving),
         gain=(amplitude / std) ** 2,
     )

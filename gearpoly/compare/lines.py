@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from gearpoly.compare.even import even_rate
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise, spacing_of
 from gearpoly.compare.orders import known_orders
@@ -103,7 +104,7 @@ class Peak:
 class LineSearch:
     """The search for waves in one recording, sampled at ``u`` (n,) meshes and, where known, ``time`` (n,) s."""
 
-    def __init__(self, *, u: FloatArray, time: FloatArray | None, z_1: int, z_2: int) -> None:
+    def __init__(self, *, u: FloatArray, time: FloatArray | None, z_1: int, z_2: int, averaged: bool = False) -> None:
         self.u = u
         self.t = time
         self.z_1, self.z_2 = z_1, z_2
@@ -120,13 +121,15 @@ class LineSearch:
         self.pace = self.rate = 0.0
         if time is not None:
             step = np.diff(time)
-            dt = float(np.median(step))
+            dt = spacing_of(time)
             self.duration = float(time[-1] - time[0]) + dt
             self.pace = self.duration / self.span
             if dt > 0.0:
                 # Uneven sampling has no middle step to go by, and gaps belong to no step.
                 self.rate = 1.0 / float(np.mean(step[step < GAP * dt]))
-                self.top = (1.0 if u.size <= TWICE else 0.5) * self.rate
+                # Even samples, and means over neighbours, hold nothing above half their rate.
+                tells = u.size <= TWICE and not averaged and even_rate(time) is None
+                self.top = (1.0 if tells else 0.5) * self.rate
                 self.time_grid = Grid(time, step=0.5 / self.duration, count=int(self.top * 2.0 * self.duration))
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
@@ -204,8 +207,11 @@ class LineSearch:
             if len(out) == most or here_z < 0.02 * z[places[order[0]]]:
                 break
             if best * per_mesh > least - FOOT / self.span:
-                best, higher = _refined(x, white, best, span)
-                here_z *= max(higher, 1.0)
+                best, _ = refined(x, white, best, span)
+                # Summed anew: angle and time differ by units of gains of ten thousand, as a grid's interpolation errs.
+                there, _ = self.rest_at(domain, np.array([best]), noise)
+                sums = (np.sum(white[k] * np.exp((-2j * np.pi * best) * x[k])) for k in pieces(x.size))
+                here_z = float(abs(sum(sums)) ** 2) / (white.size * float(there[0]))
             # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
             std = 0.551 / span / math.sqrt(2.0 * here_z)
             peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
@@ -215,17 +221,15 @@ class LineSearch:
         return out
 
     def _told_from_image(self, peak: Peak, white: FloatArray) -> Peak | None:
-        """A peak of the whitened residual (n,), or the image that even samples would show alike of a wave in time: that
-        of both which is hum, if only one is, and hardly less likely. None for what is not to be reported."""
+        """A peak of the whitened residual (n,) beside its image about half the sampling rate; ``None`` for a wave above
+        it that explains hardly more than its image below."""
         image = self.rate - peak.frequency
         if peak.domain == "order" or self.t is None or not 0.0 < image < self.top:
             return peak
-        image, _ = _refined(self.t, white, image, self.duration)
+        image, _ = refined(self.t, white, image, self.duration)
         there, here = (abs(np.sum(white * np.exp(-2j * np.pi * f * self.t))) ** 2 for f in (image, peak.frequency))
         gain = peak.gain * float(there / here)
-        peak, other = replace(peak, image=gain), replace(peak, frequency=image, gain=gain, image=peak.gain)
-        if peak.hum != other.hum and abs(gain - peak.gain) <= TIE:
-            return peak if peak.hum else other
+        peak = replace(peak, image=gain)
         # A wave above half the sampling rate has to explain more than its image below, which few recordings show.
         return peak if not self._fast(peak) or peak.gain > gain + TIE else None
 
@@ -283,7 +287,7 @@ class LineSearch:
                     foot = True
                     if kept.domain != peak.domain and apart < APART and peak.gain > kept.rival:
                         rival = True
-                        out[j] = self._likelier(kept, peak)
+                        out[j] = self.likelier(kept, peak)
                     break
             if not foot and not rival:
                 out.append(peak)
@@ -296,9 +300,13 @@ class LineSearch:
             final.append(peak)
         return final
 
-    def _likelier(self, best: Peak, other: Peak) -> Peak:
-        """Of a wave over angle and the same over time, the ``best`` explaining more, the one to report."""
-        if best.gain - other.gain <= TIE and (other.domain == "time") == (best.hum or other.hum):
+    def likelier(self, best: Peak, other: Peak) -> Peak:
+        """Of a wave over angle and the same over time the one to report: that which explains more, and of equals that
+        over angle, since something turns; but hum, and what is slower than any shaft of the pair, over time."""
+        if other.gain > best.gain:
+            best, other = other, best
+        timely = best.hum or other.hum or self.per_mesh(best) * max(self.z_1, self.z_2) < 1.0
+        if best.gain - other.gain <= TIE and (other.domain == "time") == timely:
             best, other = other, best
         return replace(best, rival=other.gain, image=max(best.image, other.image))
 
@@ -307,7 +315,7 @@ class LineSearch:
         return peak.domain == "time" and peak.frequency > 0.5 * self.rate
 
 
-def _refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> tuple[float, float]:
+def refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> tuple[float, float]:
     """Frequency of the largest sum near ``frequency``, and how much larger (in power) than at the start.
 
     Newton on the log power; the middle of the record as origin keeps the steps small.

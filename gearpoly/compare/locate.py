@@ -18,26 +18,33 @@ from gearpoly.compare.bursts import burst_entries
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
+from gearpoly.compare.division import Division, divide
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.even import even_in
 from gearpoly.compare.fast import without_fast_waves
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
+from gearpoly.compare.masked import strong_waves
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.units import FloatArray, read_only
+from gearpoly.units import UM, FloatArray, read_only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Located:
-    """What ``locate`` found. ``entries`` strongest first; ``noises`` one per recording, ``noise_level`` pooled, in mm;
+    """What ``locate`` found. ``entries`` what stands out of what teeth may hold, surest first; ``where`` the same and
+    the strongest orders that teeth could make, as large as the whole mismatch has them, that which holds most of it
+    first; ``divisions`` of each recording's mismatch; ``noises`` one per recording, ``noise_level`` pooled, in mm;
     ``maps`` per recording of the residual without its slow curve; ``as_built`` (2 z_1 + 2 z_2,) in mm on the drive
     flank (driving pitch, driving slope, driven pitch, driven slope) and its ``as_built_std``; ``left`` what nothing
     explains, in mm; ``residual_rms`` and ``repeatable_rms`` (``None`` without whole cycles) in mm of the residuals as
     given."""
 
     entries: tuple[Entry, ...]
+    where: tuple[Entry, ...]
+    divisions: tuple[Division, ...]
     noises: tuple[Noise, ...]
     noise_level: float
     maps: tuple[Maps, ...]
@@ -47,6 +54,14 @@ class Located:
     residual_rms: float
     repeatable_rms: float | None
 
+    @property
+    def division(self) -> Division:
+        """How the mismatch of all samples divides."""
+        sizes = np.array([left.size for left in self.left], dtype=np.float64)
+        rows = np.array([(one.physics, one.as_built, one.noise) for one in self.divisions])
+        physics, as_built, noise = np.sqrt(sizes @ rows**2 / np.sum(sizes)).tolist()
+        return Division(physics=physics, as_built=as_built, noise=noise)
+
 
 def locate(
     residuals: Iterable[AlignedResidual],
@@ -54,14 +69,14 @@ def locate(
     gears: tuple[GearKnown, GearKnown],
     recordings: int | None = None,
     floor: float = 0.0,
-    numbered: bool = True,
+    numbered: tuple[bool, bool] = (True, True),
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering. The result does not depend on any random number. Raises
-    ``ValueError`` where a residual is too short for a noise estimate.
+    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number.
+    Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
     if recordings is None:
@@ -82,20 +97,35 @@ def locate(
         entries += jumps
         u, time_s, residual = r.u, r.time_s, r.residual
         cut = shortening(u, z_1=z_1, z_2=z_2)
-        one = cut.of(r)
+        even = even_in(r.theta_1, r.theta_2, r.time_s)
+        one = replace(cut.of(r), even=even)
         # The searches need the room that a long one takes.
         del r
+        if cut.size < u.size or cut.group > 1:
+            strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
+            waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
+            residual = residual - waves
         if cut.group > 1:
             spacing = cut.group * cut.spacing
             fast = without_fast_waves(
-                u, time_s, residual, k=k, spacing=spacing, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor
+                u,
+                time_s,
+                residual,
+                k=k,
+                spacing=spacing,
+                z_1=z_1,
+                z_2=z_2,
+                recordings=recordings,
+                floor=floor,
+                even=even,
             )
             entries += fast.entries
             all_samples[k] = fast.noise.thinned()
-            one = replace(one, residual=cut.means(fast.residual))
-            del fast
+            one = replace(one, residual=cut.means(fast.residual + waves))
+            del fast, waves
         elif cut.size < u.size:
             all_samples[k] = estimate_noise(u, residual, z_1=z_1, z_2=z_2).thinned()
+            del waves
         del u, time_s, residual
         short.append(one)
     search = Search(short, gears, floor)
@@ -118,19 +148,27 @@ def locate(
     entries += tooth_entries(search, solution, numbered=numbered)
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
-    entries = [e.turned_round(turns[k]) if short[k := e.recordings[0]].backward else e for e in entries]
     entries.sort(key=lambda e: -e.gain)
+    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=[s.data.coarse / UM for s in states])
+    where, divisions = divide(search, solution, entries)
+
+    def recorded(entry: Entry) -> Entry:
+        first = entry.recordings[0]
+        return entry.turned_round(turns[first]) if short[first].backward else entry
+
     maps = []
     for s, places in zip(states, search.places, strict=True):
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
         maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
     # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
-    noises = tuple(all_samples.get(k, s.noise) for k, s in enumerate(states))
-    raw = [all_samples[k] if k in all_samples else s.estimator.estimate(s.data.residual) for k, s in enumerate(states)]
-    repeats = [n.repeatable for n in raw if n.repeatable is not None]
+    repeatable = [s.estimator.estimate(s.data.residual).repeatable for s in states]
+    noises = tuple(replace(all_samples.get(k, s.noise), repeatable=repeatable[k]) for k, s in enumerate(states))
+    repeats = [one for one in repeatable if one is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
-        entries=tuple(with_companions(entries, z_1=search.z_1, z_2=search.z_2)),
+        entries=tuple(recorded(e) for e in entries),
+        where=tuple(recorded(e) for e in where),
+        divisions=divisions,
         noises=noises,
         noise_level=pooled_level(list(noises), sizes),
         maps=tuple(maps),

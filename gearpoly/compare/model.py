@@ -117,7 +117,7 @@ class JointModel:
         return State(
             data=data,
             carried=data.carried(self.z_1, self.z_2),
-            search=LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2),
+            search=LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0),
             slow=slow_curves(x),
             estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
             noise=estimator.estimate(data.residual),

@@ -33,6 +33,10 @@ FEWEST = 64
 HIGHEST = 24.0
 """Cycles per mesh up to which what repeats is fitted; finer shapes no tooth makes in a recording."""
 
+REPEATED, SOME = 0.02, 64
+"""Part of the steps that may be none before single steps no longer tell the spacing, and the samples over which they do
+then: an encoder's step is at most a dozen samples long at speed, so this is off by a fiftieth of it at most."""
+
 SPARSE = 0.1
 """Terms per sample below which the fit of what repeats takes nothing worth correcting from the lines between."""
 
@@ -149,8 +153,14 @@ def _rows(values: FloatArray) -> Iterator[slice]:
 
 
 def spacing_of(u: FloatArray) -> float:
-    """Meshes from sample to sample, in the middle of all."""
-    return float(np.median(np.diff(u)))
+    """Meshes from sample to sample, in the middle of all; where readings repeat, over so many samples that few do."""
+    step = np.diff(u)
+    middle = float(np.median(step))
+    if middle > 0.0 and np.count_nonzero(step <= 0.0) <= REPEATED * step.size:
+        return middle
+    apart = min(SOME, u.size // 2)
+    middle = float(np.median(u[apart:] - u[:-apart])) / apart
+    return middle if middle > 0.0 else float(u[-1] - u[0]) / (u.size - 1)
 
 
 def whole_cycles(u: FloatArray, period: float) -> int:

@@ -11,6 +11,7 @@ from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.jump_search import JumpSearch
 from gearpoly.compare.lines import APART, TIE, Peak
+from gearpoly.compare.masked import masked_wave, settle_waves
 from gearpoly.compare.model import State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
@@ -176,6 +177,9 @@ class Search(JumpSearch):
             if jumped:
                 continue
             if best == 0.0:
+                solution, unmasked = self.unmask(solution)
+                if unmasked:
+                    continue
                 waves = self.faint_candidates(solution)
                 best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
             largest = max(largest, best)
@@ -189,10 +193,34 @@ class Search(JumpSearch):
                         teeth = [t for t in teeth[1:] if (t.gear, t.tooth) != (teeth[0].gear, teeth[0].tooth)]
             else:
                 self._take_waves(waves, best_wave)
-            solution = self.fit(passes=3 if self.finds else 2)
-            self.renew_noise(solution)
+            solution = self._settled_waves(self.fit(passes=3 if self.finds else 2))
+        return solution
+
+    def _settled_waves(self, solution: Solution) -> Solution:
+        """The noise renewed and the waves of no known order moved to where everything else leaves them."""
+        self.renew_noise(solution)
+        solution = self.fit(passes=1)
+        if settle_waves(self, solution):
+            self.renew_noise(self.fit(passes=1))
             solution = self.fit(passes=1)
         return solution
+
+    def unmask(self, solution: Solution) -> tuple[Solution, bool]:
+        """Take the strongest wave of every recording that hides in the noise it raised; the solution, and whether there
+        is one."""
+        unmasked = False
+        for s, left, places in zip(self.states, solution.left, self.places, strict=True):
+            # In noise that seems to wander slow curves are hardly weighed: they are drawn anew.
+            whole = left + s.slow @ solution.beta[places["slow"]]
+            found = masked_wave(s.search, s.estimator, s.slow, whole, recordings=len(self.states), floor=self.floor)
+            if found is None:
+                continue
+            peak, s.noise = found.peak, found.noise
+            held = s.times if peak.domain == "time" else s.orders
+            if not any(p.domain == peak.domain and p.frequency == peak.frequency for p in held):
+                held.append(peak)
+                unmasked = True
+        return (self._settled_waves(self.fit(passes=1)), True) if unmasked else (solution, False)
 
     def _tooth_first(self, waves: list[list[Peak]], best_wave: float, teeth: list[ToothFind]) -> bool:
         """Whether the best tooth explains more than the best waves.

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from gearpoly.compare.even import Even
 from gearpoly.compare.sharing import Carried, Flank, Sharing, nominal_carried
 from gearpoly.units import FloatArray
 
-IDEAL = 1e-5
+IDEAL = 1e-7
 """mm. Prior standard deviation of pitch and slope where the file declares an ideal gear: hardly any."""
 
 LIMIT_SIGMAS = 2.0
@@ -33,6 +34,18 @@ class GearKnown:
     f_HalphaT: float | None = None
     zero: float | None = None
     direction: int = 1
+
+    @property
+    def ideal(self) -> bool:
+        """Whether the file declares a gear without deviations."""
+        return self.uncertainty is None and self.F_pT is None
+
+    @property
+    def known_by(self) -> str:
+        """Where what is known of its teeth comes from, in a word or two."""
+        if self.uncertainty is not None:
+            return "inspected"
+        return "ideal" if self.ideal else "limits only, not inspected"
 
     @property
     def prior_std(self) -> tuple[float, float]:
@@ -63,8 +76,9 @@ class AlignedResidual:
     alike over ``contact`` (begin, end in pitches about the pitch point). ``changes``: how the simulation changes at
     ``theta_2`` (k,) with what is not known exactly (zeros, compliance), (k, m) in mm per standard deviation;
     ``nuisance`` (n, m) the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over
-    which each sample is a mean already (0: it is none). ``ends_per_mm`` pitches by which the ends of contact move when
-    an axis moves by 1 mm.
+    which each sample is a mean already (0: it is none), ``even`` how evenly those came that it is a mean of.
+    ``ends_per_mm`` pitches by which the ends of contact move when an axis moves by 1 mm. ``coarse`` in mm, the largest
+    wave that the rounding of readings makes in samples that come evenly (0: rounding makes noise).
     """
 
     theta_1: FloatArray
@@ -81,7 +95,9 @@ class AlignedResidual:
     changes: Callable[[FloatArray], FloatArray] | None = None
     nuisance: FloatArray | None = None
     averaged: float = 0.0
+    even: Even = field(default_factory=Even)
     ends_per_mm: float = 0.0
+    coarse: float = 0.0
 
     def __post_init__(self) -> None:
         sizes = {self.theta_1.size, self.theta_2.size, self.residual.size}

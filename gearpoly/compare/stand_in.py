@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gearpoly.assemble import Assembled, assemble, nominal_gear, stated_limits
+from gearpoly.assemble import Assembled, assemble, nominal_gears, stated_limits
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.gear.gear import Gear
@@ -24,7 +24,7 @@ def known_pair(file: PairFile, *, path: Path | str) -> Assembled:
 def known_file(file: PairFile) -> PairFile:
     """The pair file with an inspection that found nothing in place of every grade."""
     try:
-        gears = [nominal_gear(section) for section in (file.driving, file.driven)]
+        gears = nominal_gears(file)
         a = tight_centre_distance(*gears)
         sections = {
             name: _plain(section, E_s=_middle(section, gear, a=a))

@@ -138,7 +138,7 @@ def make_template(
     Teeth bend where the pair's file says so and the torque is above 0. ``speed`` of the driving shaft in rad/s makes a
     mesh resonance swing; ``backward``: flanks slide the other way, and hand-overs swing before them. ``varies``: the
     most by which the torque is off, as a part of it. ``found`` keeps contacts that templates of several torques, the
-    largest first, share. Raises ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified
+    largest first, share. Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the certified
     kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
     """
     pair = assembled.pair

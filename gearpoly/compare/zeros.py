@@ -70,7 +70,8 @@ class Alignment:
     ``zeros`` with standard errors ``std_driving`` and ``std_driven`` in rad; ``rivals`` fit nearly as well, best first
     (and more than a handful stand for all); ``contradicted`` fits much better than what the stated zeros allow.
     ``phased``: the place within a pitch comes from the curves; else they tell at least the place in the turn
-    (``rough``), or what was stated stands. ``numbering`` says what fixes the tooth numbers, if anything.
+    (``rough``), or what was stated stands. ``numbering`` says what fixes the tooth numbers of both gears, if anything;
+    ``numbered`` (driving, driven) whether those of each mean anything: one zero that is stated tells its own gear's.
 
     Per recording: ``shift`` in rad by which its driven rotation (by the base zero) is too large, ``offset`` in mm by
     which its transmission error is. ``further`` in rad is how far on in the hunting cycle each rival has the first.
@@ -84,16 +85,22 @@ class Alignment:
     phased: bool
     rough: bool
     numbering: Numbering
+    numbered: tuple[bool, bool]
     shift: FloatArray
     offset: FloatArray
     further: tuple[float, ...] = ()
 
-    def moved(self, offset: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
+    def moved(self, offset: float, *, ratio: float, directions: tuple[int, int], z: tuple[int, int]) -> Alignment:
         """The same where all turn by ``offset`` in rad of driven rotation more, both shafts together; ``ratio`` is that
-        of the driven over the driving rotation. What was found first becomes the first rival."""
+        of the driven over the driving rotation, ``z`` teeth. What was found first becomes the first rival. A gear that
+        then stands at another tooth was not numbered."""
         zeros = self.zeros.moved(offset, ratio=ratio, directions=directions)
         rivals = (self.zeros, *(one for one in self.rivals if not one.near(zeros)))
-        return replace(self, zeros=zeros, shift=self.shift - offset, rivals=rivals, further=())
+        stays = [
+            abs(math.remainder(by, TURN)) < 0.5 * TURN / n for by, n in zip((offset / ratio, offset), z, strict=True)
+        ]
+        numbered = (self.numbered[0] and stays[0], self.numbered[1] and stays[1])
+        return replace(self, zeros=zeros, shift=self.shift - offset, rivals=rivals, further=(), numbered=numbered)
 
     def refined(self, shift: float, std: float, *, ratio: float, directions: tuple[int, int]) -> Alignment:
         """The same with zeros that a fit of everything moved by ``shift`` in rad of driven rotation, to ``std``, where
@@ -101,11 +108,6 @@ class Alignment:
         zeros = self.zeros.moved(shift, ratio=ratio, directions=directions)
         known = (std / ratio, std) if self.phased else (self.std_driving, self.std_driven)
         return replace(self, zeros=zeros, std_driving=known[0], std_driven=known[1])
-
-    @property
-    def numbered(self) -> bool:
-        """Whether tooth numbers mean anything."""
-        return self.numbering != "open"
 
     @property
     def std(self) -> float:
@@ -209,19 +211,34 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment
     elif stated and ((whole and not laid.phased) or not laid.rivals):
         numbering = "stated"
     rivals = [placed(one) for one in laid.rivals] if rough else []
+    zeros = _zeros(best, cycle, base, shafts, anchor)
+    others = tuple(_zeros(one, cycle, base, shafts, anchor) for one in rivals)
+    told = numbering != "open"
     return Alignment(
-        zeros=_zeros(best, cycle, base, shafts, anchor),
+        zeros=zeros,
         std_driving=std_1,
         std_driven=std_2,
-        rivals=tuple(_zeros(one, cycle, base, shafts, anchor) for one in rivals),
+        rivals=others,
         contradicted=None if laid.contradicted is None else _zeros(laid.contradicted, cycle, base, shafts, anchor),
         phased=laid.phased,
         rough=rough,
         numbering=numbering,
+        numbered=(
+            told or _kept_tooth(base.driving, [one.driving for one in (zeros, *others)], cycle.z_1),
+            told or _kept_tooth(base.driven, [one.driven for one in (zeros, *others)], cycle.z_2),
+        ),
         shift=best.shifts,
         offset=offset,
         further=tuple(one.shift - best.shift for one in rivals),
     )
+
+
+def _kept_tooth(stated: float | None, zeros: list[float | None], z: int) -> bool:
+    """Whether the place found and all its rivals, with these ``zeros`` of one gear, have the tooth there that its
+    ``stated`` zero has, to the half tooth by which that may be wrong."""
+    if stated is None or None in zeros:
+        return False
+    return all(abs(math.remainder((one or 0.0) - stated, TURN)) < 0.5 * TURN / z for one in zeros)
 
 
 def _anchor(shafts: Shafts) -> int:

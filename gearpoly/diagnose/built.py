@@ -65,7 +65,8 @@ def compliance_scale(search: Search) -> tuple[float, float] | None:
 
 
 def contradicted(search: Search) -> list[str]:
-    """Teeth that stand farther off their inspection than its uncertainty allows, in words."""
+    """Teeth that stand farther off their inspection than its uncertainty allows, or off what is declared free of
+    deviations, in words."""
     model, out = search.model, []
     for flank in model.as_built.flanks:
         for gear, name in ((0, "driving"), (1, "driven")):
@@ -79,9 +80,14 @@ def contradicted(search: Search) -> list[str]:
                 far = np.flatnonzero(np.abs(values) > FAR * std)
                 if far.size:
                     teeth = ", ".join(str(k) for k in far[:6].tolist())
+                    most = f"by up to {float(np.max(np.abs(values))):.1f} um"
                     out.append(
-                        f"{what} of {name} tooth {teeth} ({flank} flank) differs from the inspection by up to "
-                        f"{float(np.max(np.abs(values))):.1f} um, more than {FAR:.0f} times its uncertainty of {std:g} "
-                        "um: inspect again"
+                        f"{what} of {name} tooth {teeth} ({flank} flank) differs "
+                        + (
+                            f"from the inspection {most}, more than {FAR:.0f} times its uncertainty of {std:g} um: "
+                            "inspect again"
+                            if gear_section(model.declared, gear).inspection is not None
+                            else f"{most} from the ideal gear that the pair file declares: state a grade, or inspect it"
+                        )
                     )
     return out

@@ -123,7 +123,7 @@ def take_back(search: Search) -> bool:
             for k, claim in enumerate(search.model.claims)
             if claim.key not in needed and (cost := _cost(search, k)) is not None
         ]
-        if not dear:
+        if not dear or search.over:
             return gone
         _, k = max(dear)
         claim, begun = search.model.claims[k], search.kept()

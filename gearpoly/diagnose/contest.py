@@ -42,7 +42,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
-        likenesses = list(_likenesses(search, k))
+        likenesses = [] if search.over else list(_likenesses(search, k))
         if not likenesses:
             continue
         rest(search)
@@ -72,7 +72,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
 
 def rest(search: Search) -> None:
     """Fit on until that gains nothing more."""
-    for _ in range(RESTS):
+    for _ in range(0 if search.over else RESTS):
         before = search.kept()
         search.settle()
         if search.gained(before) < NEGLIGIBLE:

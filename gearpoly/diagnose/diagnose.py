@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.noise import pooled_level
+from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back, with_and_without
 from gearpoly.diagnose.contest import contest
@@ -23,7 +24,7 @@ from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
-from gearpoly.diagnose.leftovers import located_on, not_excluded, slow_or_sudden, unexplained
+from gearpoly.diagnose.leftovers import FOREMOST, located_on, not_excluded, slow_or_sudden, taken_back, unexplained
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
@@ -34,8 +35,8 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
+from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
-from gearpoly.files.gde_inspection import with_gde_stated
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
@@ -58,14 +59,6 @@ DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
 noise."""
 
-Step = Callable[[str], None]
-
-Reached = Callable[[int, int], None]
-"""Called with the stages that are done, and with how many there are."""
-
-STAGES = ("compare", "prepare", "search", "rivals", "leftovers")
-"""The stages of every diagnosis; between rivals, the next recording is thought of."""
-
 
 def diagnose(
     file: PairFile,
@@ -75,20 +68,22 @@ def diagnose(
     step: Step = lambda _: None,
     reached: Reached = lambda done, of: None,
     method: Method | None = None,
+    within: float = math.inf,
 ) -> Diagnosis:
     """Locate where ``recordings`` of one set differ from the pair of ``file`` (read from ``path``), name the physics
     that was left out, and fit it; ``step`` is told what is done next, ``reached`` the stages; ``method`` leaves
-    parts of the method out, to show what they are worth.
+    parts of the method out, to show what they are worth. After ``within`` seconds nothing more is looked for: what was
+    found till then is held against unseen data and told, with a remark.
 
     Raises what ``compare`` does: ``InputFileError`` for recordings that are not of this pair, too short, or contradict
     each other; ``GeometryError`` and ``OutOfRangeError`` where the declared pair cannot run under their conditions.
     """
-    watch = _Watch(step, reached)
-    file = with_gde_stated(file, path=path)
+    watch, budget = Watch(step, reached), Budget(seconds=within)
+    file = with_sheets_stated(file, path=path)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
     model = prepare(file, comparison, path=Path(path))
     entries = foreign_entries(comparison)
-    model = replace(model, method=method or Method(), strangers=strangers(entries))
+    model = replace(model, method=method or Method(), strangers=strangers(entries), budget=budget)
     model.observed = beside_jumps(model.observed, jumps(comparison))
     waves, preparing = foreign(comparison, model, entries), watch.stage("prepare")
     placed(model, waves, preparing)
@@ -108,6 +103,8 @@ def diagnose(
     refitted = contest(search)
     if take_back(search):
         refitted = contest(search)
+    search.step("holding the names against unseen data")
+    unseen = checked(search, begun, start_linear, comparison)
     shapes = forms(search)
     search.step("asking how deep")
     leasts = [only_the_least(search, k, shapes.get(one.key, ())) for k, one in enumerate(model.claims)]
@@ -129,6 +126,11 @@ def diagnose(
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
+    stopped = search.over
+    if (stopped or (unseen is not None and unseen.refused)) and not left_over and not findings:
+        left_over = comparison.located.entries[:FOREMOST]
+    if unseen is not None and not left_over and not findings:
+        left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
     masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     recount = () if counted is None else (counted.says,)
@@ -155,37 +157,17 @@ def diagnose(
         left=tuple(search.linear.left()),
         fitted=fitted_file(model),
         not_excluded=not_excluded(search, findings),
-        remarks=(*comparison.remarks, *_untouched(findings), *recount, *_remarks(search, file, built)),
+        remarks=(
+            *comparison.remarks,
+            *_untouched(findings),
+            *recount,
+            *(() if unseen is None else unseen.says),
+            *((budget.says,) if stopped else ()),
+            *_remarks(search, file, built),
+        ),
+        unseen=unseen,
         seconds=watch.seconds(),
     )
-
-
-class _Watch:
-    """Tells the user what is done, and remembers how long each stage took."""
-
-    def __init__(self, step: Step, reached: Reached) -> None:
-        self._reached = reached
-        self._step, self._stage, self._since = step, "", time.perf_counter()
-        self._spent: dict[str, float] = {}
-
-    def stage(self, name: str) -> Step:
-        """A step function for the stage ``name``, which begins now."""
-        self._close()
-        self._stage = name
-        if name in STAGES:
-            self._reached(STAGES.index(name), len(STAGES))
-        return self._step
-
-    def _close(self) -> None:
-        now = time.perf_counter()
-        if self._stage:
-            self._spent[self._stage] = self._spent.get(self._stage, 0.0) + now - self._since
-        self._since = now
-
-    def seconds(self) -> tuple[tuple[str, float], ...]:
-        """Seconds spent in every stage."""
-        self._close()
-        return tuple(self._spent.items())
 
 
 def _finding(
@@ -196,7 +178,7 @@ def _finding(
     shapes: Sequence[Form],
     at_least: bool,
     thought: Imagined,
-    watch: _Watch,
+    watch: Watch,
 ) -> Finding:
     model, linear = search.model, search.linear
     claim = model.claims[k]
@@ -217,7 +199,7 @@ def _finding(
         for one in judged.rivals
     )
     separation = None
-    if rivals:
+    if rivals and not search.over:
         watch.stage("next recording")(f"thinking of recordings that would decide on {claim.physics.name}")
         separation = would_separate(
             model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance, thought=thought
@@ -274,8 +256,8 @@ def _bends_alone(model: Model) -> bool:
 
 
 def _numbered(comparison: Comparison, claim: Claim) -> int | None:
-    """The number of a claimed tooth, None where the numbering is open."""
-    return claim.place.tooth if comparison.alignment.numbered else None
+    """The number of a claimed tooth, None where the numbering of its gear is open."""
+    return claim.place.tooth if comparison.alignment.numbered[claim.place.gear or 0] else None
 
 
 def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
@@ -320,7 +302,9 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
         out += [one.says(name) for one in built[gear].exceeded]
         if any(one.limit.grade is not None for one in built[gear].exceeded):
             shown = "no grade" if needed is None else f"grade {needed}"
-            out.append(f"the {name} gear as it runs fits {shown}, not its declared grade {section.grade}")
+            out.append(
+                f"by pitch and slope the {name} gear as it runs fits {shown}, not its declared grade {section.grade}"
+            )
     return tuple(out)
 
 
@@ -340,4 +324,4 @@ def _of_another_pair(search: Search) -> Iterator[str]:
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
         more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
-        yield f"{named}{more}: perhaps the pair file is of another pair, or of another state of this one"
+        yield f"{named}{more}: perhaps the pair file does not state these gears as they are, or other things turn too"

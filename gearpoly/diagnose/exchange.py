@@ -59,7 +59,7 @@ class Exchange(Weigh):
 
     def swap(self) -> None:
         """Exchange claims for others that explain more, now that all the rest is known."""
-        for _ in range(SWAPS):
+        for _ in range(0 if self.over else SWAPS):
             better = max(
                 (one for k in range(len(self.model.claims)) for one in self._better(k)),
                 key=lambda one: one[1],
@@ -104,7 +104,7 @@ class Exchange(Weigh):
 
     def reshape(self) -> None:
         """Exchange claims for the same in another form, where that fits better: else other physics draw the rest."""
-        for k, claim in enumerate(self.model.claims):
+        for k, claim in enumerate(self.model.claims if not self.over else ()):
             # What takes less of a flank and has no other form need only be as good.
             by = BETTER if claim.place.form else 0.0
             any(self._exchanged(k, one, by=by) for one in claim.otherwise(self.model.scope))
@@ -127,7 +127,8 @@ class Exchange(Weigh):
         out = []
         for k, one in enumerate(claim.physics.coordinates[a:], start=a):
             for step in (-ASIDE * one.step, ASIDE * one.step):
-                moved = min(max(claim.values[k] + step, one.low), one.high)
+                low, high = one.bounds(self.model.scope, claim.place)
+                moved = min(max(claim.values[k] + step, low), high)
                 out.append(replace(claim, values=(*claim.values[:k], moved, *claim.values[k + 1 :])))
         return out
 

@@ -99,10 +99,18 @@ class Fit:
             fit.share()
         return fit
 
+    @property
+    def over(self) -> bool:
+        """Whether no more is to be looked for, and what stands is to be told."""
+        return self.model.budget.over
+
     def settle(self, passes: int = PASSES) -> None:
-        """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most."""
+        """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most, and once where time is
+        over."""
         way, moved, good = Way(), math.inf, self.kept()
         for turn in range(passes):
+            if turn and self.over:
+                break
             self.scenes = self.model.scenes()
             if turn == 0:
                 if self.laws is None and not self.trial:
@@ -164,7 +172,7 @@ class Fit:
         """
         teeth = self.model.as_built
         graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
-        if not graded:
+        if not graded or self.over:
             return
         ways = [teeth.upright]
         if not all(scene.bends for scene in self.scenes) or teeth.strained(self.model.built):
@@ -172,12 +180,16 @@ class Fit:
         for afresh in ways:
             for _ in range(RELAXED):
                 begun = afresh(self.model.built, graded)
-                if np.array_equal(begun, self.model.built) or not self._better_from(begun, self.model.shift):
+                if (
+                    self.over
+                    or np.array_equal(begun, self.model.built)
+                    or not self._better_from(begun, self.model.shift)
+                ):
                     break
         most = MOST_SHIFT * self.model.scope.gears[1].tau
         for shift in (0.0, most, -most):
             # Teeth that lean together hand over elsewhere, and to first order no column says that the zero is wrong.
-            if teeth.strained(self.model.built):
+            if teeth.strained(self.model.built) and not self.over:
                 self._better_from(teeth.alike(self.model.built, graded), shift)
 
     def _better_from(self, built: FloatArray, shift: float) -> bool:
@@ -261,7 +273,7 @@ class Fit:
             model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
         claims = []
         for claim, part in zip(model.claims, layout.claims, strict=True):
-            values = within(claim, np.array(claim.values) + x[part] - old[part])
+            values = within(claim, np.array(claim.values) + x[part] - old[part], model.scope)
             x[part] = old[part] + np.array(values) - np.array(claim.values)
             claims.append(replace(claim, values=values))
         model.claims = claims

@@ -35,7 +35,7 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
     out: dict[Key, tuple[Form, ...]] = {}
     for k in range(len(search.model.claims)):
         others = search.model.claims[k].otherwise(search.model.scope)
-        if not others:
+        if not others or search.over:
             continue
         rest(search)
         stands, most, best, begun = search.model.claims[k], 0.0, search.kept(), search.kept()
@@ -80,7 +80,7 @@ def only_the_least(search: Search, k: int, others: Sequence[Form]) -> bool:
     claim = search.model.claims[k]
     if out_of_mesh(search.model, search.scenes, claim):
         return True
-    if not claim.shapes_tooth:
+    if not claim.shapes_tooth or search.over:
         return False
     deeper = [one.chance for one in others if one.claim.values[0] > STAYS * claim.values[0]]
     if max(deeper, default=0.0) > math.exp(-0.5 * AS_WELL):

@@ -14,13 +14,14 @@ from gearpoly.physics.base import Reported
 
 
 def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, hold: list[int]) -> tuple[Finding, ...]:
-    """The findings, each beside its claim's number, with those of one slow physics as one in the place of the first;
-    ``hold`` are the parameters that no part of the recordings tells the other."""
+    """The findings, each beside its claim's number, with those of one slow physics that are about some recordings each
+    as one in the place of the first; ``hold`` are the parameters that no part of the recordings tells the other."""
     out: list[Finding] = []
     for k, one in findings:
-        physics = one.claim.physics
-        same = [(j, other) for j, other in findings if other.claim.physics is physics]
-        if not physics.slow or len(same) == 1:
+        # What is said of all recordings at once, as an encoder's count is, stands by itself on each shaft.
+        by_recording = one.claim.physics.slow and one.claim.place.recordings
+        same = [(j, other) for j, other in findings if other.claim.physics is one.claim.physics]
+        if not by_recording or len(same) == 1:
             out.append(one)
         elif same[0][0] == k:
             out.append(_as_one(search, same, hold))

@@ -69,7 +69,7 @@ def options(model: Model) -> Iterator[NextRecording]:
     """Recordings worth thinking of: nearly no torque and full torque on both flanks, another speed, a refitted encoder,
     reversed rotation."""
     scope = model.scope
-    full = max(*scope.torques, scope.file.pair.torque_nm * NM)
+    full = max(*scope.torques, scope.file.torque_nm * NM)
     flank = scope.flanks[0]
     other = "coast" if flank == "drive" else "drive"
     made = {(f, round(t, 3)) for f, t in zip(scope.flanks, scope.torques, strict=True)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,14 +20,17 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding
+from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
 
 def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest."""
     model, linear, layout = search.model, search.linear, search.linear.layout
+    # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
     gears = tuple(
-        GearKnown(z=known.z, uncertainty=1e-4, zero=known.zero, direction=known.direction) for known in comparison.gears
+        GearKnown(z=known.z, uncertainty=None if known.ideal else 1e-4, zero=known.zero, direction=known.direction)
+        for known in comparison.gears
     )
     # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
     # teeth as they were built: their size is whatever the teeth leave open.
@@ -56,6 +60,7 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
                 speed=one.speed,
                 flank=one.flank,
                 sharing=template.sharing,
+                coarse=one.coarse,
                 contact=template.sharing.contact,
             )
         )
@@ -93,6 +98,22 @@ def located_on(comparison: Comparison, gear: int) -> list[Entry]:
     mine = [one for one in comparison.located.entries if one.gear == name]
     whole = [one for one in mine if one.tooth is not None or (one.order is not None and float(one.order).is_integer())]
     return whole[:FOREMOST]
+
+
+def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
+    """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did: the place alone, and no cause."""
+    place, physics = claim.place, claim.physics
+    recordings = place.recordings or tuple(range(len(comparison.aligned)))
+    entry = Entry(kind="mesh_phase", phase=(0.0, 1.0), rms_um=rms / UM, p_value=1.0, recordings=recordings)
+    if physics.mean_tooth:
+        return entry
+    if physics.slow or place.gear is None:
+        return replace(entry, kind="time", phase=None, hz=0.0)
+    entry = replace(entry, gear="driving" if place.gear == 0 else "driven", phase=None)
+    if place.tooth is None:
+        return replace(entry, kind="shaft_order", order=float(place.order or 1))
+    told = place.tooth if comparison.alignment.numbered[place.gear] else None
+    return replace(entry, kind="tooth", tooth=told, encoder_deg=comparison.gears[place.gear].encoder_deg(place.tooth))
 
 
 def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:

@@ -12,7 +12,7 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
-from gearpoly.physics.base import Claim, Values
+from gearpoly.physics.base import Claim, Scope, Values
 from gearpoly.physics.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray, IntArray
@@ -159,7 +159,8 @@ def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatA
     base = model.change(scenes, claim, claim.values, but=claim)
     out: list[list[FloatArray]] = [[] for _ in scenes]
     for k, quantity in enumerate(claim.physics.coordinates):
-        step = quantity.step if claim.values[k] + quantity.step <= quantity.high else -quantity.step
+        most = quantity.most(model.scope, claim.place)
+        step = quantity.step if claim.values[k] + quantity.step <= most else -quantity.step
         values: Values = (*claim.values[:k], claim.values[k] + step, *claim.values[k + 1 :])
         for mine, there, here in zip(out, model.change(scenes, claim, values, but=claim), base, strict=True):
             mine.append((there - here) / step)
@@ -271,7 +272,7 @@ def linearise(
     return Linear(system=system, layout=layout, columns=columns_all, target=target, noises=noises)
 
 
-def within(claim: Claim, values: FloatArray) -> tuple[float, ...]:
+def within(claim: Claim, values: FloatArray, scope: Scope) -> tuple[float, ...]:
     """Values within their bounds, the shape not moved by more than eight steps at once."""
     out = []
     for k, quantity in enumerate(claim.physics.coordinates):
@@ -280,5 +281,5 @@ def within(claim: Claim, values: FloatArray) -> tuple[float, ...]:
             value = float(np.clip(value, claim.values[k] - 8.0 * quantity.step, claim.values[k] + 8.0 * quantity.step))
         elif claim.physics.fixed_amplitudes:
             value = 1.0
-        out.append(float(np.clip(value, quantity.low, quantity.high)))
+        out.append(float(np.clip(value, *quantity.bounds(scope, claim.place))))
     return tuple(out)

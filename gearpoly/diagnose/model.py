@@ -12,6 +12,7 @@ import numpy as np
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.diagnose.as_built import AsBuilt
+from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.method import Method
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Claim, Scope, Values, changed
@@ -48,7 +49,7 @@ class Model:
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
     which the declared ones give as much in the mean;
     ``strangers`` are the waves that the recordings hold and no gear pair makes, each by its foreign columns;
-    ``claims`` the physics accepted so far; ``method`` what of the method is in use.
+    ``claims`` the physics accepted so far; ``method`` what of the method is in use; ``budget`` how long may be looked.
     """
 
     declared: PairFile
@@ -71,6 +72,7 @@ class Model:
     strangers: tuple[tuple[int, ...], ...] = ()
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
+    budget: Budget = field(default_factory=Budget)
 
     def file(self, *, but: Claim | None = None) -> PairFile:
         """The pair file with everything in it, one claim left out if asked."""

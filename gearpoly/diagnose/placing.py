@@ -87,7 +87,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         return
     before: Fit | None = None
     by = 0
-    for _ in range(MOVES + 1):
+    for _ in range(0 if model.budget.over else MOVES + 1):
         trial, columns = _shortened(model, foreign)
         fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
         # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
@@ -118,7 +118,7 @@ def well_placed(model: Model, begin: Callable[[], Begun]) -> Begun:
         return fit
     pitch = model.scope.gears[1].tau
     for _ in range(MOVES):
-        by = off_by(fit)
+        by = 0 if fit.over else off_by(fit)
         if by == 0:
             break
         here = fit.kept()
@@ -205,6 +205,8 @@ def _best_of(
     for rounds in TRIALS:
         least = min(tried.values())
         tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= hopeful * least}
+        if trial.budget.over:
+            return
         for way, k in tried if len(tried) > len(starts) else ():
             trial.moved(way)
             trial.claims = list(starts[k])

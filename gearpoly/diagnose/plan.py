@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.alike import Alike, Weighed, alike
 from gearpoly.diagnose.as_built import make_as_built
@@ -73,6 +74,7 @@ def plan(file: PairFile, *, path: Path | str, step: Callable[[str], None] = lamb
     Raises ``GeometryError`` or ``OutOfRangeError`` where the pair cannot run at all.
     """
     step("thinking of recordings")
+    file = with_sheets_stated(file, path=path)
     model = _model(file, Path(path))
     first, *others = _recordings(file)
     kept, scenes = [first], [imagined(model, first, number=0)]
@@ -131,7 +133,7 @@ def _look_alikes(names: list[str], steps: list[Weighed]) -> list[LookAlike]:
 
 
 def _full(file: PairFile) -> float:
-    return max(file.pair.torque_nm * NM, 10.0 * LIGHT)
+    return max(file.torque_nm * NM, 10.0 * LIGHT)
 
 
 def _recordings(file: PairFile) -> list[NextRecording]:

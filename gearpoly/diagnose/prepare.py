@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear, stated_limits
+from gearpoly.assemble import nominal_gears, stated_limits
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
@@ -65,6 +65,10 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
             any(r.driving_angle_rad is not None for r in recordings) or computed,
             any(r.driven_angle_rad is not None for r in recordings) or computed,
         ),
+        from_time=(
+            any("driving" in r.from_time for r in recordings),
+            any("driven" in r.from_time for r in recordings),
+        ),
         timed=all(one.samples.time is not None for one in observed),
         varied=any(one.samples.load is not None for one in observed),
         counted=all(compared),
@@ -72,6 +76,9 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
         form=(_form(priors[0]), _form(priors[1])),
+        finest=_finest(observed),
+        stepped=any(one.stepped for one in beside.aligned),
+        ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
     )
     return Model(
@@ -87,6 +94,16 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         elsewhere=beside.alignment.further if beside.alignment.numbering == "open" else (),
         turns_of=only_shaft_read(recordings),
     )
+
+
+def _finest(observed: Sequence[Observed]) -> tuple[float, float]:
+    """Half the samples per turn of the driving and of the driven shaft, at least."""
+    turns = [
+        [one.samples.size / max(float(np.ptp(angle)), 1e-300) for angle in (one.samples.theta_1, one.samples.theta_2)]
+        for one in observed
+    ]
+    first, second = (math.pi * min(per_rad) for per_rad in zip(*turns, strict=True))
+    return first, second
 
 
 def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:
@@ -134,7 +151,7 @@ def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:
 
 def gear_priors(file: PairFile) -> tuple[tuple[Gear, Gear], tuple[GearPrior, GearPrior]]:
     """Both deviation-free gears, and what the file says of their teeth beforehand."""
-    gears = nominal_gear(file.driving), nominal_gear(file.driven)
+    gears = nominal_gears(file)
     return gears, (_prior(file.driving, gears, 0), _prior(file.driven, gears, 1))
 
 
@@ -148,7 +165,7 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
-    mine, mate = nominal_gear(section), gears[1 - which]
+    mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
     slope = limits.f_HalphaT / WITHIN / UM
     cosine = math.cos(mine.alpha)  # from the reference circle to the line of action

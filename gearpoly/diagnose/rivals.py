@@ -103,7 +103,9 @@ def _possible(model: Model, claim: Claim) -> Iterator[tuple[Physics, Place]]:
     order 12."""
     taken = {one.key for one in model.claims}
     for physics in model.method.physics:
-        for place in (*physics.places(model.scope), *physics.instead(model.scope, claim.place)):
+        for place in filter(
+            model.scope.shows, (*physics.places(model.scope), *physics.instead(model.scope, claim.place))
+        ):
             key = Claim(physics=physics, place=place, values=()).key
             if key in taken:
                 continue

@@ -16,7 +16,7 @@ from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
-from gearpoly.physics.base import Claim, Physics, Place, Values
+from gearpoly.physics.base import Claim, Physics, Place, Scope, Values
 from gearpoly.physics.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
@@ -109,14 +109,20 @@ def _columns(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray
     return [np.column_stack(parts) for parts in zip(*changes, strict=True)]
 
 
-def _allowed(physics: Physics, amplitude: FloatArray) -> bool:
-    """Whether amplitudes lie where the physics can have them."""
-    return all(q.low <= a <= q.high * 1.5 for q, a in zip(physics.coordinates, amplitude.tolist(), strict=False))
+def _allowed(scope: Scope, claim: Claim, amplitude: FloatArray) -> bool:
+    """Whether amplitudes lie where the claim's physics can have them; to first order half as much again."""
+    bounds = [one.bounds(scope, claim.place) for one in claim.physics.coordinates]
+    return all(1.5 * low <= a <= 1.5 * high for (low, high), a in zip(bounds, amplitude.tolist(), strict=False))
 
 
 def every_place(model: Model) -> Iterator[tuple[Physics, Place]]:
-    """Every physics at every place."""
-    return ((physics, place) for physics in model.method.physics for place in physics.places(model.scope))
+    """Every physics at every place that the recordings' samples can show."""
+    return (
+        (physics, place)
+        for physics in model.method.physics
+        for place in physics.places(model.scope)
+        if model.scope.shows(place)
+    )
 
 
 def all_places(model: Model) -> Iterator[tuple[Physics, Place]]:
@@ -225,7 +231,7 @@ def _weigh(
             continue
         gain, amplitude = gain_of(score, information, index[None, :])
         partly = roughly and physics.fixed_amplitudes and bool(np.all(amplitude > 0.0))
-        if not (partly or _allowed(physics, amplitude[0])):
+        if not (partly or _allowed(model.scope, claim, amplitude[0])):
             continue
         if physics.fixed_amplitudes:
             amplitude = np.ones_like(amplitude)
@@ -254,7 +260,12 @@ def together(model: Model, scenes: list[Scene], linear: Linear, physics: Physics
     score, information, _ = _beside(model, scenes, linear, held)
     pairs = np.array([(i, j) for i in first for j in second])
     gain, amplitude = gain_of(score, information, pairs)
-    possible = np.array([all(_allowed(physics, one[k : k + 1]) for k in (0, 1)) for one in amplitude])
+    possible = np.array(
+        [
+            all(_allowed(model.scope, held[k], a) for k, a in zip(pair, one[:, None], strict=True))
+            for pair, one in zip(pairs.tolist(), amplitude, strict=True)
+        ]
+    )
     if not possible.any():
         return 0.0, []
     best = int(np.argmax(np.where(possible, gain, -np.inf)))
@@ -278,11 +289,11 @@ def polished(
     # What was weighed roughly has to prove itself.
     best = replace(candidate, gain=0.0) if physics.fixed_amplitudes and not roughly else candidate
     spread = np.array([8.0 * c.step for c in physics.coordinates[q:]])
+    bounds = [one.bounds(model.scope, claim.place) for one in physics.coordinates[q:]]
 
     def lost(shape: FloatArray) -> float:
         nonlocal best
-        bounds = physics.coordinates[q:]
-        if any(not c.low <= s <= c.high for c, s in zip(bounds, shape.tolist(), strict=True)):
+        if any(not low <= s <= high for (low, high), s in zip(bounds, shape.tolist(), strict=True)):
             return 0.0
         trial = replace(claim, values=(*(0.0,) * q, *shape.tolist()))
         found = _weigh(model, scenes, linear, [trial], roughly=roughly)

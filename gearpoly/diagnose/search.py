@@ -95,7 +95,7 @@ class Search(Exchange):
         """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits
         better, if it comes before ``most`` claims where few were asked for; the candidates of its last look, ``found``
         or others."""
-        if not claims:
+        if not claims or self.over:
             return found
         end, looked = self.kept(), self.looked
         self.restore(state)
@@ -128,7 +128,7 @@ class Search(Exchange):
         found: list[Candidate] = []
         roads: list[Road] = []
         looked = False
-        while len(self.model.claims) < most:
+        while len(self.model.claims) < most and not self.over:
             if not looked:
                 self.step(f"looking for what is missing ({len(self.model.claims)} found)")
                 found, self.looked = scan(self.model, self.scenes, self.linear)
@@ -182,12 +182,16 @@ class Search(Exchange):
             single = all(one.place.tooth is not None for one in claims)
             if single and self.model.claims != claims and self.gained(begun) < 0.0:
                 return False  # neither law nor form mends what a single tooth has made worse
+            if self.over:
+                return False  # nobody knows what it would have been worth
             self.relax()
             self.reshape()
             self.declared_softness()
             self.declared_law()
             self.choose_law()
             self.share()
+            if self.over:
+                return False
             self.drop_idle()
             kept = {one.key for one in claims} <= {one.key for one in self.model.claims}
             self.swap()
@@ -230,7 +234,7 @@ class Search(Exchange):
     def _withdrawn(self, k: int) -> bool:
         """Whether claim ``k`` was taken back, all fitted again without it."""
         claim, begun = self.model.claims[k], self.kept()
-        if not claim.physics.mean_tooth or not self._settled_for(claim):
+        if self.over or not claim.physics.mean_tooth or not self._settled_for(claim):
             return False
         self.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
         try:

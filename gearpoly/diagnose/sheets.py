@@ -5,6 +5,7 @@ No physics is missing then, and yet every tooth is wrong, each by a step of its 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,7 +53,7 @@ def recounted(search: Search, begun: Kept) -> Recounted | None:
     with the one that fits best, from the state ``begun`` before any claim, if that is better than all the claims."""
     for gear in (0, 1):
         mine = [one for one in search.model.claims if one.physics.name in PITCHES and one.place.gear == gear]
-        if len(mine) < SEVERAL or search.model.as_built.gears[gear].graded:
+        if search.over or len(mine) < SEVERAL or not _listed(search.model.declared, gear):
             continue
         end, declared, scope = search.kept(), search.model.declared, search.model.scope
         search.step("counting the teeth of the inspection otherwise")
@@ -101,7 +102,13 @@ def _best(search: Search, gear: int) -> tuple[int, bool]:
 def _counted(file: PairFile, gear: int, order: IntArray) -> PairFile:
     """The pair file with the values per tooth of a gear's inspection in another ``order`` (z,)."""
     sheet = gear_section(file, gear).inspection
-    assert sheet is not None
-    listed = {name: value for name, value in sheet.model_dump().items() if isinstance(value, (list, tuple))}
-    keys = {name: tuple(np.asarray(value)[order].tolist()) for name, value in listed.items()}
+    keys = {name: tuple(np.asarray(value)[order].tolist()) for name, value in _listed(file, gear).items()}
     return on_gear(file, gear, inspection=changed(sheet, **keys))
+
+
+def _listed(file: PairFile, gear: int) -> dict[str, Sequence[float]]:
+    """What the inspection of a gear lists tooth by tooth, by its keys: nothing where nobody inspected it, or where all
+    teeth have one value, and no count of them matters."""
+    sheet = gear_section(file, gear).inspection
+    held = {} if sheet is None else sheet.model_dump()
+    return {name: value for name, value in held.items() if isinstance(value, (list, tuple))}

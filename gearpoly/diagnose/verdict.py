@@ -7,7 +7,7 @@ from typing import Literal
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.heldout import Rms
+from gearpoly.diagnose.heldout import Checked, Rms
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.separate import Separation
 from gearpoly.files.models import PairFile
@@ -122,6 +122,7 @@ class Diagnosis:
     """All that a diagnosis found.
 
     ``before`` the declared simulation, ``as_built_only`` with as-built teeth, ``after`` with everything; rms in mm.
+    ``unseen`` what unseen data say of the names (None: nothing was to be named).
     ``left`` (n_k,) in mm what is left of every recording. ``fitted`` the pair file with it all.
     """
 
@@ -141,4 +142,5 @@ class Diagnosis:
     fitted: PairFile
     not_excluded: tuple[str, ...]
     remarks: tuple[str, ...]
+    unseen: Checked | None = None
     seconds: tuple[tuple[str, float], ...] = field(default=())

@@ -294,12 +294,14 @@ class Weigh(Softness):
         return gained > 0.0
 
     def gain_without(self, k: int) -> float:
-        """What claim ``k`` gains, all else fitted again without it; nothing where the fit would have less
-        of it than none, as of a pit where it wants a bump."""
+        """What claim ``k`` gains, all else fitted again without it; nothing where the fit would have less of it than
+        none, as of a pit where it wants a bump, or more than there can be: then it is something else."""
         system, claim = self.linear.system, self.model.claims[k]
         a = claim.physics.amplitudes
         sizes = system.solution[self.linear.layout.places(k)[:a]]
-        if any(size <= one.low for size, one in zip(sizes, claim.physics.coordinates[:a], strict=True)):
+        bounds = [one.bounds(self.model.scope, claim.place) for one in claim.physics.coordinates[:a]]
+        fixed = claim.physics.fixed_amplitudes  # held at what they are, which is their largest
+        if any(size <= low or (size >= high and not fixed) for size, (low, high) in zip(sizes, bounds, strict=True)):
             return 0.0
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
 

@@ -1,20 +1,22 @@
 """Gears as closed triangle meshes: the drawn polygon, bore and all, raised to its face width.
 
-Caps are triangulated on the outline's own vertices and walls stand on the same ones, so the mesh is watertight by
-construction; a mesh library then checks it and its volume.
+Caps are triangulated on the outline's own vertices (by manifold3d) and walls stand on the same ones, so the mesh is
+watertight by construction; trimesh then checks it and its volume.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from gearpoly.errors import GeometryError, OutOfRangeError
 from gearpoly.export.drawing import Drawing, Placed
-from gearpoly.export.formats import missing
-from gearpoly.units import FloatArray, IntArray, read_only
+from gearpoly.units import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    import trimesh
 
 VOLUME = 1e-6
 """Relative. A mesh's volume may differ from polygon area times face width by rounding to single precision at most,
@@ -25,20 +27,11 @@ SLIVER = 1e-9
 """mm^2. Triangles this thin may be turned over: single precision moves a vertex by 1e-5 mm at most, across 1e-4 mm."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Solid:
-    """A closed mesh: ``vertices`` (n, 3) in mm, ``faces`` (k, 3) counter-clockwise from outside, gear's ``name``."""
-
-    name: str
-    vertices: FloatArray
-    faces: IntArray
-
-
-def solids(drawing: Drawing, *, single: bool) -> list[Solid]:
-    """The gears of ``drawing`` as solids, middle planes level with each other where they mesh, standing on z = 0.
+def solids(drawing: Drawing, *, single: bool) -> list[trimesh.Trimesh]:
+    """The gears of ``drawing`` as solids in mm, middle planes level with each other where they mesh, standing on z = 0.
 
     ``single`` rounds vertices to single precision first, as STL holds them. Raises ``OutOfRangeError`` where a face
-    width is missing, ``GeometryError`` where rounding would open the mesh, ``MissingExtraError`` without manifold3d.
+    width is missing, ``GeometryError`` where rounding would open the mesh.
     """
     for gear in drawing.gears:
         if gear.mounted.gear.b is None:
@@ -51,7 +44,9 @@ def solids(drawing: Drawing, *, single: bool) -> list[Solid]:
     ]
 
 
-def _solid(gear: Placed, *, low: float, b: float, single: bool) -> Solid:
+def _solid(gear: Placed, *, low: float, b: float, single: bool) -> trimesh.Trimesh:
+    import trimesh
+
     rings = [np.asarray(gear.ring), np.asarray(gear.bore[::-1])]
     if single:
         rings = [ring.astype(np.float32).astype(np.float64) for ring in rings]
@@ -75,8 +70,15 @@ def _solid(gear: Placed, *, low: float, b: float, single: bool) -> Solid:
     if single:
         z = z.astype(np.float32).astype(np.float64)
     vertices = np.concatenate([np.column_stack((flat, np.full(n, height))) for height in z])
-    _check(gear.name, vertices, faces, volume=_area(rings) * float(z[1] - z[0]))
-    return Solid(name=gear.name, vertices=read_only(vertices), faces=faces)
+    # Not processed: vertices stay the outline's own, in its order.
+    mesh = trimesh.Trimesh(vertices, faces, process=False, units="mm", metadata={"name": gear.name})
+    volume = _area(rings) * float(z[1] - z[0])
+    if not mesh.is_volume or abs(mesh.volume - volume) > VOLUME * volume:
+        raise GeometryError(
+            f"{gear.name}: the solid is not watertight at this detail (volume {mesh.volume:.6g} mm^3 for "
+            f"{volume:.6g}); want more points (--points) or another chord error (--chord-um)"
+        )
+    return mesh
 
 
 def _cap(gear: Placed, rings: list[FloatArray]) -> IntArray:
@@ -86,10 +88,8 @@ def _cap(gear: Placed, rings: list[FloatArray]) -> IntArray:
     time with the square of the points. Where a chord between two spaces would leave the body (large bores), the whole
     is cut at once.
     """
-    try:
-        from manifold3d import triangulate
-    except ImportError:
-        raise missing("manifold3d", "solid") from None
+    from manifold3d import triangulate
+
     outline, bore = rings
     n = outline.shape[0]
     radius = np.hypot(*(gear.outline.ring - gear.outline.centre).T)
@@ -142,19 +142,3 @@ def _area(rings: list[FloatArray]) -> float:
         x, y = (ring - ring.mean(axis=0)).T
         total += 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
     return total
-
-
-def _check(name: str, vertices: FloatArray, faces: IntArray, *, volume: float) -> None:
-    """Raise ``GeometryError`` unless every edge has exactly one face on either side and the volume is the polygon's."""
-    n = vertices.shape[0]
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    there = np.sort(edges[:, 0] * n + edges[:, 1])
-    back = np.sort(edges[:, 1] * n + edges[:, 0])
-    closed = bool(np.all(np.diff(there) > 0)) and np.array_equal(there, back)
-    corner = vertices[faces] - vertices.mean(axis=0)
-    found = float(np.sum(np.cross(corner[:, 0], corner[:, 1]) * corner[:, 2])) / 6.0
-    if not closed or abs(found - volume) > VOLUME * volume:
-        raise GeometryError(
-            f"{name}: the solid is not watertight at this detail (volume {found:.6g} mm^3 for {volume:.6g}); want more "
-            "points (--points) or another chord error (--chord-um)"
-        )

@@ -25,11 +25,11 @@ class Exported:
 
     @property
     def says(self) -> str:
-        """One sentence for whoever asked for it."""
+        """What is in the file, for whoever asked for it."""
         drawing, request = self.drawing, self.drawing.request
         names = " and ".join(gear.name for gear in drawing.gears)
         points = drawing.statement()["points_per_flank"]
-        text = f"{self.target}: {names} gear, {points} points per flank, {self.curves} within "
+        text = f"{names} gear, {points} points per flank, {self.curves} within "
         text += f"{rounded_up(self.chord_error / UM):g} um"
         if drawing.contacts is not None:
             angles = f"{request.at / DEG:g} deg (driving {drawing.theta_1 / DEG:.6f} deg)"

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
@@ -13,27 +11,30 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gearpoly.errors import InputFileError
-from gearpoly.files.models import LIST, NUMBER, PairFile, Section
-from gearpoly.files.traces import nearest, shorten
+from gearpoly.errors import InputFileError, shown, shown_value
+from gearpoly.files.kinds import LIST, NUMBER
+from gearpoly.files.models import PairFile, Section
+from gearpoly.files.toml import OverLimitError, load
+from gearpoly.files.traces import nearest
 
 
 def parse(file: Path, text: str) -> dict[str, Any]:
     """The tables of a TOML text; raises ``InputFileError`` with line and column where it is none."""
     wish = "want TOML: `key = value`, text in quotes, decimal points, each key and section once"
     try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise InputFileError(file, found="lists or tables nested too deep", wish=wish) from None
-    except ValueError as error:  # TOMLDecodeError, or an integer with more digits than Python converts
+        return load(text)
+    except OverLimitError as error:
+        wish = "want no more than that; check the file name, or whether a program wrote too much"
+        raise InputFileError(file, found=str(error), wish=wish) from None
+    except ValueError as error:  # TOMLDecodeError, a limit, or an integer with more digits than Python converts
         message = str(error)
     place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
     if place is None:
-        raise InputFileError(file, found=shorten(message), wish=wish)
+        raise InputFileError(file, found=message, wish=wish)
     lines = text.splitlines() or [""]
     line, column = (int(place[1]), int(place[2])) if place[1] else (len(lines), len(lines[-1]) + 1)
     standing = lines[line - 1].strip() if line <= len(lines) else ""
-    found = f"`{shorten(standing)}` ({message[: place.start()]})"
+    found = f"`{shown(standing)}` ({message[: place.start()]})"
     raise InputFileError(file, where=f"line {line}, column {column}", found=found, wish=wish)
 
 
@@ -70,14 +71,16 @@ _BOUND = {
 def explain(file: Path, raw: dict[str, Any], error: ValidationError) -> InputFileError:
     """The one message for the most basic fault, and of equals the first in the file."""
     faults = error.errors(include_url=False)
-    fault = min(faults, key=lambda fault: (_rank(fault), _position(raw, _loc(fault))))
+    basic = min(map(_rank, faults))
+    places: dict[int, dict[str, int]] = {}  # of the keys in each table, since a file may hold many
+    fault = min((one for one in faults if _rank(one) == basic), key=lambda one: _position(raw, _loc(one), places))
     loc, kind, context = _loc(fault), fault["type"], fault.get("ctx", {})
     if kind == "rule":
         where = ".".join((*(str(key) for key in loc), context["key"]))
         return InputFileError(file, where=where, found=context["found"], wish=context["wish"])
     where = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in loc).lstrip(".")
     if kind == "extra_forbidden":
-        return InputFileError(file, where=shorten(where), found="unknown key", wish=_place_for(loc))
+        return InputFileError(file, where=shown(where), found="unknown key", wish=_place_for(loc))
     path = tuple(key for key in loc if isinstance(key, str))
     info = _SECTIONS[path[:-1]].model_fields[path[-1]]
     found = _shown(fault["input"])
@@ -102,8 +105,9 @@ def _loc(fault: ErrorDetails) -> tuple[int | str, ...]:
     return tuple(key for key in fault["loc"] if key not in (NUMBER, LIST))
 
 
-def _position(raw: dict[str, Any], loc: tuple[int | str, ...]) -> tuple[float, ...]:
-    """Where the key stands in the file; a missing key comes after what its section holds."""
+def _position(raw: dict[str, Any], loc: tuple[int | str, ...], places: dict[int, dict[str, int]]) -> tuple[float, ...]:
+    """Where the key stands in the file; a missing key comes after what its section holds. ``places`` keeps, by the
+    identity of a table, the place of each of its keys."""
     position: list[float] = []
     here: Any = raw
     for key in loc:
@@ -111,7 +115,9 @@ def _position(raw: dict[str, Any], loc: tuple[int | str, ...]) -> tuple[float, .
             position.append(key)
         else:
             known = isinstance(here, dict) and key in here
-            position.append(list(here).index(key) if known else math.inf)
+            if known and id(here) not in places:
+                places[id(here)] = {name: k for k, name in enumerate(here)}
+            position.append(places[id(here)][key] if known else math.inf)
             here = here[key] if known else None
     return tuple(position)
 
@@ -154,9 +160,4 @@ def _shown(value: object) -> str:
         return "a table"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)} values"
-    if isinstance(value, str):
-        return shorten(json.dumps(value, ensure_ascii=False))
-    try:
-        return shorten(str(value).lower() if isinstance(value, bool) else str(value))
-    except ValueError:  # a hexadecimal integer with more digits than Python prints
-        return "a huge integer"
+    return shown_value(value)

@@ -12,7 +12,7 @@ from typing import Literal
 from gearpoly.errors import InputFileError
 from gearpoly.files.gde import GearInspection, Side, Turn
 from gearpoly.files.gde_read import read_gde
-from gearpoly.files.models import GearSection, Inspection, PairFile
+from gearpoly.files.models import GearSection, Inspection
 from gearpoly.files.traces import Flank, Trace
 from gearpoly.units import UM, read_only
 
@@ -72,16 +72,3 @@ def inspection(
         for profile in gear.profiles
     )
     return measured, traces
-
-
-def with_gde_stated(file: PairFile, *, path: Path | str) -> PairFile:
-    """The pair file at ``path`` with pitch and thickness of its inspection files written out, so that what is found can
-    be added to them; traces stay where they are. Raises ``InputFileError`` as ``inspection`` does."""
-    sections: dict[str, GearSection] = {}
-    which: Which
-    for which in ("driving", "driven"):
-        section: GearSection = getattr(file, which)
-        if section.inspection is not None and section.inspection.gde is not None:
-            sheet, _ = inspection(path, section, section.inspection, which)
-            sections[which] = section.model_copy(update={"inspection": sheet})
-    return file.model_copy(update=sections)

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.errors import InputFileError, MissingExtraError, shown
 from gearpoly.files.gde import GEOMETRY, REQUIRED, ROOT, TOLERANCES, UNITS, GearInspection, Profile, Side, Turn
+from gearpoly.files.kinds import NAME_SHOWN
+from gearpoly.files.paths import unreadable
 from gearpoly.files.traces import (
     DEVIATION_LIMIT_UM,
     TEXT_LIMIT_BYTES,
     check_file,
     nearest,
     parse_number,
-    shorten,
-    unreadable,
 )
 
 
@@ -31,7 +31,7 @@ def read_gde(path: Path | str) -> GearInspection:
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     root = _Block(file, _parsed(file), "")
     if root.tag != ROOT:
-        raise root.fault(f"<{shorten(root.tag)}>", f"want <{ROOT}> (docs/export.md describes the subset that is read)")
+        raise root.fault(f"<{shown(root.tag)}>", f"want <{ROOT}> (docs/export.md describes the subset that is read)")
     root.check_blocks(("identification", "geometry", "tolerances", "inspection"))
     identification = root.child("identification")
     name = identification.child("name") if identification is not None else None
@@ -69,7 +69,7 @@ def read_gde(path: Path | str) -> GearInspection:
     if not pitch and not profiles and thick is None:
         raise measured.fault("nothing measured", "want <pitch>, <tooth_thickness> or <profile>")
     return GearInspection(
-        name=(name.text if name is not None else "") or file.stem,
+        name=shown((name.text if name is not None else "") or file.stem, width=NAME_SHOWN),
         geometry=geometry,
         tolerances={} if tolerances is None else tolerances.numbers(TOLERANCES),
         count=cast(Turn, count),
@@ -82,7 +82,7 @@ def read_gde(path: Path | str) -> GearInspection:
 def _profile(block: _Block, z: int) -> Profile:
     text = block.element.get("tooth", "")
     if not (text.isascii() and text.isdigit() and len(text) < 9 and 1 <= int(text) <= z):
-        raise block.fault(f'tooth = "{shorten(text)}"', f"want a tooth number from 1 to {z}")
+        raise block.fault(f'tooth = "{shown(text)}"', f"want a tooth number from 1 to {z}")
     side = cast(Side, block.choice("flank", ("left", "right")))
     here = _Block(block.file, block.element, f"inspection.profile[tooth {text}, {side}]")
     here.check_blocks(("roll_length", "deviation"))
@@ -113,7 +113,7 @@ def _parsed(file: Path) -> Any:
     except (ParseError, ValueError, LookupError, RecursionError) as error:
         line = getattr(error, "position", (0, 0))[0]
         where = f"line {line}" if line else ""
-        raise InputFileError(file, where=where, found=f"no XML ({shorten(str(error))})", wish="want XML") from None
+        raise InputFileError(file, where=where, found=f"no XML ({shown(str(error))})", wish="want XML") from None
 
 
 @dataclass(frozen=True)
@@ -159,12 +159,12 @@ class _Block:
             tag = str(one.tag).rpartition("}")[2]
             if isinstance(one.tag, str) and tag not in known:
                 wish = f"the nearest known block is <{nearest(tag, known)}> (known: {', '.join(known)})"
-                raise self.fault(f"unknown block <{shorten(tag)}>", wish)
+                raise self.fault(f"unknown block <{shown(tag)}>", wish)
 
     def choice(self, name: str, known: tuple[str, ...]) -> str:
         value = self.element.get(name)
         if value not in known:
-            found = f"no {name}" if value is None else f'{name} = "{shorten(value)}"'
+            found = f"no {name}" if value is None else f'{name} = "{shown(value)}"'
             raise self.fault(found, f"want {name} = {' or '.join(known)}")
         return str(value)
 
@@ -172,16 +172,16 @@ class _Block:
         """Numbers separated by blanks, in ``unit``; ``count`` of them where given."""
         stated, known = self.element.get("unit"), UNITS[unit]
         if known and stated not in known:
-            found = "no unit" if stated is None else f'unit "{shorten(stated)}"'
+            found = "no unit" if stated is None else f'unit "{shown(stated)}"'
             raise self.fault(found, f"want {' or '.join(known)}")
         if not known and stated is not None:
-            raise self.fault(f'unit "{shorten(stated)}"', "want a plain number without unit")
+            raise self.fault(f'unit "{shown(stated)}"', "want a plain number without unit")
         factor = known[stated] if stated is not None else 1.0
         values = []
         for cell in self.text.split():
             value = parse_number(cell)
             if value is None or not math.isfinite(value):
-                raise self.fault(f'"{shorten(cell)}"', "want finite numbers with decimal points")
+                raise self.fault(f'"{shown(cell)}"', "want finite numbers with decimal points")
             values.append(factor * value)
             if unit == "um" and abs(values[-1]) > DEVIATION_LIMIT_UM:
                 raise self.fault(f"{cell} {stated}", f"want -{DEVIATION_LIMIT_UM:.0f} to {DEVIATION_LIMIT_UM:.0f} um")

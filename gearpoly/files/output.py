@@ -9,7 +9,9 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, escaped
+from gearpoly.files.paths import is_file, is_folder, look
+from gearpoly.files.streams import write_out
 
 
 def check_target(target: Path) -> None:
@@ -17,15 +19,15 @@ def check_target(target: Path) -> None:
     always can."""
     if str(target) == "-":
         return
-    if not target.parent.is_dir():
+    if not is_folder(target.parent):
         raise InputFileError(
             target,
             found=f"there is no folder {target.parent}",
             wish="make it, or write somewhere else",
         )
-    if target.is_dir():
+    if is_folder(target):
         raise InputFileError(target, found="this is a folder", wish="want the name of a file")
-    if target.exists() and not target.is_file():
+    if look(target) is not None and not is_file(target):
         raise InputFileError(target, found="this is no file but a device or pipe", wish="want the name of a file, or -")
     if not os.access(target.parent, os.W_OK):
         raise InputFileError(target, found="the folder is read-only", wish="want a folder that can be written to")
@@ -34,7 +36,7 @@ def check_target(target: Path) -> None:
 def check_targets(targets: Iterable[Path | None], *, inputs: Iterable[Path]) -> None:
     """``check_target`` for all ``targets`` of a command that are asked for (not None); raise ``InputFileError`` too
     where one is a file that the command reads, or two are the same file or both standard output."""
-    read = {one.resolve() for one in inputs}
+    read = {one.resolve() for one in inputs if look(one) is not None}  # what is not there is told by who reads it
     taken: set[Path] = set()
     for target in targets:
         if target is None:
@@ -86,15 +88,15 @@ def written_aside(target: Path) -> Iterator[Path]:
 def write_text(target: Path | str, text: str) -> None:
     """Write ``text`` to ``target``, or to standard output where that is ``-``."""
     if str(target) == "-":
-        try:
-            sys.stdout.write(text if text.endswith("\n") else text + "\n")
-            sys.stdout.flush()
-        except OSError as error:
-            # What is left in the buffer must not fail once more at the end.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            raise InputFileError(
-                Path("standard output"), found=error.strerror or str(error), wish="write to a file, or read to the end"
-            ) from None
+        write_out(text if text.endswith("\n") else text + "\n")
         return
     with written_aside(Path(target)) as aside:
-        aside.write_text(text, encoding="utf-8")
+        # A path that is no UTF-8 may be part of it.
+        aside.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def say_written(target: Path | str | None, what: str) -> None:
+    """Say on standard error that ``target`` was written and ``what`` is in it; nothing where it was not asked for
+    (None) or was standard output. Standard error, since standard output may hold a result."""
+    if target is not None and str(target) != "-":
+        print(f"wrote {escaped(str(target))}: {what}", file=sys.stderr, flush=True)

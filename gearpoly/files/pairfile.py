@@ -12,6 +12,8 @@ from pydantic import ValidationError
 from gearpoly.errors import InputFileError
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import GearSection, PairFile, Section
+from gearpoly.files.paths import is_file
+from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.files.traces import read_text
 
 
@@ -23,14 +25,14 @@ def read_pair(path: Path | str) -> PairFile:
     then keys that contradict one another).
     """
     file = Path(path)
-    raw = parse(file, read_text(file))
+    raw = with_sheets(parse(file, read_text(file)), file)
     try:
         pair = PairFile.model_validate(raw)
     except ValidationError as error:
         raise explain(file, raw, error) from None
     for gear, section in (("driving", pair.driving), ("driven", pair.driven)):
         for key, source in (("profile_csv", profile_csv_path(file, section)), ("gde", gde_path(file, section))):
-            if source is not None and not source.is_file():
+            if source is not None and not is_file(source):
                 called = "a trace file" if key == "profile_csv" else "an inspection file"
                 found = f"no such file, {source}"
                 wish = f"want the path of {called}, relative to the pair file"
@@ -76,7 +78,7 @@ _COMPUTED = {
     "centre_distance_mm": "tight mesh of the deviation-free gears",
     "speed_rpm": "quasi-static",
     "bore_mm": "half the root diameter",
-    "root_radius": "0.38, or the largest that fits",
+    "root_radius": "0.38, or the largest that fits and leaves the mate's tip free",
 }
 
 

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.output import write_text
+from gearpoly.files.sheet_csv import FLANKS
 
 HEAD = """# The pair file
 
@@ -29,7 +30,18 @@ module_mm = 2
 
 Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of the other. Angles and signs:
 [nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](diagnose.md).
-"""
+
+`gearpoly pair --new pair.toml --sheet sheet.csv` writes a commented pair file, and an inspection sheet that it reads
+with `sheet_csv`: a row per tooth, columns `gear`, `tooth` and keys of the inspection; empty columns were not
+measured, and a gear without any value counts as not inspected.
+
+{flanks}
+
+`single_pitch_um` is f_p: the index deviations of the drive flank are its running sum times cos(alpha), mean removed,
+minus for the driving gear and plus for the driven one; on the coast flank the signs are reversed. Its values add up
+to 0 but for rounding, or are refused. `span_mm` and `over_pins_mm` give E_s, the same for all teeth, by ISO 21771
+(external spur gears, odd and even numbers of teeth).
+""".replace("{flanks}", FLANKS.replace("\n# ", "\n").removeprefix("# "))
 
 COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")
 

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, cast
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, shown
+from gearpoly.files.paths import look
+from gearpoly.files.paths import unreadable as unreadable
 from gearpoly.units import UM, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
@@ -25,6 +27,16 @@ TEXT_LIMIT_BYTES = 64 * 2**20
 
 DEVIATION_LIMIT_UM = 1e4
 """Largest flank deviation in um; beyond 10 mm a unit was mistaken."""
+
+NAME_LIMIT = 100
+"""Characters of a name that are compared with known ones, the longest of which has 44: a comparison takes time as the
+square of the length."""
+
+shorten = shown
+
+LINE_LIMIT = 10_000
+"""Characters of a line of a trace file; four cells have fewer than 100, and a line without end would be cut into cells
+of 60 bytes each."""
 
 TRACE_COLUMNS = ("tooth", "flank", "roll_length_mm", "deviation_um")
 
@@ -45,26 +57,20 @@ class Trace:
 
 
 def check_file(file: Path, *, limit_bytes: int) -> None:
-    """Raise ``InputFileError`` unless ``file`` is there, is no folder and is not above the limit
-    (before it is opened).
+    """Raise ``InputFileError`` unless ``file`` is there, is a file on a disk and is not above the limit (before it is
+    opened).
     """
-    try:
-        status = file.stat()
-    except (FileNotFoundError, NotADirectoryError):
+    status = look(file)
+    if status is None:
         wish = "want the path of a file that exists"
-        raise InputFileError(file, found="no such file", wish=wish) from None
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        raise unreadable(file, error) from None
+        raise InputFileError(file, found="no such file", wish=wish)
     if stat.S_ISDIR(status.st_mode):
         raise InputFileError(file, found="a folder", wish="want a file")
+    if not stat.S_ISREG(status.st_mode):
+        # Nobody knows how much a pipe or a device will give, or when.
+        raise InputFileError(file, found="a pipe or a device", wish="want a file on a disk; write it to one first")
     if status.st_size > limit_bytes:
         raise too_large(file, limit_bytes)
-
-
-def unreadable(file: Path, error: Exception) -> InputFileError:
-    """The error for a file that the operating system does not let us read."""
-    reason = getattr(error, "strerror", None) or str(error)
-    return InputFileError(file, found=f"cannot be read ({reason})", wish="want a file that can be opened")
 
 
 def too_large(file: Path, limit_bytes: int) -> InputFileError:
@@ -99,7 +105,7 @@ def read_text(file: Path, *, limit_bytes: int = TEXT_LIMIT_BYTES) -> str:
     check_file(file, limit_bytes=limit_bytes)
     try:
         with file.open("rb") as stream:
-            data = stream.read(limit_bytes + 1)  # a pipe or device states no size, so the size is checked again
+            data = stream.read(limit_bytes + 1)  # a file may grow, so the size is checked again
     except OSError as error:
         raise unreadable(file, error) from None
     if len(data) > limit_bytes:
@@ -112,10 +118,10 @@ def read_text(file: Path, *, limit_bytes: int = TEXT_LIMIT_BYTES) -> str:
 
 def nearest(name: str, known: Iterable[str], *, cutoff: float = 0.0) -> str | None:
     """The known name most like ``name`` whatever its case, or ``None`` where none reaches the
-    cutoff (0..1).
+    cutoff (0..1). Of a long name its first ``NAME_LIMIT`` characters are compared.
     """
     by_lower = {key.lower(): key for key in known}
-    close = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
+    close = difflib.get_close_matches(name[:NAME_LIMIT].lower(), by_lower, n=1, cutoff=cutoff)
     return by_lower[close[0]] if close else None
 
 
@@ -144,14 +150,9 @@ def check_header(file: Path, where: str, names: Sequence[str], known: Sequence[s
                 raise InputFileError(file, where=where, found=f'the number "{name}" for a column name', wish=wish)
             close = nearest(name, known)
             wish = f'the nearest known column is "{close}"; want columns of {known_list}'
-            raise InputFileError(file, where=where, found=f'unknown column "{shorten(name)}"', wish=wish)
+            raise InputFileError(file, where=where, found=f'unknown column "{shown(name)}"', wish=wish)
         if name in names[:i]:
             raise InputFileError(file, where=where, found=f'column "{name}" twice', wish="want each column once")
-
-
-def shorten(text: str, *, width: int = 60) -> str:
-    """``text`` cut to a length that fits a message."""
-    return text if len(text) <= width else text[: width - 3] + "..."
 
 
 def parse_number(cell: str) -> float | None:
@@ -179,6 +180,9 @@ def read_traces(path: Path | str, teeth: int) -> tuple[Trace, ...]:
         where = f"line {number}"
         if not line.strip() or (not columns and line.lstrip().startswith("#")):
             continue
+        if len(line) > LINE_LIMIT:
+            wish = f"want lines of at most {LINE_LIMIT} characters"
+            raise InputFileError(file, where=where, found=f"{len(line)} characters", wish=wish)
         cells = split_row(line)
         if not columns:
             check_header(file, where, cells, TRACE_COLUMNS)
@@ -241,8 +245,8 @@ def _trace(file: Path, tooth: int, flank: str, points: list[tuple[float, float, 
 
 
 def _bad_cell(file: Path, where: str, column: str, cell: str, want: str) -> InputFileError:
-    shown = f'"{shorten(cell)}"' if cell else "an empty cell"
-    return InputFileError(file, where=f"{where}, column {column}", found=shown, wish=f"want {want}")
+    found = f'"{shown(cell)}"' if cell else "an empty cell"
+    return InputFileError(file, where=f"{where}, column {column}", found=found, wish=f"want {want}")
 
 
 def _number(file: Path, where: str, column: str, cell: str) -> float:

@@ -64,6 +64,13 @@ class Flanks:
         psi = self.psi_drive if flank == "drive" else self.psi_coast
         return self.gear.r_b * (float(np.mean(psi[:, middle])) - self.gear.psi(float(self.r[middle])))
 
+    def largest_deviation(self, flank: str) -> float:
+        """The most in mm by which a point of an involute on ``flank`` stands off ``mean_deviation``, along the
+        normal."""
+        psi = (self.psi_drive if flank == "drive" else self.psi_coast)[:, self.root.n :]
+        nominal = np.array([self.gear.psi(float(r)) for r in self.r[self.root.n :]])
+        return float(np.max(np.abs(self.gear.r_b * (psi - nominal) - self.mean_deviation(flank))))
+
     def root_leverage(self) -> float:
         """The greatest 6 h / s^2 in 1/mm over the sections of all tooth roots, h from the section to the tip, s its
         thickness.
@@ -111,7 +118,7 @@ def draw_flanks(
     L = np.linspace(root.l_form**SPACING, gear.l_a**SPACING, n) ** (1.0 / SPACING)
     L[0], L[-1] = root.l_form, gear.l_a
     psi_drive, psi_coast = (
-        np.concatenate((_root_angles(root, side), side[:, 1:]), axis=1)
+        np.concatenate((root_angles(root, side[:, :1]), side[:, 1:]), axis=1)
         for side in (_involute_angles(gear, shapes, L, span=span) for shapes in (deviations.drive, deviations.coast))
     )
     r = np.concatenate((root.r, np.hypot(gear.r_b, L[1:])))
@@ -153,10 +160,15 @@ def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, sp
     )
 
 
-def _root_angles(root: Root, side: FloatArray) -> FloatArray:
-    """The root (z, root.n) turned with its flank, so that both meet; the middle of the tooth space stays where it
-    is."""
-    turn = side[:, :1] - root.psi[-1]
-    angles: FloatArray = root.psi + turn
+FLOOR = 1e-4
+"""Part of the half pitch by which a root stays on its own side of the middle of its space: below 0.1 um per mm of
+radius, and far above rounding."""
+
+
+def root_angles(root: Root, ends: FloatArray) -> FloatArray:
+    """The root (z, root.n) turned so that it meets each flank at ``ends`` (z, 1); the middle of the tooth space stays
+    where it is, and what a large deviation turns past it stands along it, or the outline would fold over."""
+    angles: FloatArray = root.psi + (ends - root.psi[-1])
     angles[:, 0] = root.psi[0]
-    return angles
+    along = root.psi[0] * (1.0 - FLOOR * np.arange(root.n) / root.n)
+    return np.where(angles > root.psi[0], along, angles)

@@ -11,7 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.gear.gear import Gear
+from gearpoly.errors import OutOfRangeError
+from gearpoly.gear.gear import Gear, inv
+from gearpoly.gear.root import form_point
 from gearpoly.units import FloatArray, IntArray
 
 Which = Literal["driving", "driven"]
@@ -69,3 +71,51 @@ def profile_deviations(u: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatA
     slope = d @ (share * centred) / np.sum(share * centred**2)
     rest = d - slope[..., None] * centred
     return slope, np.ptp(rest, axis=-1), np.ptp(d, axis=-1)
+
+
+def index_deviations(single: FloatArray, *, alpha: float, which: Which, coast: bool = False) -> FloatArray:
+    """Normal index deviations (z,) in mm, mean removed, of single pitch deviations ``single`` (z,) as a sheet has them:
+    arcs in mm, tooth n against n - 1 in the order of meshing, positive = pitch too large.
+
+    Too large a pitch sets the later tooth back: that takes material off the driving gear's drive flank and adds it to
+    the driven gear's; on coast flanks it is the other way round (derived here).
+    """
+    sense = (-1.0 if which == "driving" else 1.0) * (-1.0 if coast else 1.0)
+    sums = np.cumsum(single)
+    index: FloatArray = sense * math.cos(alpha) * (sums - np.mean(sums)) + 0.0
+    return index
+
+
+def thickness_from_span(gear: Gear, W: float, *, k: int) -> float:
+    """Tooth thickness deviation E_s in mm, an arc, of a base tangent length ``W`` in mm over ``k`` teeth: W_k less its
+    nominal size, over cos(alpha) (ISO 21771:2007, 7.3).
+
+    Raises ``OutOfRangeError`` where so many teeth cannot be spanned on the involutes.
+    """
+    l = 0.5 * W
+    if k >= gear.z or not form_point(gear)[1] <= l <= gear.l_a:
+        raise OutOfRangeError(
+            f"a span of {W:g} mm over {k} teeth does not touch the involutes of z = {gear.z}; over {gear.k_span} teeth "
+            f"the deviation-free gear has {gear.W_k:.4f} mm"
+        )
+    nominal = (k - 1) * gear.p_b + 2.0 * gear.r_b * gear.psi_b
+    return (W - nominal) / math.cos(gear.alpha)
+
+
+def thickness_from_pins(gear: Gear, M: float, *, D: float) -> float:
+    """Tooth thickness deviation E_s in mm, an arc, of a size ``M`` in mm over two pins of diameter ``D`` in mm.
+
+    Pin centres lie at d_K = M - D, with odd z at (M - D)/cos(pi/(2 z)); there inv(alpha_K) = psi_b - pi/z + D/d_b
+    (ISO 21771:2007, 7.4). Raises ``OutOfRangeError`` where such pins do not touch the involutes, or not at all.
+    """
+    d_K = (M - D) / (1.0 if gear.z % 2 == 0 else math.cos(0.5 * math.pi / gear.z))
+    d_b = 2.0 * gear.r_b
+    l = 0.5 * (math.sqrt(d_K**2 - d_b**2) - D) if d_K > d_b else -1.0
+    if not form_point(gear)[1] <= l <= gear.l_a or 0.5 * (d_K + D) <= gear.r_a:
+        raise OutOfRangeError(
+            f"{M:g} mm over pins of {D:g} mm: such pins do not touch the involutes of z = {gear.z} and stand out over "
+            f"their tips; about {1.68 * gear.m:g} mm is a usual diameter"
+        )
+    alpha_K = math.acos(d_b / d_K)
+    psi_b = inv(alpha_K) + math.pi / gear.z - D / d_b
+    return 2.0 * gear.r * (psi_b - inv(gear.alpha)) - gear.s

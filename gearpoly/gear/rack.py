@@ -29,6 +29,11 @@ class Rack:
     rho_fP: float = 0.38
 
     def __post_init__(self) -> None:
+        if self.rho_fP_max < 0.0:
+            raise GeometryError(
+                f"dedendum = {self.h_fP:g}: at this pressure angle the flanks of the cutting rack's tooth meet before "
+                f"that depth; a dedendum of at most {self.h_fP_max:.4f} would do"
+            )
         if self.half_land < 0.0:
             raise GeometryError(
                 f"the cutting rack's tip round root_radius = {self.rho_fP:g} does not fit its tooth; at this pressure "
@@ -57,6 +62,11 @@ class Rack:
         """The largest tip round that fits, in modules."""
         return largest_round(alpha=self.alpha, h_fP=self.h_fP)
 
+    @property
+    def h_fP_max(self) -> float:
+        """The largest dedendum of a rack whose tip is sharp, in modules: (pi/4)/tan(alpha), cut a little short."""
+        return math.floor(1e4 * math.pi / 4.0 / math.tan(self.alpha)) / 1e4
+
 
 def largest_round(*, alpha: float, h_fP: float) -> float:
     """The largest tip round of a rack of pressure angle ``alpha`` in rad and dedendum ``h_fP``, in modules: full
@@ -64,7 +74,26 @@ def largest_round(*, alpha: float, h_fP: float) -> float:
     return (math.pi / 4.0 - h_fP * math.tan(alpha)) * math.cos(alpha) / (1.0 - math.sin(alpha))
 
 
-def usual_round(*, alpha: float, h_fP: float) -> float:
-    """The tip round where none is stated, in modules: that of ISO 53 profile A, or the largest that fits, which at 25
-    degrees is less."""
-    return min(Rack.rho_fP, (1.0 - FULL) * largest_round(alpha=alpha, h_fP=h_fP))
+def free_round(*, alpha: float, h_fP: float, h_aP: float) -> float:
+    """The largest tip round of a rack that leaves the mate's tip free, in modules, below 0 where none does.
+
+    The straight flank of a rack of dedendum ``h_fP`` ends (1 - sin(alpha)) rho above its tip, and the mate's tip, of
+    addendum ``h_aP``, must not work below that: rho <= (h_fP - h_aP)/(1 - sin(alpha)). Exact for racks; teeth of finite
+    number have some room left, since the path of contact ends before the mate's tip is as deep (derived here).
+    """
+    return (h_fP - h_aP) / (1.0 - math.sin(alpha))
+
+
+STANDARD = 1e-4
+"""In modules. Profile A of ISO 53 has a round of 0.38 where 0.25/(1 - sin(20 deg)) = 0.37995 is free: the standard's
+two decimals, which no default is to lose."""
+
+
+def usual_round(*, alpha: float, h_fP: float, h_aP: float | None = None) -> float:
+    """The tip round where none is stated, in modules: that of ISO 53 profile A, or the largest that fits and leaves the
+    tip of a mate of addendum ``h_aP`` free (None: whatever the mate). Never below 0."""
+    usual = Rack.rho_fP
+    if h_aP is not None:
+        free = free_round(alpha=alpha, h_fP=h_fP, h_aP=h_aP)
+        usual = usual if free >= usual - STANDARD else free
+    return max(0.0, min(usual, (1.0 - FULL) * largest_round(alpha=alpha, h_fP=h_fP)))

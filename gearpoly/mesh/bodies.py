@@ -40,6 +40,10 @@ WIDE_SHARE = 0.25
 """Share of the pitch within which a guess must lie. A contact outside the back-off is searched for again this far
 around, since teeth that the first look left out might touch before it."""
 
+THIN_SHARE = 0.02
+"""Share of the pitch below which a tip counts as pointed. It bounds the steps in which a lost contact is looked for;
+half the tip of a standard tooth takes a tenth of the pitch."""
+
 LOST = 0.5
 """rad. A pair that has turned further than this from its guess, or than three quarters of a pitch, is not going to
 touch."""
@@ -108,6 +112,12 @@ class Body:
         tooth."""
         angle = np.sort(np.angle(self.points[:, -1]))
         return float(np.min(np.diff(angle, append=angle[0] + 2.0 * np.pi)))
+
+    @cached_property
+    def tip(self) -> float:
+        """The least angle in rad about the axis that half a tip takes, but no less than a share of the pitch."""
+        half = np.angle(self.points[:, -1] * complex_points(self.backs[:, 0]).conj())
+        return max(float(np.min(np.abs(half))), THIN_SHARE * self.pitch)
 
     @cached_property
     def strides(self) -> list[int]:

@@ -63,6 +63,11 @@ def certify(m: Meeting, jobs: Jobs) -> BoolArray:
     return repaired
 
 
+def overlapping(m: Meeting, jobs: Jobs) -> BoolArray:
+    """Which rows do not stand clear on whole faces at their rotation, so that they have touched before it."""
+    return ~_clear(m, jobs, jobs.rotation)
+
+
 def _uncertified(m: Meeting, jobs: Jobs) -> BoolArray:
     """Which rows lack a certificate: clear on whole faces just before, crossing near the contact (hence somewhere)
     just after."""

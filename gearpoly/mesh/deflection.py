@@ -14,6 +14,7 @@ import numpy as np
 from gearpoly.mesh.compliance import (
     ContactPair,
     Flattening,
+    Mate,
     find_flattening,
     find_law,
     tooth_compliance,
@@ -161,8 +162,10 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
     """
     b = pair.common_face_width
     tables = []
-    for which, mounted in enumerate((pair.driving, pair.driven)):
-        table = _tooth_table(mounted, elasticity.law, elasticity.E, elasticity.nu, b, flank)
+    for which, (mounted, other) in enumerate(((pair.driving, pair.driven), (pair.driven, pair.driving))):
+        numbers = other.gear
+        mate = Mate(teeth=numbers.z, profile_shift=numbers.x, dedendum=numbers.rack.h_fP)
+        table = _tooth_table(mounted, mate, elasticity.law, elasticity.E, elasticity.nu, b, flank)
         factor = np.full(mounted.gear.z, elasticity.scale)
         for gear, tooth, more in elasticity.cracks:
             # A crack at the root of the drive flank opens under drive load and closes under coast load.
@@ -173,7 +176,7 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
 
 
 @lru_cache(maxsize=64)
-def _tooth_table(mounted: Mounted, law: str, E: float, nu: float, b: float, flank: Flank) -> ToothTable:
+def _tooth_table(mounted: Mounted, mate: Mate, law: str, E: float, nu: float, b: float, flank: Flank) -> ToothTable:
     """Compliance of sound teeth; what load and contact do to them is not in it, so a fit asks for the same again."""
     flanks, gear = mounted.flanks, mounted.gear
     section = tooth_section(
@@ -185,6 +188,7 @@ def _tooth_table(mounted: Mounted, law: str, E: float, nu: float, b: float, flan
         bore_radius=0.5 * (gear.r_f if gear.d_bore is None else gear.d_bore),
         teeth=gear.z,
         profile_shift=gear.x,
+        mate=mate,
     )
     lowest = max(gear.r_b, float(np.hypot(gear.r_b, flanks.root.l_form)))
     r = np.linspace(lowest, gear.r_a, RADII)

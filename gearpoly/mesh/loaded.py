@@ -66,13 +66,14 @@ class LoadedContacts:
 
 def load_reach(compliance: PairCompliance, torque: float) -> float:
     """The most that a pair alone under the whole ``torque`` (N.mm) can give, mm: near pairs up to this may carry
-    load."""
+    load. Never above ``SMALL`` of the module, from where on ``loaded`` refuses the torque, whatever stands behind."""
     force = torque / compliance.pair.r_b2 / _least_lever(compliance)
     # A contact anywhere on the path; laws that ask for the place vary with it only in their logarithm.
     pitch_point = np.array([compliance.pair.driving.gear.r, 0.0])
     if force == 0.0:
         return 0.0
-    return 1.2 * force * float(compliance.secant(np.array(force), np.array(compliance.softest()), pitch_point))
+    alone = 1.2 * force * float(compliance.secant(np.array(force), np.array(compliance.softest()), pitch_point))
+    return min(alone, SMALL * compliance.pair.driving.gear.m)
 
 
 def loaded(
@@ -102,9 +103,8 @@ def loaded(
     worst = int(np.argmax(phi))
     if phi[worst] * pair.r_b1 > SMALL * pair.driving.gear.m:
         raise OutOfRangeError(
-            f"torque {torque / NM:g} N.m bends the teeth by {phi[worst] * pair.r_b1 / UM:.0f} um, more than "
-            f"{SMALL:.0%} of the "
-            "module; small deflections no longer hold, so lower the torque or widen the faces"
+            f"torque {torque / NM:g} N.m bends the teeth by more than {SMALL * pair.driving.gear.m / UM:g} um, "
+            f"{SMALL:.0%} of the module; small deflections no longer hold, so lower the torque or widen the faces"
         )
     if torque > 0.0 and phi[worst] * pair.r_b1 > contacts.near:
         raise OutOfRangeError(

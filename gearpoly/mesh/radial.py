@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.errors import NotConvergedError
+from gearpoly.errors import SelfCheckError
 from gearpoly.mesh.bodies import Body, coordinates
 from gearpoly.mesh.contact import Closings, closing_rotations
 from gearpoly.mesh.features import describe
@@ -84,9 +84,9 @@ def spot_check(
     """Certify ``samples`` positions of a fast run with the polygon kernel; returns the worst difference in rad.
 
     ``closings`` of ``closing_rotations_fast`` with the same other arguments. The positions are evenly spaced over the
-    run, or drawn by ``rng``. Raises ``NotConvergedError`` where a closing differs by more than ``AGREEMENT``, where
-    one kernel has a near pair that the other lacks (but for pairs that stand at ``near`` to within that), or where the
-    polygon kernel itself finds no certificate.
+    run, or drawn by ``rng``. Raises ``SelfCheckError`` where a closing differs by more than ``AGREEMENT`` or where
+    one kernel has a near pair that the other lacks (but for pairs that stand at ``near`` to within that),
+    ``NotConvergedError`` where the polygon kernel itself finds no certificate.
     """
     count = min(samples, poses.size)
     if count == 0:
@@ -108,7 +108,7 @@ def spot_check(
 
 
 def _worst(fast: Closings, at_fast: int, certified: Closings, at_certified: int, near: float) -> float:
-    """Greatest difference in rad between both kernels at one position; raises ``NotConvergedError`` above
+    """Greatest difference in rad between both kernels at one position; raises ``SelfCheckError`` above
     ``AGREEMENT``."""
     mine, theirs = _closings_at(fast, at_fast), _closings_at(certified, at_certified)
     worst = 0.0
@@ -120,9 +120,9 @@ def _worst(fast: Closings, at_fast: int, certified: Closings, at_certified: int,
             one = mine if pair in mine else theirs
             difference = max(0.0, min(one.values()) + near - one[pair])
         if not difference <= AGREEMENT:
-            raise NotConvergedError(
+            raise SelfCheckError(
                 f"the fast path and the certified polygons differ by {difference:.3g} rad at position {at_fast}, "
-                f"turning tooth {pair[0]} on fixed tooth {pair[1]}; this is a fault of one of them"
+                f"turning tooth {pair[0]} on fixed tooth {pair[1]}"
             )
         worst = max(worst, difference)
     return worst

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.errors import GeometryError, JammedError
+from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
 from gearpoly.gear.gear import inv
+from gearpoly.gear.rack import STANDARD, free_round
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
@@ -38,6 +39,11 @@ hide."""
 
 FAST_CHUNK = 5000
 """Positions of a fast run between two reports of progress."""
+
+FOLLOWED = 0.15
+"""Of the base pitch. Eccentricities and deviations together that both kernels follow without question. Of 3000 random
+pairs of 6 to 80 teeth, deviations up to 1.5 mm at module 2 among them, the first about which they differ stood 0.166 of
+a base pitch off."""
 
 Progress = Callable[[int], None]
 """Called with the number of positions finished since the last call."""
@@ -92,7 +98,7 @@ def contacts(
     Every contact is certified by the polygon kernel. With ``fast`` the compiled radial gap of the same polylines
     finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies ``SAMPLES`` positions of the run.
 
-    Raises ``GeometryError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
+    Raises ``NoContactError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
     """
     sense = 1.0 if flank == "drive" else -1.0
@@ -115,12 +121,11 @@ def contacts(
             progress(found.positions)
     rows = _joined(parts)
     if fast:
-        with _POLYGONS:
-            spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
+        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
-        raise GeometryError(
+        raise NoContactError(
             f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
             "the gears do not reach each other there"
         )
@@ -145,6 +150,36 @@ def contacts(
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )
+
+
+def certify_some(
+    pair: GearPair,
+    rows: Closings,
+    *,
+    flank: Flank,
+    poses: FloatArray,
+    guesses: FloatArray,
+    near: float,
+    samples: int,
+) -> None:
+    """Certify ``samples`` positions of a fast run, as ``radial.spot_check`` does.
+
+    Raises ``SelfCheckError`` where both kernels differ, but ``GeometryError`` where the flanks stand so far off their
+    places that neither is sure to know which teeth face each other.
+    """
+    bodies = pair.driving.body(flank), pair.driven.body(flank)
+    try:
+        with _POLYGONS:
+            spot_check(*bodies, rows, axis_distance=pair.a, poses=poses, guesses=guesses, near=near, samples=samples)
+    except SelfCheckError:
+        off = sum(one.eccentricity[0] + one.flanks.largest_deviation(flank) for one in (pair.driving, pair.driven))
+        if off <= FOLLOWED * pair.driving.gear.p_b:
+            raise
+        raise GeometryError(
+            f"{flank} flanks stand up to {off / UM:.0f} um off their places, more than {FOLLOWED:.0%} of the base "
+            f"pitch, so that it is not certain which teeth face each other; check the deviations and eccentricities "
+            "and their unit (um)"
+        ) from None
 
 
 def expected_closing(pair: GearPair, flank: Flank) -> float:
@@ -226,6 +261,20 @@ def mean_pairs(pair: GearPair, found: FlankContacts, *, resolution: float = 1e-4
     return mean_count(pair, found.theta_2, found.pairs, count_at, resolution=resolution)
 
 
+def _root_advice(pair: GearPair) -> str:
+    """Which roots stand in the way of the mate's tip, and what would leave it free."""
+    said = ""
+    for name, mounted, mate in (("driving", pair.driving, pair.driven), ("driven", pair.driven, pair.driving)):
+        rack, h_aP = mounted.gear.rack, mate.gear.rack.h_aP
+        free = free_round(alpha=rack.alpha, h_fP=rack.h_fP, h_aP=h_aP)
+        if rack.rho_fP <= free + STANDARD:
+            continue
+        cure = f"a root_radius of at most {free:.4f}" if free > 0.0 else f"a dedendum above {h_aP:g}"
+        said += f"the {name} gear's root_radius = {rack.rho_fP:g} may stand in the way of its mate's tip ({cure} "
+        said += "leaves it free); "
+    return said
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Backlash:
     """Lost motion of a pair: ``j_bn`` (N,) normal backlash in mm at each driven rotation of ``drive`` and ``coast``
@@ -260,6 +309,6 @@ def both_flanks(
             f"the gears jam: at driven angle {theta_2[worst] / DEG:.3f} deg the teeth overlap by "
             f"{-j_bn[worst] / UM:.3f} um "
             f"(drive flank: driving tooth {teeth[0]} on driven {mates[0]}; coast flank: {teeth[1]} on {mates[1]}); "
-            "thin the teeth (tooth_thickness_um, E_sns_um) or enlarge centre_distance_mm"
+            f"{_root_advice(pair)}thin the teeth (tooth_thickness_um, E_sns_um) or enlarge centre_distance_mm"
         )
     return Backlash(drive=drive, coast=coast, j_bn=j_bn)

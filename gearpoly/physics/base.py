@@ -49,6 +49,20 @@ class Scope:
     varied: bool = False
     """Whether the torque of any recording was read along it, and varies."""
 
+    from_time: tuple[bool, bool] = (False, False)
+    """Whether each shaft's angle is nothing but time, so that no reading tells where on its encoder a line stands."""
+
+    finest: tuple[float, float] = (math.inf, math.inf)
+    """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
+    alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
+
+    stepped: bool = False
+    """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
+    then told from an encoder's or a flank's."""
+
+    ranges: tuple[float, ...] = ()
+    """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
+
     wanders: tuple[bool, ...] = ()
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""
@@ -64,6 +78,13 @@ class Scope:
         known = [speed for speed in self.speeds if speed is not None]
         known += [end for ends in self.run_ups for end in ends]
         return bool(known) and max(known) - min(known) > UNEVEN * max(known)
+
+    def shows(self, place: Place) -> bool:
+        """Whether the samples can show what a place's order does."""
+        if place.order is None:
+            return True
+        gear = place.gear or 0
+        return place.order < self.finest[gear] and not (self.stepped and place.order > self.gears[gear].z / 2)
 
     @property
     def conditions(self) -> int:
@@ -99,13 +120,21 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """One coordinate of a physics in the unit of the pair file, between ``low`` and ``high``; ``step`` is a small
-    change of it."""
+    """One coordinate of a physics in its ``unit``, that of the pair file. ``most`` is the largest that it may be for a
+    pair and a place, and ``why``; ``low`` the least that means anything (default: as much, of the other sign).
+    ``step`` is a small change of it."""
 
     name: str
+    unit: str
+    most: Callable[[Scope, Place], float]
+    why: str
     low: float = -math.inf
-    high: float = math.inf
     step: float = 1.0
+
+    def bounds(self, scope: Scope, place: Place) -> tuple[float, float]:
+        """The least and the largest that it may be."""
+        most = self.most(scope, place)
+        return max(self.low, -most), most
 
 
 Reported = dict[str, tuple[float, float]]

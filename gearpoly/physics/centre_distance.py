@@ -6,10 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gear
+from gearpoly.assemble import nominal_gears
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import tight_centre_distance
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.bounds import module
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -26,13 +27,21 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     a = file.pair.centre_distance_mm
     if a is None:
-        a = tight_centre_distance(nominal_gear(file.driving), nominal_gear(file.driven))
+        a = tight_centre_distance(*nominal_gears(file))
     return on_pair(file, centre_distance_mm=a + values[0] * UM)
 
 
 PHYSICS = Physics(
     name="centre_distance",
-    coordinates=(Quantity(name="offset_um", step=5.0),),
+    coordinates=(
+        Quantity(
+            name="offset_um",
+            unit="um",
+            most=module,
+            why="teeth of gears farther apart do not reach each other, nearer they jam",
+            step=5.0,
+        ),
+    ),
     amplitudes=1,
     ordinary=(20.0,),
     places=_places,

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, own_of, polar
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
 from gearpoly.units import UM, FloatArray
@@ -48,7 +49,10 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="cumulative_pitch",
-    coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
+    coordinates=tuple(
+        Quantity(name=name, unit="um", most=half_tooth, why="a tooth farther off stands in its neighbour's gap")
+        for name in ("x_um", "y_um")
+    ),
     amplitudes=2,
     ordinary=(5.0, 0.0),
     ordinary_orders=lambda gear: (1, 2),

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import Eccentricity, PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, vector
+from gearpoly.physics.bounds import module
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -42,7 +43,15 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="eccentricity",
-    coordinates=(Quantity(name="x_um"), Quantity(name="y_um")),
+    coordinates=tuple(
+        Quantity(
+            name=name,
+            unit="um",
+            most=module,
+            why="farther off its axis a gear leaves its mate's teeth, or jams, once per turn",
+        )
+        for name in ("x_um", "y_um")
+    ),
     amplitudes=2,
     ordinary=(5.0, 0.0),
     places=_places,

@@ -18,6 +18,7 @@ from gearpoly.physics.base import (
     own_of,
     vector,
 )
+from gearpoly.physics.bounds import half_pitch
 from gearpoly.physics.encoder import misread
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
@@ -43,7 +44,10 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="encoder_eccentricity",
-    coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
+    coordinates=tuple(
+        Quantity(name=name, unit="urad", most=half_pitch, why="an encoder that is wrong by more counts the teeth wrong")
+        for name in ("cos_urad", "sin_urad")
+    ),
     amplitudes=2,
     ordinary=(100.0, 0.0),
     places=_places,

@@ -21,7 +21,7 @@ from gearpoly.physics.base import (
 )
 from gearpoly.physics.encoder import misread
 from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.units import URAD, FloatArray
 
 LOWEST = 2
 """Errors per turn: once is eccentricity; a disc out of round errs twice, a marred one a few times, lines hundreds of
@@ -40,12 +40,17 @@ not, left no line that is more than the noise's highest of so many; what laws of
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        if scope.encoders[gear]:
+        if scope.encoders[gear] and not scope.from_time[gear]:
             z = scope.gears[gear].z
             for order in range(LOWEST, HIGHEST + 1):
                 # At a low mesh order every mean tooth errs: nothing tells an encoder from it.
                 if order % z or order > MESH_ORDERS * z:
                     yield Place(gear=gear, order=order)
+
+
+def _forward(scope: Scope, place: Place) -> float:
+    """urad. The amplitude from which a reading with so many errors per turn no longer grows with its shaft."""
+    return 1.0 / ((place.order or 1) * URAD)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -67,7 +72,15 @@ def _reason(place: Place) -> str:
 
 PHYSICS = Physics(
     name="encoder_interpolation",
-    coordinates=(Quantity(name="cos_urad"), Quantity(name="sin_urad")),
+    coordinates=tuple(
+        Quantity(
+            name=name,
+            unit="urad",
+            most=_forward,
+            why="a reading with larger errors would run backwards within each of them",
+        )
+        for name in ("cos_urad", "sin_urad")
+    ),
     amplitudes=2,
     ordinary=(20.0, 0.0),
     # A disc out of round, and lines as many as the waves of a ghost order.

@@ -20,8 +20,9 @@ from gearpoly.physics.base import (
     on_gear,
     own_of,
 )
+from gearpoly.physics.bounds import recorded
 from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.units import UM, FloatArray
 
 PPM = 1e-6
 
@@ -30,6 +31,14 @@ def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         if scope.encoders[gear] and not (scope.wanders and all(scope.wanders)):
             yield Place(gear=gear)
+
+
+def _most(scope: Scope, place: Place) -> float:
+    """Millionths. What makes a ramp as large as the recordings range, and half of what one tooth more or less makes of
+    the ratio, from where on another pair of teeth fits better."""
+    another = 0.5 / max(gear.z for gear in scope.gears) / PPM
+    turned = 2.0 * math.pi * scope.span * scope.gears[0].z / scope.gears[1].z
+    return min(another, recorded(scope, place) * UM / (turned * scope.gears[1].r_b * PPM)) if turned > 0.0 else another
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -50,7 +59,14 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="encoder_scale",
-    coordinates=(Quantity(name="ppm"),),
+    coordinates=(
+        Quantity(
+            name="ppm",
+            unit="1e-6",
+            most=_most,
+            why="a larger one is a ramp beyond the recordings, or another pair of teeth",
+        ),
+    ),
     amplitudes=1,
     ordinary=(5.0,),
     places=_places,

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.bounds import always
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -22,7 +23,16 @@ LAW_DOUBT = 0.08
 
 PHYSICS = Physics(
     name="friction",
-    coordinates=(Quantity(name="coefficient", low=0.0, high=1.0, step=0.02),),
+    coordinates=(
+        Quantity(
+            name="coefficient",
+            unit="1",
+            low=0.0,
+            most=always(1.0),
+            why="metals and plastics rub with less than 1",
+            step=0.02,
+        ),
+    ),
     amplitudes=1,
     ordinary=(0.05,),
     places=_places,

@@ -10,6 +10,7 @@ import numpy as np
 from gearpoly.files.models import PairFile, Resonance
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, on_pair
+from gearpoly.physics.bounds import always
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
@@ -68,10 +69,24 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 PHYSICS = Physics(
     name="mesh_resonance",
     coordinates=(
-        Quantity(name="present", low=0.0, high=1.0),
-        Quantity(name="ln_frequency", low=-4.0, high=12.0, step=0.003),
-        Quantity(name="damping_ratio", low=0.001, high=HIGHEST_DAMPING, step=0.01),
-        Quantity(name="damped_in_mesh", low=0.0, high=1.0, step=0.1),
+        Quantity(name="present", unit="1", low=0.0, most=always(1.0), why="it is there, or it is not"),
+        Quantity(
+            name="ln_frequency",
+            unit="ln(Hz)",
+            low=-4.0,
+            most=always(12.0),
+            why="nothing of a gear pair swings at 160 kHz",
+            step=0.003,
+        ),
+        Quantity(
+            name="damping_ratio",
+            unit="1",
+            low=0.001,
+            most=always(HIGHEST_DAMPING),
+            why="shafts and gears of steel hardly reach a tenth",
+            step=0.01,
+        ),
+        Quantity(name="damped_in_mesh", unit="1", low=0.0, most=always(1.0), why="a part of the damping", step=0.1),
     ),
     amplitudes=1,
     ordinary=(1.0,),

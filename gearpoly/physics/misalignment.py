@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.bounds import half_tooth
 
 GAPS = (2.0, 6.0, 15.0, 40.0)
 """um at which the effect is looked at: it grows with the root of the gap while the gap is open, then in proportion."""
@@ -23,7 +24,16 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="misalignment",
-    coordinates=(Quantity(name="lead_um", low=0.0, step=0.5),),
+    coordinates=(
+        Quantity(
+            name="lead_um",
+            unit="um",
+            low=0.0,
+            most=half_tooth,
+            why="a gap across the face wider than half a tooth is no contact",
+            step=0.5,
+        ),
+    ),
     amplitudes=1,
     ordinary=(10.0,),
     places=_places,

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import added_on_both
 from gearpoly.units import UM, FloatArray
@@ -26,7 +27,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="profile_slope",
-    coordinates=(Quantity(name="slope_um"),),
+    coordinates=(
+        Quantity(
+            name="slope_um", unit="um", most=half_tooth, why="more than half a tooth is not there to be taken off"
+        ),
+    ),
     amplitudes=1,
     ordinary=(3.0,),
     places=_places,

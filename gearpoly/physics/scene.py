@@ -260,7 +260,7 @@ def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:
 def stage(assembled: Assembled, samples: Samples) -> Scene:
     """Simulate a set-up at the samples of a recording.
 
-    Raises ``GeometryError`` where no teeth touch, ``NotConvergedError`` where the certified kernel disagrees,
+    Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the certified kernel disagrees,
     ``OutOfRangeError`` for a load beyond small deflections.
     """
     pair, torque = assembled.pair, samples.torque

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.bounds import half_pitch
 from gearpoly.physics.scene import Scene
 from gearpoly.units import NM, URAD, FloatArray
 
@@ -17,6 +18,11 @@ def _places(scope: Scope) -> Iterable[Place]:
     between = len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)
     if scope.varied or (scope.counted and between):
         yield Place()
+
+
+def _most(scope: Scope, place: Place) -> float:
+    """urad/(N.m). Half a pitch under the largest torque, or under 1 N.m where all are less."""
+    return half_pitch(scope, place) / max(1.0, max(scope.torques, default=0.0) / NM)
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -30,7 +36,16 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="shaft_windup",
-    coordinates=(Quantity(name="compliance_urad_per_nm", low=0.0, step=0.1),),
+    coordinates=(
+        Quantity(
+            name="compliance_urad_per_nm",
+            unit="urad/(N.m)",
+            low=0.0,
+            most=_most,
+            why="shafts that wind up by more than half a pitch have their teeth counted wrong",
+            step=0.1,
+        ),
+    ),
     amplitudes=1,
     ordinary=(1.0,),
     places=_places,

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import Measurement, PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.physics.bounds import recorded
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -55,6 +56,11 @@ def _named(recordings: tuple[int, ...]) -> str:
     return f"recordings {', '.join(map(str, recordings[:-1]))} and {recordings[-1]}, alike,"
 
 
+def _sensible(scope: Scope, place: Place, values: Values) -> bool:
+    """All terms together drift no farther than the recordings range."""
+    return float(np.ptp(_curve(values, np.linspace(-1, 1, 201)))) / UM <= recorded(scope, place)
+
+
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
     along = np.linspace(-1.0, 1.0, 201)
     columns = np.polynomial.legendre.legvander(along, TERMS)[:, 1:]
@@ -69,11 +75,15 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="thermal_drift",
-    coordinates=tuple(Quantity(name=f"legendre_{k}_um") for k in range(1, TERMS + 1)),
+    coordinates=tuple(
+        Quantity(name=f"legendre_{k}_um", unit="um", most=recorded, why="no drift is larger than all that was recorded")
+        for k in range(1, TERMS + 1)
+    ),
     amplitudes=TERMS,
     ordinary=(2.0, 0.0, 0.0),
     places=_places,
     effect=_effect,
+    sensible=_sensible,
     measures=True,
     slow=True,
     write=_write,

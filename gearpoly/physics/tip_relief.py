@@ -22,6 +22,7 @@ from gearpoly.physics.base import (
     own_of,
     plain,
 )
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -50,6 +51,12 @@ def _places(scope: Scope) -> Iterable[Place]:
         for length in LENGTHS:
             if length * m < 0.95 * room:
                 yield Place(gear=gear, form="linear", shape=(length * m,))
+
+
+def _whole_flank(scope: Scope, place: Place) -> float:
+    """mm. From the tip down to the base circle."""
+    gear = scope.gears[place.gear or 0]
+    return gear.r_a - gear.r_b
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -101,7 +108,18 @@ def _sensible(scope: Scope, place: Place, values: Values) -> bool:
 
 PHYSICS = Physics(
     name="tip_relief",
-    coordinates=(Quantity(name="amount_um", low=0.0), Quantity(name="length_mm", low=0.02, step=0.01)),
+    coordinates=(
+        Quantity(
+            name="amount_um",
+            unit="um",
+            low=0.0,
+            most=half_tooth,
+            why="more than half a tooth is not there to be taken off",
+        ),
+        Quantity(
+            name="length_mm", unit="mm", low=0.02, most=_whole_flank, why="a flank ends at the base circle", step=0.01
+        ),
+    ),
     amplitudes=1,
     ordinary=(5.0,),
     places=_places,

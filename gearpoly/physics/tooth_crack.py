@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly.files.models import Crack, PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, gear_section, on_gear, tooth_of
+from gearpoly.physics.bounds import always
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
 
@@ -44,7 +45,16 @@ pitch point of 18/25 teeth): the same loss of stiffness is a larger crack of a s
 
 PHYSICS = Physics(
     name="tooth_crack",
-    coordinates=(Quantity(name="more", low=0.0, step=0.1),),
+    coordinates=(
+        Quantity(
+            name="more",
+            unit="1",
+            low=0.0,
+            most=always(100.0),
+            why="a root cracked through to a fifth gives (1/0.2)^3 = 125 times as much, and breaks",
+            step=0.1,
+        ),
+    ),
     amplitudes=1,
     ordinary=(0.3,),
     places=_places,

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.physics.bounds import always
 from gearpoly.units import FloatArray
 
 
@@ -33,7 +34,16 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="tooth_deflection",
-    coordinates=(Quantity(name="scale", low=0.0, step=0.02),),
+    coordinates=(
+        Quantity(
+            name="scale",
+            unit="1",
+            low=0.0,
+            most=always(100.0),
+            why="plastics are a hundred times as soft as steel",
+            step=0.02,
+        ),
+    ),
     amplitudes=1,
     ordinary=(1.0,),
     places=_places,

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, plain, tooth_of
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
 from gearpoly.units import UM, FloatArray
@@ -32,7 +33,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="tooth_pitch",
-    coordinates=(Quantity(name="deviation_um"),),
+    coordinates=(
+        Quantity(
+            name="deviation_um", unit="um", most=half_tooth, why="a tooth farther off stands in its neighbour's gap"
+        ),
+    ),
     amplitudes=1,
     ordinary=(4.0,),
     places=_places,

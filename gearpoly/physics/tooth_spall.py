@@ -21,6 +21,7 @@ from gearpoly.physics.base import (
     plain,
     tooth_of,
 )
+from gearpoly.physics.bounds import always, half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -55,6 +56,11 @@ def _places(scope: Scope) -> Iterable[Place]:
         for tooth in range(ideal.z):
             for i, j in WINDOWS:
                 yield Place(gear=gear, tooth=tooth, shape=(float(edges[i]), float(edges[j]), WALL * ideal.m))
+
+
+def _tip(scope: Scope, place: Place) -> float:
+    """mm. The tip radius."""
+    return scope.gears[place.gear or 0].r_a
 
 
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
@@ -109,10 +115,19 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 PHYSICS = Physics(
     name="tooth_spall",
     coordinates=(
-        Quantity(name="depth_um", low=0.0),
-        Quantity(name="from_mm", step=0.02),
-        Quantity(name="to_mm", step=0.02),
-        Quantity(name="wall_mm", low=LEAST, high=1.0, step=0.01),
+        Quantity(
+            name="depth_um", unit="um", low=0.0, most=half_tooth, why="more than half a tooth is not there to break off"
+        ),
+        Quantity(name="from_mm", unit="mm", low=0.0, most=_tip, why="a flank ends at the tip", step=0.02),
+        Quantity(name="to_mm", unit="mm", low=0.0, most=_tip, why="a flank ends at the tip", step=0.02),
+        Quantity(
+            name="wall_mm",
+            unit="mm",
+            low=LEAST,
+            most=always(1.0),
+            why="a wall that rises over more is no wall of a pit",
+            step=0.01,
+        ),
     ),
     amplitudes=1,
     ordinary=(5.0,),

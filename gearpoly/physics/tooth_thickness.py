@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import added
 from gearpoly.units import UM, FloatArray
@@ -36,7 +37,14 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="tooth_thickness",
-    coordinates=(Quantity(name="deviation_um"),),
+    coordinates=(
+        Quantity(
+            name="deviation_um",
+            unit="um",
+            most=half_tooth,
+            why="of a tooth thinner by more on either side nothing is left",
+        ),
+    ),
     amplitudes=1,
     ordinary=(5.0,),
     places=_places,

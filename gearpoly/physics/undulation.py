@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile, Undulation
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, phased, wave
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -60,7 +61,10 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="undulation",
-    coordinates=(Quantity(name="cos_um"), Quantity(name="sin_um")),
+    coordinates=tuple(
+        Quantity(name=name, unit="um", most=half_tooth, why="more than half a tooth is not there to be taken off")
+        for name in ("cos_um", "sin_um")
+    ),
     amplitudes=2,
     ordinary=(0.5, 0.0),
     # Between two mesh orders, where the index wheel of a cutting machine may leave a ghost.

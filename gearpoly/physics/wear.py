@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.scene import Scene
 from gearpoly.units import UM, FloatArray
 
@@ -29,7 +30,15 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="wear",
-    coordinates=(Quantity(name="depth_um", low=0.0),),
+    coordinates=(
+        Quantity(
+            name="depth_um",
+            unit="um",
+            low=0.0,
+            most=half_tooth,
+            why="more than half a tooth is not there to be worn off",
+        ),
+    ),
     amplitudes=1,
     ordinary=(3.0,),
     places=_places,

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, shown
+from gearpoly.files.paths import is_file, is_folder
 
 ENDINGS = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms", ".uff", ".unv")
 """Recordings that `gearpoly diagnose` reads."""
@@ -30,7 +31,7 @@ def case_files(folder: Path, name: str, *, truths: Path) -> CaseFiles:
     pair, truth = place / "pair.toml", truths / f"{name}.truth.json"
     found = [path for path in place.glob("rec_*") if path.suffix.lower() in ENDINGS]
     for path in (pair, truth):
-        if not path.is_file():
+        if not is_file(path):
             raise InputFileError(path, found="there is no such file", wish=f"want pair.toml and truth of case {name}")
     if not found:
         raise InputFileError(place, found="no recording", wish="want rec_0.csv, rec_1.csv, ...")
@@ -44,9 +45,12 @@ def _number(path: Path) -> tuple[int, str]:
 
 def folder_cases(folder: Path) -> list[CaseFiles]:
     """Every case of a folder laid out as NAME/pair.toml, NAME/rec_K.csv, NAME.truth.json, by name."""
-    if not folder.is_dir():
+    if not is_folder(folder):
         raise InputFileError(folder, found="there is no such folder", wish="want a folder of cases")
     names = sorted(path.parent.name for path in folder.glob("*/pair.toml"))
+    for name in names:
+        if shown(name, width=len(name)) != name:
+            raise InputFileError(folder / name, found="a name that does not print", wish="rename the case")
     if not names:
         raise InputFileError(folder, found="no case", wish="want NAME/pair.toml, NAME/rec_0.csv and NAME.truth.json")
     return [case_files(folder, name, truths=folder) for name in names]

@@ -41,9 +41,9 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     from gearpoly.report.diagnosis_report import verdict_json
 
     file = read_pair(pair)
-    read = [read_recording(path) for path in recordings]
+    read = [read_recording(path, worm=file.worm) for path in recordings]
     if how.one_torque:
-        torques = [recorded_torque(one, default=file.pair.torque_nm) for one in read]
+        torques = [recorded_torque(one, default=file.torque_nm) for one in read]
         read = [one for one, torque in zip(read, torques, strict=True) if torque >= 0.999 * max(torques)]
     if how.wrong:
         file = wrong(file)

@@ -11,7 +11,7 @@ from multiprocessing import active_children, get_context
 from typing import TypeVar
 
 from gearpoly.errors import GearpolyError
-from gearpoly.study.local import SingleThreaded, begin_worker
+from gearpoly.study.local import SingleThreaded, begin_worker, end_workers, interrupts_held
 from gearpoly.study.progress import Progress, span
 
 Job = TypeVar("Job")
@@ -56,7 +56,8 @@ def _in_processes(
             while left or under_way:
                 while left and len(under_way) < workers:
                     job = left.popleft()
-                    under_way[pool.submit(_told, work, job)] = (name(job), time.monotonic())
+                    with interrupts_held():
+                        under_way[pool.submit(_told, work, job)] = (name(job), time.monotonic())
                 done = wait(under_way, timeout=TICK, return_when=FIRST_COMPLETED).done
                 for future in done:
                     wrong = future.result()
@@ -71,9 +72,8 @@ def _in_processes(
             "run the same again, perhaps with fewer --workers"
         ) from None
     except BaseException:
-        # An interrupt, or a fault of the work itself: nobody waits minutes for what is under way.
-        for child in set(active_children()) - others:
-            child.terminate()
+        # An interrupt, or a fault of the work itself.
+        end_workers(besides=others)
         raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)

@@ -61,7 +61,7 @@ def prove_ground(
     chosen = list(range(len(entries))) if indices is None else list(indices)
     bench = code_of(Path(proving.__file__).parent)
     for name in ("cases", "truths", "sealed"):
-        _made(out / name)
+        made_folder(out / name)
     writing = [
         Writing(
             seed=seed, index=k, quick=quick, folder=out / "cases", truths=out / "truths",
@@ -100,14 +100,15 @@ def prove_folder(
     Raises ``InputFileError`` for a folder that is not laid out so, ``GearpolyError`` as ``prove_ground`` does.
     """
     cases = dict(enumerate(folder_cases(folder)))
-    _made(out)
+    made_folder(out)
     say(f"{len(cases)} cases of {folder}")
     return _prove(
         cases, [], of=str(folder), seed=None, quick=False, out=out, workers=workers, diagnoser=diagnoser, say=say
     )
 
 
-def _made(folder: Path) -> None:
+def made_folder(folder: Path) -> None:
+    """Make a folder to work in. Raises ``InputFileError`` where that cannot be."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -125,7 +126,7 @@ def _prove(
     write_text(out / "truths.sha256", listing)
     say(f"truths sealed: sha256 {sealed} over {len(hashes)} truths, each in {out / 'truths.sha256'}")
     say(f"thresholds: sha256 {limits.sha256}")
-    code = _code(diagnoser)
+    code = code_under_proof(diagnoser)
     plain = _jobs(cases, Arm(key=PLAIN, text="", how=dict.fromkeys(cases, How())), code, diagnoser, out, quick=quick)
     others = {arm.key: _jobs(cases, arm, code, diagnoser, out, quick=quick) for arm in extra}
     every = [*plain, *(job for jobs in others.values() for job in jobs)]
@@ -150,7 +151,7 @@ def _prove(
     )  # fmt: skip
 
 
-def _code(diagnoser: Diagnoser) -> str:
+def code_under_proof(diagnoser: Diagnoser) -> str:
     """Hash of everything that a verdict depends on beside its files."""
     sources = code_of(Path(gearpoly.__file__).parent, but=("prove",))
     return f"{sources[:32]}-{diagnoser.__module__}.{diagnoser.__qualname__}-{numpy.__version__}-{scipy.__version__}"
@@ -160,7 +161,7 @@ def _jobs(
     cases: dict[int, CaseFiles], arm: Arm, code: str, diagnoser: Diagnoser, out: Path, *, quick: bool
 ) -> list[Diagnosing]:
     place = out / "verdicts" / arm.key
-    _made(place)
+    made_folder(place)
     return [
         Diagnosing(
             case=cases[k], how=how, code=code, diagnoser=diagnoser, target=place / f"{cases[k].name}.json", quick=quick

@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from gearpoly.prove.expert import FAILURES
+from gearpoly.prove.real import RealScore, real_json
 
 UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
 """Rows that a case misses by design, or along with another that says the same."""
@@ -76,6 +77,31 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
             misses.add_row(one["case"], "; ".join(one["truth"]) or "nothing", said, ", ".join(wrong))
     if misses.row_count:
         console.print(misses)
+
+
+def print_real(console: Console, scores: tuple[RealScore, ...]) -> None:
+    """Print what was said of every judged recording, and what of it may not be said."""
+    table = _table(
+        "real recordings", ("recording", "named", "may not be named", "located", "not located", "unseen, um")
+    )
+    for one in scores:
+        unseen = "" if one.unseen_um is None else f"{one.unseen_um[0]:.3g} to {one.unseen_um[1]:.3g}"
+        table.add_row(
+            f"{one.name}{' (control)' if one.control else ''}",
+            one.error or "; ".join(one.named) or "nothing",
+            Text("; ".join(one.false), style="red"),
+            "; ".join(one.located),
+            Text("; ".join(one.lost), style="red"),
+            Text(unseen, style="red" if one.rises else ""),
+        )
+    console.print(table)
+    found = real_json(scores)
+    console.print(
+        f"false names {found['false_names']}; controls named {found['controls_named']} of {found['controls']}; located "
+        f"{found['located']} of {found['to_be_located']}; no verdict {found['no_verdict']} of {len(scores)}; "
+        f"unseen rms rises in {found['unseen_rises']}",
+        highlight=False,
+    )
 
 
 def _print_controls(console: Console, controls: dict[str, Any]) -> None:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from gearpoly.errors import InputFileError
+from gearpoly.files.faults import parse
+from gearpoly.files.traces import read_text
+from gearpoly.prove.fields import Fields
 from gearpoly.prove.thresholds import Thresholds
 from proving.physics import CATALOGUE, PHYSICS
-
-GEARS = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
 SIZES = {name: PHYSICS[name].size for name in CATALOGUE}
 """The parameter that says how much of it there is, of every physics of the catalogue."""
@@ -140,16 +139,26 @@ class Truth:
 def read_truth(path: Path, *, pair: Path) -> Truth:
     """The truth file at ``path`` of a case whose pair file is ``pair``. Raises ``InputFileError`` for one that is
     none."""
+    text = read_text(path)
     try:
-        raw: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        kind = raw["kind"]
-        items = tuple(_item(one) for one in raw["truth"])
-        background = tuple(_item(one) for one in raw.get("background", ()))
-        noise = float(raw["noise_um"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputFileError(
-            path, found=f"{type(error).__name__}: {error}", wish="want a truth file with kind, truth and noise_um"
-        ) from None
+        raw = Fields(json.loads(text))
+        kind = raw.word("kind")
+        items = tuple(_item(one) for one in raw.entries("truth", needed=True))
+        background = tuple(_item(one) for one in raw.entries("background"))
+        noise = raw.needed("noise_um")
+        deep = raw.inner("depth")
+        depth = {name: deep.needed(name) for name in deep.raw}
+        hunting_cycles = raw.number("hunting_cycles")
+        klass, called, concealed_by = (raw.word(key, "") for key in ("class", "pair", "concealed_by"))
+        declared_um = raw.numbers("declared_eccentricity_um")
+        colour = raw.number("noise_colour") or 0.0
+        names = tuple(_item(one) for one in raw.entries("may_name"))
+        must_name = tuple(_item(one) for one in raw.entries("must_name"))
+        must_locate = tuple(_place(one) for one in raw.entries("must_locate"))
+        says = _says(raw.inner("file"))
+    except (ValueError, RecursionError) as error:
+        wish = "want a truth file with kind, truth and noise_um"
+        raise InputFileError(path, found=f"no truth ({error})", wish=wish) from None
     if kind not in ("none", "missing", "unknown", WRONG_FILE):
         raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
     for one in items:
@@ -166,66 +175,68 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
             wish = "want waves of no physics: order and gear, or hz"
             raise InputFileError(path, where="background", found=repr(one.label), wish=wish)
     try:
-        declared = tomllib.loads(pair.read_text(encoding="utf-8"))
-        z = (int(declared["driving"]["teeth"]), int(declared["driven"]["teeth"]))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        declared = Fields(parse(pair, read_text(pair)))
+        called = called or declared.word("name", "")
+        z = (int(declared.inner("driving").needed("teeth")), int(declared.inner("driven").needed("teeth")))
+    except (ValueError, OverflowError) as error:
         raise InputFileError(
-            pair, found=f"{type(error).__name__}: {error}", wish="want a pair file with driving.teeth and driven.teeth"
+            pair, found=f"no pair file ({error})", wish="want a pair file with driving.teeth and driven.teeth"
         ) from None
     return Truth(
         kind=kind,
         items=items,
         background=background,
-        klass=raw.get("class", kind),
-        pair=raw.get("pair", declared.get("name", "")),
+        klass=klass or kind,
+        pair=called,
         noise_um=noise,
         z=z,
-        hunting_cycles=raw.get("hunting_cycles"),
-        depth=raw.get("depth", {}),
-        concealed_by=raw.get("concealed_by", ""),
-        may_name=None if "may_name" not in raw else tuple(_item(one) for one in raw["may_name"]),
-        must_name=tuple(_item(one) for one in raw.get("must_name", ())),
-        must_locate=tuple(_place(one) for one in raw.get("must_locate", ())),
-        says=_says(raw.get("file", {}), limits_from=DETECTED),
-        tempting=any(raw.get("declared_eccentricity_um", ())) and raw.get("noise_colour", 0.0) >= COLOURED,
+        hunting_cycles=hunting_cycles,
+        depth=depth,
+        concealed_by=concealed_by,
+        may_name=names if "may_name" in raw.raw else None,
+        must_name=must_name,
+        must_locate=must_locate,
+        says=says,
+        tempting=any(declared_um) and colour >= COLOURED,
     )
 
 
-def _place(raw: dict[str, Any]) -> Item:
+def _place(raw: Fields) -> Item:
     """Somewhere that something is; its ``shape`` is the kind of entry that would say so."""
-    return replace(_item(raw), shape=raw.get("kind", "any"))
+    return replace(_item(raw), shape=raw.word("kind", "any"))
 
 
-def _says(file: dict[str, Any], *, limits_from: float) -> tuple[str, ...]:
-    """Words for a wrong file whose fault shows by at least so many times the theoretical limit."""
-    over = file.get("over_limit")
-    return tuple(file.get("says", ())) if over is None or over >= limits_from else ()
+def _says(file: Fields) -> tuple[str, ...]:
+    """Words for a wrong file whose fault shows by at least ``DETECTED`` times the theoretical limit."""
+    over = file.number("over_limit")
+    words = tuple(str(word) for word in file.values("says"))
+    return words if over is None or over >= DETECTED else ()
 
 
-def _item(raw: dict[str, Any]) -> Item:
-    physics = raw.get("physics", "")
-    known = {name: float(raw[name]) for name in (SIZES.get(physics, ""), *FURTHER) if name in raw}
-    gear = raw.get("gear")
+def _item(raw: Fields) -> Item:
+    physics = raw.word("physics", "")
+    names = (SIZES.get(physics, ""), *FURTHER)
+    limit = raw.number("over_limit")
     return Item(
         physics=physics,
-        shape=raw.get("shape", "" if physics else "line"),
-        gear=GEARS[gear] if gear else None,
-        tooth=raw.get("tooth"),
-        teeth=raw.get("teeth"),
-        encoder_deg=raw.get("encoder_deg"),
-        order=raw.get("order"),
-        hz=raw.get("hz"),
-        images_hz=tuple(float(hz) for hz in raw.get("images_hz", ())),
-        aliases=tuple(float(order) for order in raw.get("aliases", ())),
-        parameters=known,
-        over_limit=float(raw.get("over_limit", math.inf)),
+        shape=raw.word("shape", "" if physics else "line"),
+        gear=raw.gear(),
+        tooth=raw.whole("tooth"),
+        teeth=raw.whole("teeth"),
+        encoder_deg=raw.number("encoder_deg"),
+        order=raw.number("order"),
+        hz=raw.number("hz"),
+        images_hz=raw.numbers("images_hz"),
+        aliases=raw.numbers("aliases"),
+        parameters={name: value for name in names if (value := raw.number(name)) is not None},
+        over_limit=math.inf if limit is None else limit,
         rivals=tuple(
             Rival(
-                physics=one["physics"],
-                gear=GEARS.get(one.get("gear")),
-                separability=float(one["separability"]),
-                apart=one.get("apart_um"),
+                physics=one.word("physics"),
+                gear=one.gear(),
+                separability=one.needed("separability"),
+                apart=one.number("apart_um"),
             )
-            for one in raw.get("rivals", ())
+            for one in raw.entries("rivals")
         ),
     )

@@ -141,13 +141,16 @@ def result(target: Path) -> dict[str, Any]:
     if not target.is_file():
         return {}
     try:
-        found: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))
-    except ValueError:
+        found = json.loads(target.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
         return {}
-    return found
+    return found if isinstance(found, dict) and {"key", "error", "verdict"} <= found.keys() else {}
 
 
 def seconds(target: Path) -> float | None:
     """Processor seconds that a result took."""
     path = target.with_suffix(".seconds")
-    return float(path.read_text(encoding="utf-8")) if path.is_file() else None
+    try:
+        return float(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None

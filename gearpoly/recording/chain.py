@@ -74,7 +74,7 @@ def corrected(
         wrong[name] = sense * (whole - true)
     te = wrong.get("driven", 0.0) - ratio * wrong.get("driving", 0.0)
     if recording.te_rad is not None:
-        return replace(recording, te_rad=recording.te_rad - te, **changes)
+        changes["te_rad"] = recording.te_rad - te
     if recording.te_mm is not None:
-        return replace(recording, te_mm=recording.te_mm - te * r_b2, **changes)
+        changes["te_mm"] = recording.te_mm - te * r_b2
     return replace(recording, **changes)

@@ -14,8 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.stated_twice import check_error, check_errors
 from gearpoly.recording.travel import nearest_teeth, slope
 from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps, weighted_median
 from gearpoly.units import DEG, FloatArray, IntArray, read_only
@@ -42,15 +45,6 @@ BACKWARD_LIMIT = 0.5 * DEG
 """Backward motion in rad that counts as jitter of the reading; more is a real reversal, which changes the flank."""
 TURNS_LEAST = 2.0
 """Driving turns that must be left; with fewer nothing of the driving shaft repeats."""
-
-
-@dataclass(frozen=True)
-class Deed:
-    """One thing that was done or found: a short name, how many samples (or steps) it touched, and a sentence."""
-
-    what: str
-    count: int
-    says: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,7 +108,9 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     is another pair's, or fewer than two driving turns are left; ``ValueError`` where ``r_b2`` is missing.
     """
     done: list[Deed] = []
-    te = _recorded_te(recording, r_b2)
+    te = recording.te_in_rad(r_b2)
+    if r_b2 is not None:
+        check_errors(recording, r_b2)
     readings = {"driving": recording.driving_angle_rad, "driven": recording.driven_angle_rad}
     good = np.ones(recording.size, dtype=np.bool_)
     for values in (*readings.values(), te, recording.time_s):
@@ -122,28 +118,32 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
             good &= np.isfinite(values)
     if not good.all():
         gaps = int(np.sum(good[:-1] & ~good[1:])) + int(not good[0])
-        _note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {gaps} gaps, left out")
-    keep = np.flatnonzero(good)
+        note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {gaps} gaps, left out")
+    keep, number = new_readings(np.flatnonzero(good), readings, done)
     if keep.size < 8:
-        raise _too_short(recording, f"{keep.size} samples without drop-outs")
-    position = keep.astype(np.float64) if recording.time_s is None else recording.time_s[keep]
+        raise _too_short(recording, f"{keep.size} samples without drop-outs or repeats")
+    time_s = recording.time_s
+    position = keep.astype(np.float64) if time_s is None else time_s[keep]
     _check_time(recording, keep, position)
+    if time_s is not None and 2 * np.count_nonzero(np.diff(position) == 0.0) > keep.size:
+        note(done, "clock", keep.size, "samples on a clock that is coarser than the samples; times not used")
+        time_s, position = None, keep.astype(np.float64)
     back = recording.backward
     if back:
-        keep, position = keep[::-1], -position[::-1]
-        _note(done, "reversed", keep.size, "samples of a pair that ran backwards, taken from the last to the first")
+        keep, number, position = keep[::-1], number[::-1], -position[::-1]
+        note(done, "reversed", keep.size, "samples of a pair that ran backwards, taken from the last to the first")
     shafts = {
-        shaft: _continuous(recording, shaft, values[keep], position, keep, done)
+        shaft: _continuous(recording, shaft, values[keep], position, number, done)
         for shaft, values in readings.items()
         if values is not None
     }
     _check_direction(recording, shafts)
-    theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], ratio, done)
+    theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], keep, ratio, r_b2, done)
 
     spikes = single_spikes(te, theta_1, theta_2)
     if len(shafts) == 1:  # then a wild reading does not show in the recorded transmission error
         spikes |= single_spikes(next(iter(shafts.values())).angle)
-    _note(done, "spikes", int(spikes.sum()), "single samples far off their neighbours that never return, left out")
+    note(done, "spikes", int(spikes.sum()), "single samples far off their neighbours that never return, left out")
     left = ~spikes
     keep, position = keep[left], position[left]
     theta_1, theta_2, te = theta_1[left], theta_2[left], te[left]
@@ -151,7 +151,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     begin, end = _steady(theta_1, position)
     ramps = ("stop ramp", "start ramp") if back else ("start ramp", "stop ramp")
     for what, count in zip(ramps, (begin, keep.size - end), strict=True):
-        _note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
+        note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
     keep, theta_1, theta_2, te = keep[begin:end], theta_1[begin:end], theta_2[begin:end], te[begin:end]
     if not keep.size or theta_1[-1] - theta_1[0] < TURNS_LEAST * TURN:
         turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
@@ -171,7 +171,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         theta_1=theta_1,
         theta_2=theta_2,
         te=te,
-        time_s=-recording.time_s[keep] if back and recording.time_s is not None else kept(recording.time_s),
+        time_s=-time_s[keep] if back and time_s is not None else kept(time_s),
         torque_nm=kept(recording.torque_samples_nm),
         speed_rpm=kept(recording.speed_samples_rpm),
         keep=keep,
@@ -180,11 +180,6 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         ratio_offset_std=error,
         done=tuple(done),
     )
-
-
-def _note(done: list[Deed], what: str, count: int, says: str) -> None:
-    if count:
-        done.append(Deed(what, count, f"{count} {says}"))
 
 
 def _too_short(recording: Recording, found: str) -> InputFileError:
@@ -198,14 +193,6 @@ def _row(recording: Recording, sample: int) -> str:
     return f"row {sample + 1}{at}"
 
 
-def _recorded_te(recording: Recording, r_b2: float | None) -> FloatArray | None:
-    if recording.te_mm is None:
-        return recording.te_rad
-    if r_b2 is None:
-        raise ValueError("a transmission error in um needs the driven base radius r_b2 to become an angle")
-    return recording.te_mm / r_b2
-
-
 def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
     """Time must not run back: files that were strung together, or a clock that was set."""
     back = np.flatnonzero(np.diff(position) < 0.0)
@@ -217,15 +204,15 @@ def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> N
 
 
 def _continuous(
-    recording: Recording, shaft: str, reading: FloatArray, position: FloatArray, keep: IntArray, done: list[Deed]
+    recording: Recording, shaft: str, reading: FloatArray, position: FloatArray, number: IntArray, done: list[Deed]
 ) -> Continuous:
     """One shaft's angle, forward positive and without wraps; its stated zero becomes 0."""
     direction = recording.driving_direction if shaft == "driving" else recording.driven_direction
     zero = recording.driving_zero_rad if shaft == "driving" else recording.driven_zero_rad
-    one = continuous(direction * (reading - (zero or 0.0)), position, keep)
+    one = continuous(direction * (reading - (zero or 0.0)), position, number)
     if direction < 0:
-        _note(done, f"{shaft} direction", reading.size, f"readings of the {shaft} shaft, which count down, reversed")
-    _note(done, f"{shaft} wraps", int(np.count_nonzero(one.wraps)), f"wraps of the {shaft} angle undone")
+        note(done, f"{shaft} direction", reading.size, f"readings of the {shaft} shaft, which count down, reversed")
+    note(done, f"{shaft} wraps", int(np.count_nonzero(one.wraps)), f"wraps of the {shaft} angle undone")
     return one
 
 
@@ -255,7 +242,13 @@ def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> Non
 
 
 def _rotations(
-    recording: Recording, shafts: dict[str, Continuous], te: FloatArray | None, ratio: float, done: list[Deed]
+    recording: Recording,
+    shafts: dict[str, Continuous],
+    te: FloatArray | None,
+    keep: IntArray,
+    ratio: float,
+    r_b2: float | None,
+    done: list[Deed],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Both rotations and the transmission error (m,) in rad; what was not recorded follows from the other two."""
     if len(shafts) == 2:
@@ -266,8 +259,11 @@ def _rotations(
         if travel > 0.0:
             _check_pair(recording, ratio, float(np.sum(np.diff(second.angle)[both])) / travel)
         theta_1, theta_2, moved = settle_gaps(first, second, ratio)
-        _note(done, "gaps settled", moved, "gaps whose number of turns was found from both shafts together")
-        return theta_1, theta_2, theta_2 - ratio * theta_1 if te is None else te
+        note(done, "gaps settled", moved, "gaps whose number of turns was found from both shafts together")
+        if te is None:
+            return theta_1, theta_2, theta_2 - ratio * theta_1
+        check_error(recording, te, (theta_1, theta_2), keep, ratio=ratio, r_b2=r_b2)
+        return theta_1, theta_2, te
     assert te is not None  # a Recording has two of the three
     if "driving" in shafts:
         theta_1 = shafts["driving"].angle
@@ -313,7 +309,7 @@ def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: In
         raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
     steps = int(np.count_nonzero(np.diff(angle) < 0.0))
     says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"
-    _note(done, f"{shaft} jitter", steps, says)
+    note(done, f"{shaft} jitter", steps, says)
 
 
 def _check_pair(recording: Recording, ratio: float, measured: float) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import tomllib
 from array import array
 from pathlib import Path
 from typing import TextIO
@@ -16,6 +15,7 @@ from typing import TextIO
 import numpy as np
 
 from gearpoly.errors import InputFileError
+from gearpoly.files.toml import load
 from gearpoly.files.traces import (
     check_file,
     check_header,
@@ -25,14 +25,22 @@ from gearpoly.files.traces import (
     split_row,
     unreadable,
 )
-from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, is_key, recording_from_table
-from gearpoly.recording.recording import COLUMNS, Recording, check_complete, check_key
+from gearpoly.recording.reader import (
+    RECORDING_LIMIT_BYTES,
+    Reader,
+    check_few,
+    check_short,
+    is_key,
+    pass_over,
+    recording_from_table,
+)
+from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete, check_key
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
 LINE_LIMIT = 2**20
-"""Longest line before the data, in characters; a file without line ends must not be taken in as one
-line.
+"""Longest line in bytes, far beyond any row of a recording; a file without line ends must not be taken in as one line,
+each cell of which takes 60 bytes.
 """
 
 
@@ -54,14 +62,30 @@ def read_table(file: Path) -> Table:
             if b"\0" in start.read(4096):
                 wish = "want a CSV file in UTF-8 (other formats need their own file name ending)"
                 raise InputFileError(file, found="not a text file", wish=wish)
+        _check_lines(file)
         with file.open(encoding="utf-8-sig") as stream:
             keys, names, head_lines = _read_head(file, stream)
-            table = _read_numbers(file, names, head_lines, stream)
+            values = _read_numbers(file, names, head_lines, stream)
     except UnicodeDecodeError:
         raise not_utf8(file) from None
     except OSError as error:
         raise unreadable(file, error) from None
-    return Table(columns={name: table[:, i] for i, name in enumerate(names)}, keys=keys)
+    table = Table(columns={name: values[:, i] for i, name in enumerate(names)}, keys=keys)
+    pass_over(table)
+    return table
+
+
+def _check_lines(file: Path) -> None:
+    """Raise ``InputFileError`` where a line is longer than the limit; one of twice the limit is found for certain."""
+    with file.open("rb") as stream:
+        at = 0
+        while block := stream.read(LINE_LIMIT):
+            if len(block) == LINE_LIMIT and b"\n" not in block and b"\r" not in block:
+                found = f"no line end from byte {at} to {at + LINE_LIMIT}"
+                raise InputFileError(
+                    file, found=found, wish=f"want lines of at most {LINE_LIMIT} bytes, one for each row"
+                )
+            at += len(block)
 
 
 def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:
@@ -69,7 +93,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
     ``stream`` at the data.
     """
     keys: dict[str, object] = {}
-    number = 0
+    number = stated = 0
     while line := stream.readline(LINE_LIMIT):
         number += 1
         where = f"line {number}"
@@ -81,10 +105,12 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
                 wish="want a CSV file with lines",
             )
         if line.lstrip().startswith("#"):
+            stated += "=" in line
+            check_few(file, where, stated, "comment lines with =")
             _read_comment(file, where, line.strip()[1:].strip(), keys)
         elif line.strip():
             names = split_row(line)
-            check_header(file, where, names, COLUMNS)
+            check_header(file, where, names, (*COLUMNS, *PASSED_OVER))
             check_complete(file, where, names)
             return keys, names, number
     found = "an empty file" if number == 0 else "no header row"
@@ -104,9 +130,10 @@ def _read_comment(file: Path, where: str, text: str, keys: dict[str, object]) ->
         return
     if key in keys:
         raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
+    check_short(file, where, key, value)
     try:
-        found = tomllib.loads(text)[key]
-    except (ValueError, RecursionError):  # TOMLDecodeError, or an integer with too many digits
+        found = load(text)[key]
+    except (ValueError, KeyError):  # TOMLDecodeError, an integer with too many digits, or a dotted key
         wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
         raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
     check_key(file, where, key, found)
@@ -143,7 +170,7 @@ def _read_slowly(file: Path, names: list[str], head_lines: int, stream: TextIO) 
         if number <= head_lines or not line.strip():
             continue
         try:
-            row = [float(cell) for cell in line.split(",")]
+            row = [float(cell) if (cell := part.strip()) else math.nan for part in line.split(",")]
         except ValueError:
             row = []
         plain = "_" not in line and line.isascii()  # float() takes 1_000 and foreign digits too

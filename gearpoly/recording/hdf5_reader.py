@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.reader import (
-    NAMES_LIMIT,
-    RECORDING_LIMIT_BYTES,
     Reader,
+    check_few,
     check_numbers,
     damage_reported,
     is_key,
@@ -27,12 +27,20 @@ from gearpoly.recording.reader import (
     wanted_columns,
 )
 from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.stated_units import PACKED_NAMES, UNIT_NAMES, check_unit, unpacked
 from gearpoly.recording.table import Table
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 FILTERS = frozenset({1, 2, 3, 4, 5, 6, 32000})
 """Filters that HDF5 and h5py hold themselves: deflate, shuffle, Fletcher 32, szip, n-bit, scale-offset, LZF."""
+
+
+UNSIGNED = "_Unsigned"
+"""Attribute of netCDF 3 by which stored numbers are of another type than they are."""
+
+ATTRIBUTE_LIMIT = 1000
+"""Most values of one attribute of a column; a list of what counts as missing has a few."""
 
 
 def read_table(file: Path) -> Table:
@@ -51,15 +59,13 @@ def read_table(file: Path) -> Table:
         for holder in (root, root[where]):
             _take_attributes(file, holder, table.keys)
         for name in wanted:
-            table.columns[name] = numbers(file, name, np.asarray(held[name][()]))
+            table.columns[name] = numbers(file, name, stored(file, name, held[name]))
     return table
 
 
 def members(file: Path, h5py: Any, group: Any) -> dict[str, Any]:
     """What lies in a group itself; links to other files and other places are left alone."""
-    if len(group) > NAMES_LIMIT:
-        wish = "want a file with the columns of one recording"
-        raise InputFileError(file, where=group.name, found=f"{len(group)} datasets", wish=wish)
+    check_few(file, group.name, len(group), "datasets")
     own = (name for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink))
     return {name: group[name] for name in own}
 
@@ -85,7 +91,7 @@ def only_group(file: Path, groups: dict[str, dict[str, Any]], kind: Any) -> tupl
 
 def check_datasets(file: Path, datasets: dict[str, Any]) -> None:
     """Refuse datasets that are no plain numbers in this file, and sizes beyond the limit, before anything is read."""
-    check_numbers(file, sum(math.prod(dataset.shape or (0,)) for dataset in datasets.values()))
+    sizes = {name: math.prod(dataset.shape or (0,)) for name, dataset in datasets.items()}
     for name, dataset in datasets.items():
         where = f"column {name}"
         if dataset.dtype.kind not in "iufb" or dataset.shape is None:
@@ -94,18 +100,40 @@ def check_datasets(file: Path, datasets: dict[str, Any]) -> None:
         if dataset.is_virtual or dataset.external:
             wish = "want the numbers in the file itself"
             raise InputFileError(file, where=where, found="numbers kept in another file", wish=wish)
-        if dataset.chunks and math.prod(dataset.chunks) * dataset.dtype.itemsize > RECORDING_LIMIT_BYTES:
-            check_numbers(file, math.prod(dataset.chunks))
+        if sizes[name] and not dataset.id.get_storage_size():
+            wish = "want the values in the file; close it where it is written, and copy it then"
+            raise InputFileError(file, where=where, found=f"{sizes[name]} values stated, and none there", wish=wish)
         layout = dataset.id.get_create_plist()
         for i in range(layout.get_nfilters()):
             if layout.get_filter(i)[0] not in FILTERS:
                 found = f"compression by filter {layout.get_filter(i)[0]}"
                 raise InputFileError(file, where=where, found=found, wish="want gzip, LZF or no compression")
+    # A packed chunk is unpacked whole, beside its packed form.
+    chunks = (2 * math.prod(one.chunks) * one.dtype.itemsize for one in datasets.values() if one.chunks)
+    check_numbers(file, sum(sizes.values()), beside=max(chunks, default=0))
+
+
+def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
+    """The values of a dataset as its attributes mean them: unit, scale, offset, what is missing."""
+    stated = {}
+    for key in (*PACKED_NAMES, *UNIT_NAMES, UNSIGNED):
+        if key in dataset.attrs:
+            if math.prod(dataset.attrs.get_id(key).shape or (1,)) > ATTRIBUTE_LIMIT:
+                raise InputFileError(file, where=f"column {name}", found=f"{key} is a long list", wish="want one value")
+            stated[key] = dataset.attrs[key]
+    if UNSIGNED in stated:
+        wish = "want numbers of an unsigned type, as they are meant"
+        raise InputFileError(file, where=f"column {name}", found=f"the attribute {UNSIGNED}", wish=wish)
+    for key in UNIT_NAMES:
+        if key in stated:
+            check_unit(file, name, stated[key])
+    return unpacked(file, name, np.asarray(dataset[()]), {k: np.asarray(v) for k, v in stated.items()})
 
 
 def _take_attributes(file: Path, holder: Any, keys: dict[str, object]) -> None:
     """The keys among a group's attributes."""
     where = f"attributes of {holder.name}"
+    check_few(file, where, len(holder.attrs), "attributes")
     for name in holder.attrs:
         if not is_key(file, where, name):
             continue
@@ -128,4 +156,5 @@ READER = Reader(
     read=read_table,
     module="h5py",
     extra="hdf5",
+    apart=True,
 )

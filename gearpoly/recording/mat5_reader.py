@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
-from gearpoly.recording.reader import NAMES_LIMIT, Reader, check_numbers, is_key, numbers, take_key, wanted_columns
+from gearpoly.recording.reader import Reader, check_few, check_numbers, is_key, numbers, take_key, wanted_columns
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
 
@@ -87,22 +87,20 @@ def _read(file: Path, stream: BinaryIO) -> Table:
     places: dict[str, _Variable] = {}
     heads: dict[str, _Array] = {}
     for variable in _variables(stream, order):
-        head = _array(memoryview(_unpacked(stream, variable, order, limit=HEAD_BYTES)), order)
+        head = _array(memoryview(_unpacked(file, stream, variable, order, limit=HEAD_BYTES)), order)
         if head.name and not head.name.startswith("__"):
             heads[head.name], places[head.name] = head, variable
-        if len(heads) > NAMES_LIMIT:
-            wish = "want a file with the columns of one recording"
-            raise InputFileError(file, found=f"more than {NAMES_LIMIT} variables", wish=wish)
+        check_few(file, "", len(heads), "variables")
     where = _place(file, heads)
     if where:
-        inside = _fields(_array(memoryview(_unpacked(stream, places[where], order)), order))
+        inside = _fields(_array(memoryview(_unpacked(file, stream, places[where], order)), order))
     else:
         wanted = [name for name in heads if name in COLUMNS and not _is_scalar_key(heads[name])]
         check_numbers(file, sum(math.prod(heads[name].shape) for name in wanted))
         inside = heads
     keys = [(where or "variables", inside)] + ([("variables", heads)] if where else [])
     if (stated := heads.get("keys")) is not None and stated.kind == STRUCT and where != "keys":
-        keys.append(("keys", _fields(_array(memoryview(_unpacked(stream, places["keys"], order)), order))))
+        keys.append(("keys", _fields(_array(memoryview(_unpacked(file, stream, places["keys"], order)), order))))
     if (stated := inside.get("keys")) is not None and stated.kind == STRUCT and where:
         keys.append((f"{where}.keys", _fields(stated)))
     for holder, arrays in keys:
@@ -117,7 +115,7 @@ def _read(file: Path, stream: BinaryIO) -> Table:
         array = inside[name]
         if not where:  # only its head was unpacked so far; its shape bounds the rest
             bound = HEAD_BYTES + 8 * math.prod(array.shape)
-            array = _array(memoryview(_unpacked(stream, places[name], order, limit=bound)), order)
+            array = _array(memoryview(_unpacked(file, stream, places[name], order, limit=bound)), order)
         if array.kind not in NUMERIC_CLASSES or array.is_complex:
             found = "complex numbers" if array.is_complex else f"a {CLASS_NAMES.get(array.kind, 'variable')}"
             raise InputFileError(file, where=f"column {name}", found=found, wish="want plain numbers")
@@ -167,7 +165,7 @@ def _variables(stream: BinaryIO, order: Order) -> list[_Variable]:
     return found
 
 
-def _unpacked(stream: BinaryIO, variable: _Variable, order: Order, *, limit: int | None = None) -> bytes:
+def _unpacked(file: Path, stream: BinaryIO, variable: _Variable, order: Order, *, limit: int | None = None) -> bytes:
     """The contents of one variable (without its tag), or its first ``limit`` bytes.
 
     Never unpacks more than the variable's own tag states, which is less than 4 GB in this format.
@@ -185,6 +183,7 @@ def _unpacked(stream: BinaryIO, variable: _Variable, order: Order, *, limit: int
     if kind != MATRIX:
         raise _BrokenError(f"a packed element of type {kind} at byte {variable.offset}")
     wanted = min(size, limit or size)
+    check_numbers(file, 0, beside=2 * wanted)
     data = inflate.decompress(inflate.unconsumed_tail, wanted) if wanted else b""
     if len(data) < wanted:
         raise _BrokenError(f"a packed variable at byte {variable.offset} of {len(data)} bytes instead of {size}")

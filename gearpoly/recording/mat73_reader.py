@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.hdf5_reader import SIGNATURE, check_datasets, members, only_group
+from gearpoly.recording.hdf5_reader import SIGNATURE, check_datasets, members, only_group, stored
 from gearpoly.recording.reader import Reader, damage_reported, is_key, numbers, optional, take_key, wanted_columns
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
@@ -52,7 +52,7 @@ def read_table(file: Path) -> Table:
         check_datasets(file, {name: arrays[name] for name in wanted})
         for name in wanted:
             empty = "MATLAB_empty" in arrays[name].attrs
-            table.columns[name] = numbers(file, name, np.empty(0) if empty else np.asarray(arrays[name][()]))
+            table.columns[name] = numbers(file, name, np.empty(0) if empty else stored(file, name, arrays[name]))
     return table
 
 
@@ -79,4 +79,5 @@ READER = Reader(
     read=read_table,
     module="h5py",
     extra="hdf5",
+    apart=True,
 )

@@ -10,17 +10,19 @@ import numpy as np
 from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.files.traces import check_header
 from gearpoly.recording.reader import (
-    RECORDING_LIMIT_BYTES,
     Reader,
+    check_few,
     check_numbers,
     damage_reported,
     is_key,
     numbers,
     optional,
+    pass_over,
     take_key,
     text_value,
 )
-from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.recording import COLUMNS, PASSED_OVER
+from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -41,13 +43,17 @@ def read_table(file: Path) -> Table:
     types = optional(file, "pyarrow.types", extra="parquet")
     with damage_reported(file, "Parquet"), parquet.ParquetFile(file, memory_map=True) as source:
         schema = source.schema_arrow
-        check_header(file, "schema", list(schema.names), COLUMNS)
+        check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
         for column in schema:
             if not (types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)):
                 found = f"values of type {column.type}"
                 raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
+            for key in UNIT_NAMES:
+                if key.encode() in (column.metadata or {}):
+                    check_unit(file, column.name, column.metadata[key.encode()])
         _check_size(file, source.metadata)
         keys: dict[str, object] = {}
+        check_few(file, "metadata", len(schema.metadata or {}), "keys")
         for key, value in (schema.metadata or {}).items():
             name = key.decode("utf-8", errors="replace")
             if is_key(file, "metadata", name):
@@ -56,18 +62,16 @@ def read_table(file: Path) -> Table:
         for name in schema.names:  # one at a time, so that only one column is held twice
             values = source.read(columns=[name], use_threads=True).column(0)
             columns[name] = numbers(file, name, np.asarray(values.to_numpy()))
-    return Table(columns=columns, keys=keys)
+    table = Table(columns=columns, keys=keys)
+    pass_over(table)
+    return table
 
 
 def _check_size(file: Path, metadata: Any) -> None:
     """Refuse what would unpack beyond the limit: run lengths make a billion rows of a few bytes."""
-    rows: int = metadata.num_rows
-    width: int = metadata.num_columns
-    check_numbers(file, rows * width)
     groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
-    unpacked = sum(group.total_byte_size for group in groups)
-    if unpacked > RECORDING_LIMIT_BYTES:
-        check_numbers(file, unpacked // 8 + 1)
+    largest = max((group.total_byte_size for group in groups), default=0)
+    check_numbers(file, metadata.num_rows * metadata.num_columns, beside=largest)
 
 
 READER = Reader(

@@ -2,10 +2,8 @@
 
 The channels of a shaft are ``driving_a`` alone (pulses) or with ``driving_b`` (quadrature), or ``driving_count``
 (a counter), with ``driving_index`` where there is one; docs/recordings.md has the whole convention. Each shaft then has
-readings at times of its own: edges, or the samples. The recording gets the times of the source with the fewest
-readings, so that every sample holds one true reading and the other shaft, which is read more often, is interpolated
-linearly between the two readings about it. Nothing is resampled onto a grid, so no reading of the coarser source is
-lost, moved or made up.
+readings at times of its own: edges, or the samples; ``sources`` brings them to common times. Where a shaft's angle is
+stated in more than one way (an angle column beside channels, a counter beside pulses), the ways have to agree.
 """
 
 from __future__ import annotations
@@ -16,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.pulses import (
     HYSTERESIS,
     Counts,
@@ -27,20 +26,12 @@ from gearpoly.recording.pulses import (
     unwrap_counter,
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, SHAFTS, raw_channels
+from gearpoly.recording.sources import Source, brought_together, is_wrapped, unwrapped
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray, IntArray
 
 PLACES = 3
 """How many places of a fault are named; the rest is counted."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Source:
-    """Values (m,) in the column's unit at rising times (m,)."""
-
-    column: str
-    time: FloatArray
-    values: FloatArray
 
 
 def angles_from_raw(file: Path, table: Table) -> Table:
@@ -53,33 +44,69 @@ def angles_from_raw(file: Path, table: Table) -> Table:
     time, has_time = _times(file, table, remarks)
     sources = []
     for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True):
-        channels = raw_channels(table.columns, shaft)
-        if channels:
-            sources.append(_shaft(file, table, shaft, angle, channels, time, remarks, has_time=has_time))
-    others = {name: values for name, values in table.columns.items() if name not in RAW_COLUMNS and name != "time_s"}
-    measured = [_Source(column=name, time=time, values=values) for name, values in others.items()]
-    # Torque and speed are slow companions; only what makes the transmission error chooses the times.
-    rivals = sources + [one for one in measured if one.column not in ("torque_nm", "speed_rpm")]
-    base = min(rivals, key=lambda one: one.time.size)
-    begin, end = max(one.time[0] for one in rivals), min(one.time[-1] for one in rivals)
-    common = base.time[(base.time >= begin) & (base.time <= end)]
-    if common.size < 2:
-        wish = "want both shafts recorded together"
-        raise InputFileError(file, found="shafts that do not turn at the same time", wish=wish)
-    columns: dict[str, FloatArray] = {"time_s": common} if has_time else {}
-    for one in sources + measured:
-        values = one.values
-        if one.time is base.time:
-            columns[one.column] = values[(base.time >= begin) & (base.time <= end)]
-        else:
-            columns[one.column] = np.interp(common, one.time, values)
-    cut = base.time.size - common.size
-    remarks.append(
-        f"angles at the {common.size} times of {base.column}, which has the fewest readings; "
-        f"what is read more often is interpolated linearly onto them"
-        + (f"; {cut} readings outside the common time left out" if cut else "")
-    )
+        ways = _ways(file, table, shaft, angle, time, remarks, has_time=has_time)
+        if angle in table.columns:
+            ways.insert(0, _Way(angle, Source(column=angle, time=time, values=table.columns[angle]), 0.0))
+            if unused := [f"{shaft}_{c}" for c in raw_channels(table.columns, shaft)]:
+                remarks.append(f"{' and '.join(unused)} not used, since {angle} gives the angle")
+        for other in ways[1:]:
+            _check_same(file, ways[0], other, time)
+        sources += [one.source for one in ways[:1]]
+    given = {one.column for one in sources} | {"time_s", *RAW_COLUMNS}
+    sources += [
+        Source(column=name, time=time, values=values) for name, values in table.columns.items() if name not in given
+    ]
+    common, columns = brought_together(file, sources, remarks)
+    if has_time:
+        columns = {"time_s": common, **columns}
     return Table(columns=columns, keys=table.keys, remarks=remarks)
+
+
+TRAVEL_SHARE = 0.99
+"""Share of the steps from reading to reading that a shaft's usual way between two of them is not below; a speed that
+varies reaches it, a fault of a few samples does not.
+"""
+
+
+@dataclass(frozen=True)
+class _Way:
+    """One way to the angle of a shaft: the column it comes from, its readings in deg, and what one count of it is."""
+
+    column: str
+    source: Source
+    step: float
+
+
+def _ways(
+    file: Path, table: Table, shaft: str, angle: str, time: FloatArray, remarks: list[str], *, has_time: bool
+) -> list[_Way]:
+    """What the raw channels of a shaft say of its angle: pulses first, then the counter."""
+    channels = raw_channels(table.columns, shaft)
+    kinds = {
+        "a": tuple(c for c in channels if c != "count"),
+        "count": tuple(c for c in channels if c in ("count", "index")),
+    }
+    return [
+        _Way(f"{shaft}_{kind}", *_shaft(file, table, shaft, angle, held, time, remarks, has_time=has_time))
+        for kind, held in kinds.items()
+        if kind in channels
+    ]
+
+
+def _check_same(file: Path, first: _Way, second: _Way, time: FloatArray) -> None:
+    """Raise where two ways to one angle disagree by more than a count and the way of one sample."""
+    one, other = (unwrapped(s.values) if is_wrapped(s) else s.values for s in (first.source, second.source))
+    there = np.interp(first.source.time, second.source.time, other, left=np.nan, right=np.nan)
+    if np.nansum(np.diff(there)) * np.nansum(np.diff(one)) < 0.0 and second.column.endswith("_a"):
+        there = -there  # single pulses do not see the direction
+    sampled = [v for v, way in ((one, first), (other, second)) if way.source.time is time]
+    # Nearly the longest step: the longest may be the very fault.
+    travel = max((float(np.nanquantile(np.abs(np.diff(v)), TRAVEL_SHARE)) for v in sampled), default=0.0)
+    tolerance = np.full(one.size, max(first.step, second.step) + travel) + rounding(one)
+    row = np.searchsorted(time, first.source.time)
+    check_agreement(
+        file, (first.column, second.column), one, there, tolerance, row=row, unit="deg", any_zero=True
+    )  # fmt: skip
 
 
 def _times(file: Path, table: Table, remarks: list[str]) -> tuple[FloatArray, bool]:
@@ -111,8 +138,8 @@ def _shaft(
     remarks: list[str],
     *,
     has_time: bool,
-) -> _Source:
-    """The readings of one shaft's raw channels, in deg."""
+) -> tuple[Source, float]:
+    """The readings of one shaft's raw channels in deg, and what one count is."""
     lines = _key(file, table, f"{shaft}_lines", f"{shaft}_lines = 1024, the lines of the encoder on that shaft")
     if "count" in channels:
         per_line = _key(file, table, f"{shaft}_counts_per_line", f"{shaft}_counts_per_line = 4 (1 or 2 where so set)")
@@ -138,7 +165,7 @@ def _shaft(
     seen = "s" if has_time else "samples"
     span = f"{counts.time[0]:g} to {counts.time[-1]:g} {seen}"
     remarks.append(f"{shaft}: {kind}, {counts.time.size} readings from {span}, one count is {step:.6g} deg")
-    return _Source(column=angle, time=counts.time, values=count * step)
+    return Source(column=angle, time=counts.time, values=count * step), step
 
 
 def _key(file: Path, table: Table, key: str, example: str) -> float:

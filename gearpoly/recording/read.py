@@ -9,7 +9,9 @@ from pathlib import Path
 
 from gearpoly import recording as package
 from gearpoly.errors import InputFileError
+from gearpoly.files.models import WormSection
 from gearpoly.files.traces import check_file, unreadable
+from gearpoly.recording.apart import read_apart
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
 
@@ -25,14 +27,15 @@ def readers() -> tuple[Reader, ...]:
     return tuple(sorted(found, key=lambda reader: reader.fallback))
 
 
-def read_recording(path: Path | str) -> Recording:
-    """Read one recording of any format.
+def read_recording(path: Path | str, *, worm: WormSection | None = None) -> Recording:
+    """Read one recording of any format; a guide log through the ``worm`` of the pair file.
 
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
     recording, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
     file = Path(path)
-    return recording_from_table(file, find_reader(file).read(file))
+    reader = find_reader(file)
+    return recording_from_table(file, read_apart(reader, file) if reader.apart else reader.read(file), worm=worm)
 
 
 def find_reader(file: Path) -> Reader:

@@ -1,14 +1,13 @@
 """What the readers of recordings share: the table they fill, and the checks that keep a bad file from doing harm.
 
 A reader is one module of this package whose name ends in ``_reader`` and which holds a ``READER``. It finds columns and
-keys in its format; it takes no memory before it has compared the sizes that the file states with
-``RECORDING_LIMIT_BYTES``, and it runs and unpickles nothing.
+keys in its format; it takes no memory before ``check_numbers`` has seen the sizes that the file states, and it runs and
+unpickles nothing.
 """
 
 from __future__ import annotations
 
 import importlib
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,23 +18,43 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
-from gearpoly.files.traces import nearest, shorten, too_large
+from gearpoly.files.models import WormSection
+from gearpoly.files.toml import load
+from gearpoly.files.traces import nearest, shorten
+from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
+    ANGLE_COLUMNS,
     COLUMNS,
     KEYS,
+    PASSED_OVER,
     RAW_COLUMNS,
+    TE_COLUMNS,
     Recording,
     check_complete,
     check_key,
     recording_from_columns,
 )
-from gearpoly.recording.table import Table
-from gearpoly.units import FloatArray
+from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.worm import at_the_worm
+from gearpoly.units import ARCSEC, URAD, FloatArray
 
 RECORDING_LIMIT_BYTES = 4 * 2**30
-"""Largest recording that is read, as a file and as numbers of 8 bytes: about 10^8 samples, whose arrays still fit an
-ordinary memory.
+"""Largest recording that is read: as a file, and as the memory that reading takes."""
+
+NUMBER_BYTES = 32
+"""Memory that reading takes for each number at its peak: the 8 bytes that are kept, those that the file stores, and the
+parser's own. Measured with 4 10^6 numbers (benchmarks.reading): 8 (HDF5) to 29 bytes (MAT 5 with a struct).
+"""
+
+SMALL_LIMIT_BYTES = 3 * 2**27
+"""The same where the file is small: 1.7 kB of HDF5 can state any size and hold nothing of it. 384 MB are 1.2 10^7
+numbers; cleaning and comparing hold ten times their 8 bytes, so that the whole process stays below 1.5 GB.
+"""
+
+UNPACKED_MOST = 36
+"""Times its size that a file may take where that is more (from 11 MB on): nine times its size in numbers. Angles with
+noise pack to a half; what packs to less than a ninth repeats itself.
 """
 
 NAME_CUTOFF = 0.7
@@ -43,8 +62,11 @@ NAME_CUTOFF = 0.7
 channel.
 """
 
-NAMES_LIMIT = 10_000
+NAMES_LIMIT = 2000
 """Most channels or variables that are looked through for ours; a recording has a handful."""
+
+VALUE_LIMIT = 1000
+"""Longest value of a key in characters; ``flank`` needs seven, a number twenty."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +74,8 @@ class Reader:
     """One format: its name, its file endings, how its first bytes look and how it is read.
 
     ``recognises`` gets the first 4096 bytes. ``module`` is the optional package that ``read`` imports and ``extra``
-    the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last.
+    the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
+    file can bring the library to crash or to go round for ever, so it reads in a process of its own.
     """
 
     name: str
@@ -62,6 +85,7 @@ class Reader:
     module: str = ""
     extra: str = ""
     fallback: bool = False
+    apart: bool = False
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:
@@ -93,8 +117,11 @@ def damage_reported(file: Path, format_name: str) -> Iterator[None]:
         raise InputFileError(file, found=found, wish="want the whole file; copy or export it again") from error
 
 
-def recording_from_table(file: Path, table: Table) -> Recording:
-    """The recording in a table, after the checks that every format needs."""
+def recording_from_table(file: Path, table: Table, *, worm: WormSection | None = None) -> Recording:
+    """The recording in a table, after the checks that every format needs; a telescope's axis is watched through its
+    ``worm``."""
+    if AXIS_ERROR in table.columns:
+        table = at_the_worm(file, table, worm)
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:
@@ -102,9 +129,44 @@ def recording_from_table(file: Path, table: Table) -> Recording:
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    if "te_urad" in table.columns and "te_arcsec" in table.columns:
+        _take_one_error(file, table)
+    places = _last_places(table)
     if any(name in RAW_COLUMNS for name in table.columns):
         table = angles_from_raw(file, table)
-    return recording_from_columns(file, table.columns, table.keys, table.remarks)
+    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places)
+
+
+def _last_places(table: Table) -> dict[str, float]:
+    """Half of the last place to which columns were written, where one follows from the others; nothing elsewhere."""
+    tied = [name for name in table.columns if name in ANGLE_COLUMNS or name in TE_COLUMNS]
+    if len(tied) < 3 and sum(name in TE_COLUMNS for name in tied) < 2:
+        return {}
+    return {name: float(np.nanmax(rounding(table.columns[name]), initial=0.0)) for name in tied}
+
+
+def _take_one_error(file: Path, table: Table) -> None:
+    """Keep one of two columns that give the transmission error as an angle, where both say the same."""
+    held, other = table.columns["te_urad"], table.columns.pop("te_arcsec")
+    unit = ARCSEC / URAD
+    tolerance = rounding(held) + unit * rounding(other)
+    names = ("te_urad", "te_arcsec")
+    check_agreement(file, names, held, unit * other, tolerance, unit="urad", any_zero=False)
+    table.remarks.append("te_arcsec says the same as te_urad")
+
+
+def check_few(file: Path, where: str, count: int, what: str) -> None:
+    """Raise ``InputFileError`` where there are more names than anyone gives a recording; each is looked through."""
+    if count > NAMES_LIMIT:
+        wish = f"want a file with the columns of one recording, and at most {NAMES_LIMIT} {what}"
+        raise InputFileError(file, where=where, found=f"more than {NAMES_LIMIT} {what}", wish=wish)
+
+
+def check_short(file: Path, where: str, name: str, value: str) -> None:
+    """Raise ``InputFileError`` where a key's value is too long to be a number or a word; parsing it takes memory."""
+    if len(value) > VALUE_LIMIT:
+        found = f"{name} = {shorten(value)} of {len(value)} characters"
+        raise InputFileError(file, where=where, found=found, wish=f"want a value of at most {VALUE_LIMIT} characters")
 
 
 def is_key(file: Path, where: str, name: str) -> bool:
@@ -133,8 +195,8 @@ def take_key(file: Path, where: str, name: str, value: object, keys: dict[str, o
 def text_value(text: str) -> object:
     """The value of a key in a format that holds only text: TOML as in a CSV, or a bare word (``coast``)."""
     try:
-        return tomllib.loads(f"value = {text.strip()}")["value"]
-    except (ValueError, RecursionError):
+        return load(f"value = {text.strip()}")["value"]
+    except (ValueError, KeyError):
         return text.strip()
 
 
@@ -158,11 +220,29 @@ def wanted_columns(file: Path, where: str, names: Iterable[str], remarks: list[s
     return wanted
 
 
-def check_numbers(file: Path, count: int) -> None:
-    """Raise ``InputFileError`` where ``count`` numbers, by the file's own account, would fill the memory."""
-    if 8 * count > RECORDING_LIMIT_BYTES:
-        error = too_large(file, RECORDING_LIMIT_BYTES)
-        raise InputFileError(file, found=f"{count} numbers, {error.found}", wish=error.wish)
+def pass_over(table: Table) -> None:
+    """Leave out the columns of a simulation's own table that no recording needs, with a remark."""
+    for name in PASSED_OVER:
+        if table.columns.pop(name, None) is not None:
+            table.remarks.append(f"{name} passed over: it belongs to a simulation")
+
+
+def memory_limit(file: Path) -> int:
+    """Bytes of memory that reading ``file`` may take."""
+    return min(RECORDING_LIMIT_BYTES, max(SMALL_LIMIT_BYTES, UNPACKED_MOST * file.stat().st_size))
+
+
+def check_numbers(file: Path, count: int, *, beside: int = 0) -> None:
+    """Raise ``InputFileError`` where ``count`` numbers, by the file's own account, would fill the memory; ``beside``
+    are bytes that are needed along with them."""
+    needed, limit = NUMBER_BYTES * count + beside, memory_limit(file)
+    if needed > limit:
+        size = file.stat().st_size
+        found = f"{count} numbers, which take {needed / 2**20:.0f} MB to read, in a file of {size / 2**20:.3g} MB"
+        wish = f"want at most {limit / 2**20:.0f} MB for a file of that size; split it"
+        if limit < RECORDING_LIMIT_BYTES:
+            wish += ", or store it without compression"
+        raise InputFileError(file, found=found, wish=wish)
 
 
 def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:

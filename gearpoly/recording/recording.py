@@ -9,25 +9,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, shown_value
+from gearpoly.recording.from_time import is_from_time
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
 
 TE_COLUMNS = ("te_um", "te_urad", "te_arcsec")
 ANGLE_COLUMNS = ("driving_angle_deg", "driven_angle_deg")
-PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, "torque_nm", "speed_rpm")
+CORRECTION_COLUMNS = ("driving_correction_deg", "driven_correction_deg")
+PLAIN_COLUMNS = ("time_s", *ANGLE_COLUMNS, *TE_COLUMNS, *CORRECTION_COLUMNS, "torque_nm", "speed_rpm")
 SHAFTS = ("driving", "driven")
 RAW_CHANNELS = ("a", "b", "index", "count")
 RAW_COLUMNS = tuple(f"{shaft}_{channel}" for shaft in SHAFTS for channel in RAW_CHANNELS)
 COLUMNS = (*PLAIN_COLUMNS, *RAW_COLUMNS)
 """The columns that a recording may have, in any order."""
+
+PASSED_OVER = ("backlash_um", "contact_pairs")
+"""Columns of ``gearpoly simulate``'s own table that no recording needs."""
 
 RAW_SHAFT_KEYS = ("lines", "counts_per_line", "count_bits")
 RAW_KEYS = (*(f"{shaft}_{key}" for shaft in SHAFTS for key in RAW_SHAFT_KEYS), "sample_rate_hz")
@@ -44,6 +49,9 @@ KEYS = (
 )
 """The keys that state the condition and the set-up of a recording."""
 
+LARGEST = 1e300
+"""Size from which a number is as good as infinite: a whole number of a file may have more digits than a float."""
+
 COUNT_BITS_LIMIT = 53
 """Widest counter; beyond it a count is no longer exact in double precision."""
 
@@ -56,15 +64,18 @@ class Recording:
     ``driving_angle_rad`` and ``driven_angle_rad``: encoder readings in rad, wrapped or not,
     increasing with the encoder's own count. Transmission error, where the rig computed it:
     ``te_rad``, the angle on the driven side in rad, or ``te_mm``, the same times the driven base
-    radius in mm, since only the pair file knows that radius. ``torque_samples_nm`` in N.m and
-    ``speed_samples_rpm`` in rpm per sample.
+    radius in mm, since only the pair file knows that radius (whether both agree is seen there).
+    ``torque_samples_nm`` in N.m and ``speed_samples_rpm`` in rpm per sample. ``driving_correction_rad`` and
+    ``driven_correction_rad``: what that shaft may have turned beside the stated angle, in rad (guide pulses).
 
     ``torque_nm`` (N.m on the driven shaft) and ``speed_rpm`` (driving shaft) are the stated
     condition. ``driving_zero_rad`` and ``driven_zero_rad`` are the readings in rad at angle zero,
     to about half a tooth; ``None`` = unknown. A direction of -1 says that the encoder counts down
     while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
-    ``time_s`` rises; ``flank`` is still the one that touches. ``remarks`` say what a reader found,
-    assumed or left out.
+    ``time_s`` rises; ``flank`` is still the one that touches. ``from_time``: shafts of which no encoder was read, since
+    their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
+    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say
+    what a reader found, assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -75,6 +86,8 @@ class Recording:
     driven_angle_rad: FloatArray | None = None
     te_rad: FloatArray | None = None
     te_mm: FloatArray | None = None
+    driving_correction_rad: FloatArray | None = None
+    driven_correction_rad: FloatArray | None = None
     torque_samples_nm: FloatArray | None = None
     speed_samples_rpm: FloatArray | None = None
     torque_nm: float | None = None
@@ -85,27 +98,38 @@ class Recording:
     driving_direction: Literal[1, -1] = 1
     driven_direction: Literal[1, -1] = 1
     backward: bool = False
+    from_time: tuple[str, ...] = ()
+    last_places: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         shapes = set()
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for one in fields(self):
+            value = getattr(self, one.name)
             if isinstance(value, np.ndarray):
-                object.__setattr__(self, field.name, _held(value))
+                object.__setattr__(self, one.name, _held(value))
                 shapes.add(value.shape)
         if len(shapes) != 1 or len(next(iter(shapes))) != 1:
             raise ValueError(f"the arrays of a recording share one length, not the shapes {sorted(shapes)}")
         angles = (self.driving_angle_rad is not None) + (self.driven_angle_rad is not None)
-        errors = (self.te_rad is not None) + (self.te_mm is not None)
-        if errors > 1 or angles + errors < 2:
-            raise ValueError("a recording has both angles, or one transmission error and an angle")
+        errors = self.te_rad is not None or self.te_mm is not None
+        if angles + errors < 2:
+            raise ValueError("a recording has both angles, or a transmission error and an angle")
 
     @property
     def size(self) -> int:
         """Number of samples, drop-outs among them."""
         held = (self.driving_angle_rad, self.driven_angle_rad)
         return next(array.size for array in held if array is not None)
+
+    def te_in_rad(self, r_b2: float | None) -> FloatArray | None:
+        """The transmission error (n,) in rad that the rig computed, if it did; along the line of action it takes the
+        driven base radius ``r_b2`` in mm, without which ``ValueError`` is raised."""
+        if self.te_rad is not None or self.te_mm is None:
+            return self.te_rad
+        if r_b2 is None:
+            raise ValueError("a transmission error in um needs the driven base radius r_b2 to become an angle")
+        return self.te_mm / r_b2
 
     @property
     def computed(self) -> bool:
@@ -145,21 +169,15 @@ def raw_channels(names: Iterable[str], shaft: str) -> tuple[str, ...]:
 
 
 def check_complete(file: Path, where: str, names: Collection[str]) -> None:
-    """Raise ``InputFileError`` unless the columns suffice: both angles, or one transmission error
+    """Raise ``InputFileError`` unless the columns suffice: both angles, or a transmission error
     and one angle; raw channels ``a`` or ``count`` stand for an angle.
     """
     te = [name for name in names if name in TE_COLUMNS]
-    if len(te) > 1:
-        found = f"{len(te)} columns of transmission error, {' and '.join(te)}"
-        raise InputFileError(file, where=where, found=found, wish="want at most one of them")
     missing = []
     for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True):
         ways = [angle] if angle in names else []
         raw = raw_channels(names, shaft)
         ways += [f"{shaft}_{channel}" for channel in ("a", "count") if channel in raw]
-        if len(ways) > 1:
-            wish = "want one way to the angle of a shaft"
-            raise InputFileError(file, where=where, found=f"columns {' and '.join(ways)}", wish=wish)
         if not ways and raw:
             wish = f"want the pulses in {shaft}_a, or the counts in {shaft}_count"
             raise InputFileError(file, where=where, found=f"column {shaft}_{raw[0]} alone", wish=wish)
@@ -178,7 +196,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     """Raise ``InputFileError`` unless the known key ``key`` may have ``value``, in the units of the
     file.
     """
-    number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        number = float(value) if abs(value) < LARGEST else math.inf
     if key == "flank":
         good, want = value in ("drive", "coast"), '"drive" or "coast"'
     elif key == "reversed":
@@ -202,18 +222,23 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     else:
         good, want = 0.0 < number < math.inf, "a speed in rpm, above 0 (leave it out where it is not known)"
     if not good:
-        shown = f'"{value}"' if isinstance(value, str) else str(value)
-        raise InputFileError(file, where=where, found=f"{key} = {shown}", wish=f"want {want}")
+        raise InputFileError(file, where=where, found=f"{key} = {shown_value(value)}", wish=f"want {want}")
 
 
 def recording_from_columns(
-    file: Path, columns: Mapping[str, FloatArray], keys: Mapping[str, object], remarks: Iterable[str] = ()
+    file: Path,
+    columns: Mapping[str, FloatArray],
+    keys: Mapping[str, object],
+    remarks: Iterable[str] = (),
+    *,
+    places: Mapping[str, float] | None = None,
 ) -> Recording:
     """The recording that a reader found under the contract's names and units.
 
     ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants, without raw channels; the
-    arrays are taken over and may be written to. ``keys`` holds values that passed :func:`check_key`. Raises
-    ``InputFileError`` where a column holds no number at all, or a torque that points backward.
+    arrays are taken over and may be written to. ``keys`` holds values that passed :func:`check_key`, ``places`` half of
+    the last place of columns that follow from others. Raises ``InputFileError`` where a column holds no number at all,
+    or a torque that points backward.
     """
     for name, values in columns.items():
         if np.isnan(values[0]) and np.isnan(values).all():
@@ -234,6 +259,13 @@ def recording_from_columns(
         return float(value) * unit if isinstance(value, int | float) else None
 
     te_unit = {"te_urad": URAD, "te_arcsec": ARCSEC}
+    time = columns.get("time_s")
+    computed = any(name in columns for name in TE_COLUMNS)
+    steady = tuple(
+        shaft for shaft, name in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
+        if computed and time is not None and name in columns and is_from_time(time, columns[name])
+    )  # fmt: skip
+    units = {**te_unit, "te_um": UM, "driving_angle_deg": DEG, "driven_angle_deg": DEG}
     return Recording(
         source=file,
         time_s=scaled("time_s", 1.0),
@@ -241,6 +273,8 @@ def recording_from_columns(
         driven_angle_rad=scaled("driven_angle_deg", DEG),
         te_rad=next((scaled(name, unit) for name, unit in te_unit.items() if name in columns), None),
         te_mm=scaled("te_um", UM),
+        driving_correction_rad=scaled("driving_correction_deg", DEG),
+        driven_correction_rad=scaled("driven_correction_deg", DEG),
         torque_samples_nm=scaled("torque_nm", 1.0),
         speed_samples_rpm=scaled("speed_rpm", 1.0),
         torque_nm=stated("torque_nm"),
@@ -251,5 +285,7 @@ def recording_from_columns(
         driving_direction=-1 if stated("driving_direction") == -1.0 else 1,
         driven_direction=-1 if stated("driven_direction") == -1.0 else 1,
         backward=bool(keys.get("reversed", False)),
+        from_time=steady,
+        last_places={name: half * units[name] for name, half in (places or {}).items()},
         remarks=tuple(remarks),
     )

@@ -6,6 +6,10 @@ from dataclasses import dataclass, field
 
 from gearpoly.units import FloatArray
 
+AXIS_ERROR, AXIS_CORRECTION = "axis_error_arcsec", "axis_correction_arcsec"
+"""Columns of a guide log: error of a telescope's axis, positive where it is ahead, and what pulses may have turned it
+by. Only the pair file knows the worm between that axis and the pair."""
+
 
 @dataclass
 class Table:

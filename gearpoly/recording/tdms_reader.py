@@ -1,11 +1,14 @@
 """Recordings as TDMS (LabVIEW): one channel per column, all in one group, the keys as properties of group or file.
 
-Where no channel is called ``time_s``, the waveform properties ``wf_start_offset`` and ``wf_increment`` give the time.
+Where no channel is called ``time_s``, the waveform properties ``wf_start_time``, ``wf_start_offset`` and
+``wf_increment`` give the time, of each channel by itself: channels that begin apart or run at rates of their own are
+brought to common times.
 """
 
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,8 +19,8 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.reader import (
-    NAMES_LIMIT,
     Reader,
+    check_few,
     check_numbers,
     damage_reported,
     is_key,
@@ -27,7 +30,13 @@ from gearpoly.recording.reader import (
     wanted_columns,
 )
 from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Table
+from gearpoly.units import FloatArray
+
+SAME_TIME = 1e-6
+"""s. Times that differ by no more are one: npTDMS gives time stamps in whole microseconds."""
 
 
 def read_table(file: Path) -> Table:
@@ -44,6 +53,7 @@ def read_table(file: Path) -> Table:
         where = f"group {group.name}"
         table = Table(columns={}, keys={})
         for holder, properties in (("file", source.properties), (where, group.properties)):
+            check_few(file, f"properties of {holder}", len(properties), "properties")
             for name, value in properties.items():
                 if is_key(file, f"properties of {holder}", name):
                     take_key(file, f"properties of {holder}", name, value, table.keys)
@@ -54,9 +64,11 @@ def read_table(file: Path) -> Table:
             found = "a cut-off TDMS file (its last segment is not whole)"
             raise InputFileError(file, found=found, wish="want the whole file; copy or export it again")
         for name in wanted:
+            for key in UNIT_NAMES:
+                if key in channels[name].properties:
+                    check_unit(file, name, channels[name].properties[key])
             table.columns[name] = numbers(file, name, np.asarray(channels[name][:]))
-        if "time_s" not in wanted:
-            _add_time(file, [channels[name] for name in wanted], table)
+        _take_times(file, {name: channels[name].properties for name in wanted}, table)
     return table
 
 
@@ -74,9 +86,7 @@ def _quiet(nptdms: Any) -> Iterator[None]:
 
 def _group(file: Path, groups: list[Any]) -> Any:
     """The one group with columns."""
-    if sum(len(group.channels()) for group in groups) > NAMES_LIMIT:
-        wish = "want a file with the columns of one recording"
-        raise InputFileError(file, found=f"more than {NAMES_LIMIT} channels", wish=wish)
+    check_few(file, "", sum(len(group.channels()) for group in groups), "channels")
     holding = [group for group in groups if any(channel.name in COLUMNS for channel in group.channels())]
     if len(holding) > 1:
         found = f"columns in the groups {shorten(' and '.join(group.name for group in holding), width=120)}"
@@ -102,18 +112,62 @@ def _check_sizes(file: Path, channels: dict[str, Any]) -> None:
         raise InputFileError(file, found=found, wish="want the whole file; copy or export it again")
 
 
-def _add_time(file: Path, channels: list[Any], table: Table) -> None:
-    """Time in s from the waveform properties, where all channels state the same."""
-    stated = {(c.properties.get("wf_start_offset", 0.0), c.properties.get("wf_increment")) for c in channels}
-    if stated == {(0.0, None)}:
+def _take_times(file: Path, properties: dict[str, dict[str, Any]], table: Table) -> None:
+    """Put columns that were read at different times on one axis, and add ``time_s`` where no channel is it."""
+    if "time_s" in table.columns:
+        stamped = {name: held for name, held in properties.items() if "wf_start_time" in held}
+        begins = _begins(file, stamped or properties)
+        if max(begins.values()) - min(begins.values()) > SAME_TIME:
+            late = max(begins, key=lambda name: begins[name])
+            found = f"{late} begins {begins[late] - min(begins.values()):.6g} s after another channel (wf_start_time)"
+            wish = "want channels that begin together beside time_s; leave time_s out to have the waveform times used"
+            raise InputFileError(file, found=found, wish=wish)
         return
-    if len(stated) > 1 or None in next(iter(stated)):
-        found = "waveform times that differ from channel to channel"
-        raise InputFileError(file, found=found, wish="want one wf_increment for all, or a channel time_s")
-    start, increment = (float(value) for value in next(iter(stated)))
-    size = next(iter(table.columns.values())).size
-    table.columns["time_s"] = start + increment * np.arange(size, dtype=np.float64)
-    table.remarks.append(f"time_s from the waveform properties: {1.0 / increment:g} samples per second")
+    begins = _begins(file, properties)
+    steps = {name: _seconds(file, name, held, "wf_increment") for name, held in properties.items()}
+    offsets = {name: _seconds(file, name, held, "wf_start_offset") or 0.0 for name, held in properties.items()}
+    starts = {name: begins[name] + offset for name, offset in offsets.items()}
+    apart = max(starts.values()) - min(starts.values()) > SAME_TIME
+    if not apart and not any(steps.values()):
+        return
+    if lacking := next((name for name, step in steps.items() if not step or step < 0.0), None):
+        found = f"{lacking} has no wf_increment above 0, and others have, or begin at another time"
+        raise InputFileError(file, found=found, wish="want wf_increment in s for every channel, or a channel time_s")
+    rates = {float(step) for step in steps.values() if step}
+    even: dict[str, FloatArray] = {
+        name: starts[name] + float(steps[name] or 0.0) * np.arange(values.size, dtype=np.float64)
+        for name, values in table.columns.items()
+    }
+    if not apart and len(rates) == 1:
+        table.columns["time_s"] = max(even.values(), key=lambda time: time.size)
+        table.remarks.append(f"time_s from the waveform properties: {1.0 / rates.pop():g} samples per second")
+        return
+    put_on_one_axis(file, table, even)
+
+
+def _begins(file: Path, properties: dict[str, dict[str, Any]]) -> dict[str, float]:
+    """When each channel begins, in s after the first of them; 0 where none says so."""
+    stamps = {name: held.get("wf_start_time") for name, held in properties.items()}
+    if all(stamp is None for stamp in stamps.values()):
+        return dict.fromkeys(stamps, 0.0)
+    for name, stamp in stamps.items():
+        if not isinstance(stamp, np.datetime64) or np.isnat(stamp):
+            found = f"wf_start_time {'missing' if stamp is None else shorten(str(stamp))}, which others have"
+            raise InputFileError(file, where=f"channel {name}", found=found, wish="want a time stamp for every channel")
+    microseconds = {name: int(np.datetime64(stamp, "us").astype(np.int64)) for name, stamp in stamps.items()}
+    first = min(microseconds.values())
+    return {name: 1e-6 * (stamp - first) for name, stamp in microseconds.items()}
+
+
+def _seconds(file: Path, name: str, properties: dict[str, Any], key: str) -> float | None:
+    """A waveform property in s, or nothing where it is not there."""
+    value = properties.get(key)
+    if value is None:
+        return None
+    number = float(value) if isinstance(value, int | float | np.number) else math.nan
+    if not math.isfinite(number):
+        raise InputFileError(file, where=f"channel {name}", found=f"{key} {shorten(str(value))}", wish="want seconds")
+    return number
 
 
 READER = Reader(

@@ -14,6 +14,7 @@ Source of the layout: "Universal Dataset Number 58", Structural Dynamics Researc
 
 from __future__ import annotations
 
+import math
 import mmap
 import re
 import warnings
@@ -25,9 +26,9 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
 from gearpoly.recording.reader import (
-    NAMES_LIMIT,
     RECORDING_LIMIT_BYTES,
     Reader,
+    check_few,
     check_numbers,
     is_key,
     numbers,
@@ -35,6 +36,8 @@ from gearpoly.recording.reader import (
     text_value,
     wanted_columns,
 )
+from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.stated_units import check_unit
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray
 
@@ -60,6 +63,7 @@ class _Set:
     start: float
     step: float
     is_time: bool
+    unit: str
     binary: str
     """Byte order of binary values, or nothing for text."""
 
@@ -100,11 +104,10 @@ def _read(file: Path, data: mmap.mmap) -> Table:
         check_numbers(file, sum(held[2].count for held in values.values()) + found_set.count)
         ordinate, abscissa, at = _values(file, where, data, found_set)
         values[found_set.name] = (ordinate, abscissa, found_set)
-        if len(values) > NAMES_LIMIT:
-            wish = "want a file with the columns of one recording"
-            raise InputFileError(file, found=f"more than {NAMES_LIMIT} data sets", wish=wish)
+        check_few(file, "", len(values), "data sets")
     wanted = wanted_columns(file, "ID lines 1", values, table.remarks)
     for name in wanted:
+        check_unit(file, name, values[name][2].unit)
         table.columns[name] = numbers(file, name, values[name][0])
     if "time_s" not in wanted:
         _add_time(file, {name: values[name] for name in wanted}, table)
@@ -137,7 +140,7 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
         form = lines[7]
         kind, count, even = int(form[:10]), int(form[10:20]), int(form[20:30])
         start, step = float(form[30:43]), float(form[43:56])
-        is_time = int(lines[8][:10]) == TIME
+        is_time, unit = int(lines[8][:10]) == TIME, lines[9][47:67]
         binary = {"1": "<", "2": ">"}[lines[0][7:13].strip()] if lines[0][6:7].lower() == "b" else ""
         if binary and lines[0][13:19].strip() not in ("", "0", "2"):
             raise ValueError("its numbers are not IEEE 754")
@@ -149,8 +152,11 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
         raise InputFileError(file, where=where, found=f"ordinates of type {kind}", wish="want real numbers (2 or 4)")
     if count < 0:
         raise InputFileError(file, where=where, found=f"{count} values", wish=_WHOLE)
+    if even == 1 and not (math.isfinite(start) and math.isfinite(step)):
+        found = f"abscissas from {start:g} by {step:g}"
+        raise InputFileError(file, where=where, found=found, wish="want finite numbers in line 7 of its header")
     ids = tuple(line.strip() for line in lines[1:6])
-    return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, binary)
+    return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, unit, binary)
 
 
 def _values(file: Path, where: str, data: mmap.mmap, held: _Set) -> tuple[FloatArray, FloatArray | None, int]:
@@ -225,23 +231,43 @@ def _take_keys(file: Path, where: str, text: str, keys: dict[str, object]) -> No
 
 
 def _add_time(file: Path, held: dict[str, tuple[FloatArray, FloatArray | None, _Set]], table: Table) -> None:
-    """Time in s from the abscissas, where they are time and all the same."""
-    timed = [(abscissa, one) for _, abscissa, one in held.values() if one.is_time]
-    if not timed:
+    """Time in s from the abscissas, where they are time; columns that were read at other times are put on one axis."""
+    axes = {name: _axis(file, name, abscissa, one) for name, (_, abscissa, one) in held.items()}
+    stated = {name: axis for name, axis in axes.items() if axis is not None}
+    if not stated:
         return
-    abscissa, one = timed[0]
-    for other, another in timed[1:]:
-        same = (other is None) == (abscissa is None) and (another.start, another.step) == (one.start, one.step)
-        if not same or (other is not None and abscissa is not None and not np.array_equal(other, abscissa)):
-            found = "times that differ from column to column"
-            raise InputFileError(file, found=found, wish="want columns sampled together, or a column time_s")
-    if abscissa is None and not one.step:
+    times = [axis for name, axis in stated.items() if held[name][2].is_time]
+    first = next(iter(stated.values()))
+    if all(np.array_equal(axis[: first.size], first[: axis.size]) for axis in stated.values()):
+        if times:
+            one = next(one for _, _, one in held.values() if one.is_time)
+            digits = "" if one.binary and not one.even else ", which the format keeps to 6 digits"
+            table.columns["time_s"] = times[0].copy()
+            table.remarks.append(f"time_s from the abscissas{digits}")
         return
-    digits = "" if one.binary and not one.even else ", which the format keeps to 6 digits"
+    if len(times) < len(axes):
+        wish = "want columns sampled together, abscissas in s (type 17) for all of them, or a column time_s"
+        raise InputFileError(file, found="abscissas that differ from column to column", wish=wish)
+    for name, axis in stated.items():
+        if (back := np.flatnonzero(np.diff(axis) <= 0.0)).size:
+            found = f"value {back[0] + 2} at {axis[back[0] + 1]:g} s, not after the one before"
+            raise InputFileError(file, where=f"column {name}", found=found, wish="want times that rise")
+    put_on_one_axis(file, table, stated)
+
+
+def _axis(file: Path, name: str, abscissa: FloatArray | None, one: _Set) -> FloatArray | None:
+    """Where a data set's values were taken, or nothing where it does not say."""
     if abscissa is None:
-        abscissa = one.start + one.step * np.arange(one.count, dtype=np.float64)
-    table.columns["time_s"] = abscissa
-    table.remarks.append(f"time_s from the abscissas{digits}")
+        if not one.step:
+            return None
+        with np.errstate(over="ignore"):
+            abscissa = one.start + one.step * np.arange(one.count, dtype=np.float64)
+    bad = ~np.isfinite(abscissa)
+    if bad.any():
+        row = int(np.argmax(bad))
+        found = f"abscissa {abscissa[row]:g} of value {row + 1}"
+        raise InputFileError(file, where=f"column {name}", found=found, wish="want a finite number for each value")
+    return abscissa
 
 
 READER = Reader(

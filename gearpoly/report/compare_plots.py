@@ -56,16 +56,16 @@ def _maps(figure: Any, comparison: Comparison, k: int) -> None:
     # Below three standard errors of a cell colours would only show noise.
     top = max(top, 3.0 * max(maps.std_driving, maps.std_driven) / UM, 1e-3)
     axes = figure.subplots(1, 3, width_ratios=(4, 4, 3))
-    for axis, values, name, std in (
-        (axes[0], maps.driving, "driving", maps.std_driving),
-        (axes[1], maps.driven, "driven", maps.std_driven),
+    for axis, values, name, std, told in (
+        (axes[0], maps.driving, "driving", maps.std_driving, numbered[0]),
+        (axes[1], maps.driven, "driven", maps.std_driven, numbered[1]),
     ):
         picture = axis.imshow(
             values / UM, aspect="auto", origin="lower", cmap="RdBu_r", vmin=-top, vmax=top, interpolation="nearest",
             extent=(0.0, 1.0, -0.5, values.shape[0] - 0.5),
         )  # fmt: skip
         axis.set_xlabel("phase / pitches after the pitch point")
-        axis.set_ylabel(f"{name} tooth" + ("" if numbered else " (numbering open)"))
+        axis.set_ylabel(f"{name} tooth" + ("" if told else " (numbering open)"))
         axis.set_title(f"{name} gear: from the mean tooth; one cell +- {std / UM:.2g} um", fontsize=9)
         step = max(1, values.shape[0] // 12)
         axis.set_yticks(range(0, values.shape[0], step))

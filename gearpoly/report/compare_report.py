@@ -11,6 +11,7 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.compare.beside import Aligned, Comparison
+from gearpoly.compare.division import Division
 from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.units import DEG, NM, RPM, UM
@@ -40,7 +41,8 @@ def alignment_json(comparison: Comparison) -> dict[str, Any]:
         "std_deg": found.std / DEG,
         "driving_std_deg": None if found.zeros.driving is None else found.std_driving / DEG,
         "driven_std_deg": None if found.zeros.driven is None else found.std_driven / DEG,
-        "numbered": found.numbered,
+        "numbered": all(found.numbered),
+        "numbered_gears": [name for name, told in zip(("driving", "driven"), found.numbered, strict=True) if told],
         "numbering": found.numbering,
         "phased": found.phased,
         "rivals": [_zeros_json(one) for one in found.rivals],
@@ -58,8 +60,9 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "noise_um": located.noise_level / UM,
         "noise_um_by_recording": [noise.level / UM for noise in located.noises],
         "alignment": alignment_json(comparison),
-        "where": [entry.to_json() for entry in located.entries],
+        "where": [entry.to_json() for entry in located.where],
         "residual_rms_um": located.residual_rms / UM,
+        "divides_um": division_json(located.division),
         **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
         "recordings": [
             {
@@ -75,14 +78,38 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
                 "noise_um": noise.level / UM,
                 "noise_std_um": noise.level_std / UM,
                 "noise_from": noise.basis,
+                "reading_step_deg": dict(zip(("driving", "driven"), map(_deg_step, one.steps), strict=True)),
+                "rounding_um": one.rounding / UM,
+                "divides_um": division_json(located.divisions[k]),
                 "repeatable_rms_um": None if noise.repeatable is None else noise.repeatable / UM,
                 "ratio_off": one.cleaned.ratio_offset / one.cleaned.ratio if one.cleaned.ratio_is_off else None,
                 "done": [deed.says for deed in one.cleaned.done],
             }
-            for one, noise in zip(comparison.aligned, located.noises, strict=True)
+            for k, (one, noise) in enumerate(zip(comparison.aligned, located.noises, strict=True))
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def _deg_step(step: float | None) -> float | None:
+    return None if step is None else step / DEG
+
+
+def division_json(division: Division) -> dict[str, float]:
+    """Rms in um of what is listed, of what teeth may hold, and of the rest."""
+    return {
+        "physics": division.physics / UM,
+        "as_built": division.as_built / UM,
+        "noise": division.noise / UM,
+    }
+
+
+def division_words(division: Division) -> str:
+    """How the mismatch divides, in words."""
+    return (
+        f"{division.physics / UM:.3f} um rms in what is listed below, {division.as_built / UM:.3f} um in what "
+        f"inspection or grade leave open of each tooth, {division.noise / UM:.3f} um in neither"
+    )
 
 
 def json_text(comparison: Comparison) -> str:
@@ -92,14 +119,11 @@ def json_text(comparison: Comparison) -> str:
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
     """Print what an engineer asks first: do they lie on each other, how much is left, how loud is the noise, where."""
-    pair, located = comparison.assembled.pair, comparison.located
+    located = comparison.located
     table = Table(title=comparison.name, title_justify="left", show_header=False, box=None, pad_edge=False)
     table.add_column(style="bold", no_wrap=True)
     table.add_column()
-    gears = " on ".join(
-        f"{z} teeth ({origin})"
-        for z, origin in zip((pair.driving.gear.z, pair.driven.gear.z), comparison.assembled.origin, strict=True)
-    )
+    gears = " on ".join(f"{gear.z} teeth ({gear.known_by})" for gear in comparison.gears)
     table.add_row("gears", gears)
     for k, one in enumerate(comparison.aligned):
         table.add_row(f"recording {k}", _recording_words(comparison, k, one))
@@ -115,10 +139,11 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         f"{located.residual_rms / UM:.3f} um rms about each mean, noise {located.noise_level / UM:.3f} um"
         + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle"),
     )
+    table.add_row("which divides", division_words(located.division))
     console.print(table)
-    if located.entries:
-        console.print("where they differ, strongest first:", style="bold", highlight=False)
-        for line in _entry_lines(located.entries):
+    if located.where:
+        console.print("where they differ, most of the mismatch first:", style="bold", highlight=False)
+        for line in _entry_lines(located.where):
             console.print(f"  {line}", highlight=False, soft_wrap=True)
     else:
         console.print(

@@ -77,7 +77,8 @@ def _open(one: Finding) -> str:
 def _short(one: Finding, diagnosis: Diagnosis) -> str:
     a, b = (repeatable(rms.unseen, diagnosis.noise) / UM for rms in (one.without, one.with_))
     rivals = f"; {len(one.rivals)} other reading{'s' if len(one.rivals) > 1 else ''}" if one.rivals else ""
-    return f"repeatable mismatch {number(a, 3)} µm without it, {number(b, 3)} µm with it{rivals}"
+    words = "repeatable mismatch beside teeth fitted again"
+    return f"{words}: {number(a, 3)} µm without it, {number(b, 3)} µm with it{rivals}"
 
 
 def findings(diagnosis: Diagnosis) -> str:

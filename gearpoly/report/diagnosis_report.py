@@ -12,7 +12,7 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.compare.entries import says
-from gearpoly.diagnose.heldout import Rms, repeatable
+from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.physics.base import Reported
@@ -58,10 +58,19 @@ def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "after": repeatable(diagnosis.after.unseen, diagnosis.noise) / UM,
             },
             "held_out": diagnosis.held_out_by,
-        },
+        }
+        | _unseen_json(diagnosis.unseen),
         "not_excluded": list(diagnosis.not_excluded),
         "remarks": list(diagnosis.remarks),
     }
+
+
+def _unseen_json(found: Checked | None) -> dict[str, Any]:
+    """Mean squares of what unseen blocks leave, over that of noise; nothing where nothing was to be named."""
+    if found is None:
+        return {}
+    names = {"declared": found.declared, "as_built": found.as_built, "with_names": found.named, "std": found.std}
+    return {"unseen_mean_square": names}
 
 
 def json_text(diagnosis: Diagnosis) -> str:
@@ -144,6 +153,18 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
     return out
 
 
+def grade_words(gear: BuiltGear, *, ideal: bool) -> str:
+    """What the recordings say of a gear's grade, as what follows "the driving gear"; of one that was declared
+    ``ideal`` single teeth were not open, and nothing is said."""
+    if ideal:
+        return "is declared without deviations: its teeth were not estimated one by one, and no grade is told"
+    grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
+    return (
+        f"as it runs fits {grade} ({gear.grade_edition}) by single pitch, cumulative pitch and profile slope, as far "
+        "as their errors tell; profile form is not judged"
+    )
+
+
 def _exceeded_json(one: Exceeded) -> dict[str, Any]:
     out: dict[str, Any] = {"limit": one.limit.kind.replace(" ", "_")}
     out |= {"grade": one.limit.grade} if one.limit.grade is not None else {"key": one.limit.key}
@@ -177,8 +198,8 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
         f"noise {diagnosis.noise / UM:.3f} um; unseen by the fit: {diagnosis.held_out_by}", style="dim", highlight=False
     )
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
-        grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
-        console.print(f"the {name} gear as it runs fits {grade} ({gear.grade_edition})", highlight=False)
+        ideal = comparison.gears[("driving", "driven").index(name)].ideal
+        console.print(f"the {name} gear {grade_words(gear, ideal=ideal)}", highlight=False, soft_wrap=True)
         for side in gear.flanks:
             pitch, slope = (f"{low:.1f} to {high:.1f} um" for low, high in _ranges(side))
             words = f"   as built, {side.flank} flanks: pitch (index deviation) {pitch}, profile slope {slope}"

@@ -9,6 +9,7 @@ from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.report.diagnosis_findings import table
+from gearpoly.report.diagnosis_report import grade_words
 from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
 from gearpoly.units import DEG, NM, RPM, UM
 
@@ -66,9 +67,9 @@ def as_built(diagnosis: Diagnosis) -> str:
     """Which grades the gears fit as they run, and their teeth in numbers."""
     parts = []
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
-        grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
+        ideal = diagnosis.comparison.gears[("driving", "driven").index(name)].ideal
         thick = "" if gear.thickness is None else f"; mean tooth thickness deviation ({measured(*gear.thickness)}) µm"
-        parts.append(f"<p>The {name} gear as it runs fits <b>{grade}</b> ({gear.grade_edition}){thick}.</p>")
+        parts.append(f"<p>The {name} gear {grade_words(gear, ideal=ideal)}{thick}.</p>")
     if diagnosis.compliance_scale is not None:
         parts.append(f"<p>Compliance over the declared one: <b>{measured(*diagnosis.compliance_scale)}</b>.</p>")
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):

@@ -62,7 +62,7 @@ def plot_run(simulation: Simulation, *, name: str, target: Path) -> None:
     figures = simulation.summary()
     axes[0].set_title(
         f"{name}: {simulation.flank} flank, {load_words(simulation)}    TEpp {figures['te_pp_um']:.3f} um = "
-        f"{figures['te_pp_arcmin']:.3f} arcmin    mean backlash {figures['backlash_mean_um']:.2f} um",
+        f"{figures['te_pp_arcmin']:.3f} arcmin (driven)    mean backlash {figures['backlash_mean_um']:.2f} um",
         loc="left",
         fontsize=10,
     )

@@ -20,7 +20,6 @@ def watched(total: int, what: str) -> Iterator[Callable[[int], None]]:
     if total < LONG or not sys.stderr.isatty():
         yield lambda done: None
         return
-    from rich.console import Console
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -29,13 +28,15 @@ def watched(total: int, what: str) -> Iterator[Callable[[int], None]]:
         TimeRemainingColumn,
     )
 
+    from gearpoly.report.terminal import Terminal
+
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=Terminal(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=total)
         yield lambda done: bar.advance(task, done)
 
@@ -64,8 +65,9 @@ def steps() -> Iterator[Steps]:
     if not sys.stderr.isatty():
         yield Steps()
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    from gearpoly.report.terminal import Terminal
 
     columns = (
         SpinnerColumn(),
@@ -73,5 +75,5 @@ def steps() -> Iterator[Steps]:
         TimeElapsedColumn(),
         TextColumn("{task.description}", markup=False),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=Terminal(stderr=True), transient=True) as bar:
         yield Steps(bar)

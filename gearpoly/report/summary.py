@@ -15,9 +15,11 @@ def print_summary(
     *,
     name: str,
     defaults: list[tuple[str, object]],
+    listed: bool,
     remarks: list[str],
 ) -> None:
-    """Print the key figures of a run with the defaults that it stands on."""
+    """Print the key figures of a run; of the ``defaults`` that it stands on their number, or all where
+    ``listed`` is wanted."""
     pair, figures = simulation.pair, simulation.summary()
     gears = " and ".join(
         f"{label} z = {mounted.gear.z}, x = {mounted.gear.x:g} ({origin})"
@@ -41,13 +43,14 @@ def print_summary(
         (
             "transmission error",
             f"TEpp {figures['te_pp_um']:.4f} um = {figures['te_pp_urad']:.3f} urad = "
-            f"{figures['te_pp_arcmin']:.4f} arcmin, "
+            f"{figures['te_pp_arcmin']:.4f} arcmin of the driven shaft, "
             f"mean {figures['te_mean_um']:.4f} um",
         ),
         (
             "backlash j_bn",
             f"mean {figures['backlash_mean_um']:.3f} um, least {figures['backlash_least_um']:.3f} um "
-            f"(mean lost motion of the driving shaft {figures['lost_motion_mean_arcmin']:.3f} arcmin)",
+            f"(mean lost motion {figures['lost_motion_mean_arcmin']:.3f} arcmin of the driving shaft, "
+            f"{figures['lost_motion_mean_arcmin'] * pair.r_b1 / pair.r_b2:.3f} of the driven)",
         ),
         (
             "contact ratio",
@@ -83,11 +86,9 @@ def print_summary(
         table.add_row(label, text)
     console.print(table)
     if defaults:
-        console.print(
-            "defaults: " + ", ".join(f"{key} = {_short(value)}" for key, value in defaults),
-            style="dim",
-            highlight=False,
-        )
+        values = ", ".join(f"{key} = {_short(value)}" for key, value in defaults)
+        words = f"defaults: {values}" if listed else f"{len(defaults)} values are defaults; --defaults lists them"
+        console.print(words, style="dim", highlight=False)
     for remark in remarks:
         console.print(f"note: {remark}", style="yellow", highlight=False)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from gearpoly.study.answers import Answers, words
+from gearpoly.study.answers import Answers
 from gearpoly.study.statistics import Interval
 
 
@@ -26,6 +26,15 @@ def answers_json(answers: Answers) -> dict[str, Any]:
         "rows": answers.manifest["rows"],
         "finished": answers.manifest["finished"],
         "confidence": answers.confidence,
+        "failures": [
+            {
+                "status": one.status,
+                "pairs": one.pairs,
+                "reason": one.reason,
+                "example": {"index": one.index, "seed": one.seed, "values": one.values},
+            }
+            for one in answers.causes
+        ],
         "groups": [
             {
                 "label": group.label,
@@ -33,6 +42,7 @@ def answers_json(answers: Answers) -> dict[str, Any]:
                 "pairs": group.pairs,
                 "done": group.done,
                 "jams": group.jams,
+                "no_contact": group.no_contact,
                 "refused": group.refused,
                 "outputs": {
                     one.output: {
@@ -49,20 +59,22 @@ def answers_json(answers: Answers) -> dict[str, Any]:
         ],
         "yields": [
             {
-                "limit": words(one.limit),
+                "limit": one.words,
+                "outputs": [limit.output for limit in one.limits],
                 "groups": [
-                    {"label": group.label, "share": interval(found), "verdict": verdict}
-                    for group, found, verdict in zip(answers.groups, one.shares, one.verdicts, strict=True)
+                    {"label": group.label, "judged": n, "share": interval(found), "verdict": verdict}
+                    for group, n, found, verdict in zip(
+                        answers.groups, one.judged, one.shares, one.verdicts, strict=True
+                    )
                 ],
             }
             for one in answers.yields
         ],
-        "cheapest": [{"limit": words(one.limit), "says": list(one.says)} for one in answers.cheapest],
+        "cheapest": [{"limit": one.found.words, "says": list(one.says)} for one in answers.cheapest],
         "sensitivity": {
             output: [{"factor": i.factor, "first": interval(i.first), "total": interval(i.total)} for i in indices]
             for output, indices in answers.sensitivity
             if indices
         },
-        "failures": [{"reason": reason, "pairs": count} for reason, count in answers.reasons],
         "remarks": list(answers.remarks),
     }

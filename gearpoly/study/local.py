@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from itertools import islice
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.process import BaseProcess
 
 from gearpoly.errors import GearpolyError
 from gearpoly.study.pipeline import Made, make_row
@@ -41,13 +45,15 @@ def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterat
     breaks = 0
     while True:
         under_way: dict[Future[list[Made]], Chunk] = {}
+        others = set(active_children())
         pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
         try:
             with SingleThreaded():
                 while True:
                     room = AHEAD * workers - len(under_way)
                     for chunk in [left.pop(0) for _ in range(min(room, len(left)))] or list(islice(chunks, room)):
-                        under_way[pool.submit(_make, plan.text, chunk)] = chunk
+                        with interrupts_held():
+                            under_way[pool.submit(_make, plan.text, chunk)] = chunk
                     if not under_way:
                         return
                     for future in wait(under_way, return_when=FIRST_COMPLETED).done:
@@ -63,6 +69,9 @@ def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterat
                     "--workers"
                 ) from None
             left = sorted(under_way.values()) + left
+        except (KeyboardInterrupt, GeneratorExit):
+            end_workers(besides=others)
+            raise
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -82,9 +91,32 @@ class SingleThreaded:
                 os.environ[name] = value
 
 
+@contextmanager
+def interrupts_held() -> Iterator[None]:
+    """While processes are started, which happens as work is submitted, an interrupt waits: they inherit that, so that
+    it goes to their parent alone from their first instruction on, not only once ``begin_worker`` runs."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_workers(*, besides: set[BaseProcess]) -> None:
+    """End all worker processes but those that were there before: nobody waits for what is under way."""
+    for child in set(active_children()) - besides:
+        child.terminate()
+
+
 def begin_worker() -> None:
     """A worker leaves interrupts to its parent, and ends when its parent does, however that was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What a library warns of in a worker is no more for the user than what it warns of in the parent.
+    if not sys.flags.dev_mode:
+        warnings.simplefilter("ignore")
     parent = parent_process()
     if parent is not None:
 

@@ -18,7 +18,7 @@ from gearpoly.errors import GeometryError, NotConvergedError, blamed
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.deviations import Deviations, Form, Index, Relief, Shape, Slope, tip_relief
 from gearpoly.gear.draw import draw_deviations, streams
-from gearpoly.gear.flank import SPACING, Flanks, draw_flanks
+from gearpoly.gear.flank import SPACING, Flanks, draw_flanks, root_angles
 from gearpoly.gear.tolerances import Limits
 from gearpoly.mesh.pair import mount
 from gearpoly.units import UM, FloatArray, read_only
@@ -162,7 +162,4 @@ def _angles(flanks: Flanks, side: _Side, L: FloatArray) -> FloatArray:
             "a profile deviation is so steep that the flank folds over; check its size (um) against its length (mm)"
         )
     involute = gear.psi_b - l / gear.r_b + np.arctan(L / gear.r_b)
-    foot = root.psi + (involute[:, :1] - root.psi[-1])
-    # The middle of the tooth space stays where it is.
-    foot[:, 0] = root.psi[0]
-    return np.concatenate((foot, involute[:, 1:]), axis=1)
+    return np.concatenate((root_angles(root, involute[:, :1]), involute[:, 1:]), axis=1)

@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal, NoReturn, Self
 from pydantic import Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
+from gearpoly.files.kinds import ONE_FAULT, Name
 from gearpoly.files.models import Section
 
 Value = bool | int | float | str
-Row = Annotated[tuple[Value, ...], Strict(False)]
+Row = Annotated[tuple[Value, ...], Strict(False), ONE_FAULT]
 
 DEFAULT_OUTPUTS = (
     "te_pp_um",
@@ -41,11 +42,11 @@ def _broken(key: str, found: str, wish: str) -> NoReturn:
 class Sweep(Section):
     """One thing that is varied: one key of the pair file, or several that move together."""
 
-    name: str | None = _field("what tables call it; default: from its keys", min_length=1)
+    name: Annotated[Name, Field(min_length=1)] | None = _field("what tables call it; default: from its keys")
     key: str | None = _field("dotted key of the pair file")
-    keys: Annotated[tuple[str, ...], Strict(False)] | None = _field("dotted keys that move together")
+    keys: Annotated[tuple[str, ...], Strict(False), ONE_FAULT] | None = _field("dotted keys that move together")
     method: Literal["list", "grid", "sobol"] = Field(description='"list", "grid" or "sobol"')
-    values: Annotated[tuple[Value | Row, ...], Strict(False)] | None = _field(
+    values: Annotated[tuple[Value | Row, ...], Strict(False), ONE_FAULT] | None = _field(
         "list: the values; with several keys also rows with one value per key"
     )
     start: float | None = Field(default=None, alias="from", description="grid and sobol: the first value")
@@ -117,7 +118,7 @@ class Until(Section):
 class StudyFile(Section):
     """Everything that a study is, as its file has it."""
 
-    name: str = _field("name of the study in quotes", "unnamed study")
+    name: Name = _field("name of the study in quotes", "unnamed study")
     pair: str = Field(min_length=1, description="pair file, relative to the study file")
     pairs: int = _field("pairs drawn for each combination, 1 or more", 1, ge=1, le=10_000_000)
     seed: int = _field("seed of everything random, 0 or more", 0, ge=0, le=2**63 - 1)
@@ -126,13 +127,19 @@ class StudyFile(Section):
     )
     flank: Literal["drive", "coast"] = _field('flank that carries, "drive" or "coast"', "drive")
     positions_per_mesh: int = _field("positions per pitch, 2 or more", 20, ge=2, le=10_000)
-    turns: float | None = _field("turns of the driven gear, above 0; default: a whole hunting cycle", gt=0.0, le=1e4)
+    turns: float | None = _field(
+        "turns of the driven gear, above 0, to the end of a mesh; default: a whole hunting cycle", gt=0.0, le=1e4
+    )
     samples: int | None = _field("Sobol points, a power of two", ge=2, le=2**20)
     sensitivity: bool = _field("true: Sobol points laid out for sensitivity indices", False)
-    outputs: Annotated[tuple[str, ...], Strict(False)] = _field("names of what is kept of each pair", DEFAULT_OUTPUTS)
+    outputs: Annotated[tuple[str, ...], Strict(False), ONE_FAULT] = _field(
+        "names of what is kept of each pair", DEFAULT_OUTPUTS
+    )
     set: dict[str, Value | Row] = Field(default_factory=dict, description="dotted keys of the pair file, a table")
-    sweep: Annotated[tuple[Sweep, ...], Strict(False)] = _field("what is varied, tables [[sweep]]", ())
-    limit: Annotated[tuple[Limit, ...], Strict(False)] = _field("what a good pair keeps, tables [[limit]]", ())
+    sweep: Annotated[tuple[Sweep, ...], Strict(False), ONE_FAULT] = _field("what is varied, tables [[sweep]]", ())
+    limit: Annotated[tuple[Limit, ...], Strict(False), ONE_FAULT] = _field(
+        "what a good pair keeps, tables [[limit]]", ()
+    )
     until: Until | None = _field("when it is enough, a table")
 
     @model_validator(mode="after")

@@ -84,8 +84,6 @@ def _plain() -> dict[str, Output]:
             unit="um",
             read=lambda c: float(np.ptp(c.te)) * c.pair.r_b2 / UM,
         ),
-        "te_pp_urad": Output(says="peak-to-peak TE", unit="urad", read=lambda c: float(np.ptp(c.te)) / URAD),
-        "te_pp_arcmin": Output(says="peak-to-peak TE", unit="arcmin", read=lambda c: float(np.ptp(c.te)) / ARCMIN),
         "te_mean_um": Output(
             says="mean TE along the line of action", unit="um", read=lambda c: float(np.mean(c.te)) * c.pair.r_b2 / UM
         ),
@@ -102,12 +100,6 @@ def _plain() -> dict[str, Output]:
         ),
         "backlash_most_um": Output(
             says="greatest normal backlash", unit="um", read=lambda c: float(np.max(_known(c.j_bn))) / UM, needs=coast
-        ),
-        "lost_motion_mean_arcmin": Output(
-            says="mean lost motion of the driving shaft",
-            unit="arcmin",
-            read=lambda c: float(np.mean(_known(c.j_bn))) / c.pair.r_b1 / ARCMIN,
-            needs=coast,
         ),
         "contact_ratio": Output(
             says="mean number of touching pairs",
@@ -131,6 +123,7 @@ def _plain() -> dict[str, Output]:
             needs=load,
         ),
     }
+    out |= _angles()
     cycle = frozenset({"cycle"})
     for k, gear in enumerate(GEARS):
         for which, name in enumerate(("F_i", "f_i")):
@@ -141,6 +134,41 @@ def _plain() -> dict[str, Output]:
                 says=f"ISO 1328-1 grade that allows the {says}", unit="", read=_graded(k, which, read), needs=cycle
             )
     return out
+
+
+def _angles() -> dict[str, Output]:
+    """What is an angle, on both shafts: a length along the line of action over that gear's base radius."""
+    out = {}
+    for k, gear in enumerate(GEARS):
+        shaft = f"of the {gear} shaft ({('input', 'output')[k]})"
+        for unit, size in (("urad", URAD), ("arcmin", ARCMIN)):
+            out[f"te_pp_{gear}_{unit}"] = Output(
+                says=f"peak-to-peak TE as an angle {shaft}",
+                unit=unit,
+                read=_angle(k, size, lambda c: np.ptp(_te_mm(c))),
+            )
+        for name, kind, of in (("least", "least", np.min), ("mean", "mean", np.mean), ("most", "greatest", np.max)):
+            out[f"lost_motion_{name}_{gear}_arcmin"] = Output(
+                says=f"{kind} lost motion {shaft}, the other one held",
+                unit="arcmin",
+                read=_angle(k, ARCMIN, _backlash(of)),
+                needs=frozenset({"coast"}),
+            )
+    return out
+
+
+def _te_mm(c: Curves) -> FloatArray:
+    """TE (N,) in mm along the line of action."""
+    return c.te * c.pair.r_b2
+
+
+def _backlash(of: Callable[[FloatArray], float]) -> Callable[[Curves], float]:
+    return lambda c: of(_known(c.j_bn))
+
+
+def _angle(gear: int, size: float, read: Callable[[Curves], float]) -> Callable[[Curves], float]:
+    """What is read in mm along the line of action as the angle of a gear's shaft, in units of ``size`` rad."""
+    return lambda c: float(read(c)) / (c.pair.r_b1, c.pair.r_b2)[gear] / size
 
 
 def _composite(gear: int, which: int) -> Callable[[Curves], float]:
@@ -178,6 +206,11 @@ def output(name: str) -> Output:
         return PLAIN[name]
     match = _PATTERN.match(name)
     if match is None:
+        # An angle without its shaft is no output: which of the two was meant, only its writer knows.
+        bare, _, unit = name.rpartition("_")
+        both = [f"{bare}_{gear}_{unit}" for gear in GEARS]
+        if all(one in PLAIN for one in both):
+            raise OutOfRangeError(f'"{name}" does not say of which shaft; want "{both[0]}" or "{both[1]}"')
         close = nearest(name, [*PLAIN, *PATTERNS])
         raise OutOfRangeError(f'there is no output "{name}"; the nearest is "{close}" (N: 1, 2, ...)')
     n = int(match[3])
@@ -201,6 +234,12 @@ def output(name: str) -> Output:
     if kind == "side":
         says = f"side bands of mesh order 1, {n} {match[2]} shaft order{'s' * (n > 1)} away (root sum of squares)"
     return Output(says=says, unit="um", read=side if kind == "side" else shaft, needs=frozenset({"cycle"}))
+
+
+def describe(name: str) -> str:
+    """What the output ``name`` is, with its unit."""
+    one = output(name)
+    return f"{one.says}, {one.unit}" if one.unit else one.says
 
 
 def check_output(name: str, *, whole_cycle: bool, positions_per_mesh: int) -> None:

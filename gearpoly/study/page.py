@@ -10,9 +10,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from gearpoly.files.output import write_text
-from gearpoly.study.answers import PERCENTILES, Answers, words
-from gearpoly.study.outputs import output
+from gearpoly.study.answers import Answers
+from gearpoly.study.causes import count_words
+from gearpoly.study.groups import PERCENTILES
+from gearpoly.study.outputs import describe
 from gearpoly.study.statistics import Interval
+from gearpoly.study.yields import DOES_NOT, KEEPS, NONE_DRAWN, yield_words
 
 SHOWN = 60
 """Combinations that tables show; the JSON has all."""
@@ -32,6 +35,7 @@ div.wide { overflow-x: auto; } table { border-collapse: collapse; margin: .6rem 
 th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; } thead th { background: var(--band); }
 figure { margin: 1rem 0; } figure img { max-width: 100%; height: auto; }
+table.words th, table.words td { text-align: left; white-space: normal; min-width: 4rem; vertical-align: top; }
 .bad { color: #D55E00; } .good { color: #009E73; }
 """
 
@@ -51,26 +55,29 @@ def write_page(answers: Answers, target: Path) -> None:
 
 def page(answers: Answers, figures: Sequence[str]) -> str:
     """The page as text, with ready-made ``figures``."""
-    pairs = sum(group.pairs for group in answers.groups)
     parts = [
         '<!doctype html><html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{_text(answers.name)}</title><style>{STYLE}</style></head><body>",
         f"<h1>{_text(answers.name)}</h1>",
-        f'<p class="sub">gearpoly {_text(answers.manifest["gearpoly"])} study, {pairs} pairs in {len(answers.groups)} '
-        f"combinations, seed {answers.manifest['seed']}, intervals of {100.0 * answers.confidence:g} %</p>",
+        f'<p class="sub">gearpoly {_text(answers.manifest["gearpoly"])} study, {answers.pairs} pairs in '
+        f"{len(answers.groups)} combinations, seed {answers.manifest['seed']}, "
+        f"intervals of {100.0 * answers.confidence:g} %</p>",
         *(f'<p class="sub">{_text(remark)}</p>' for remark in answers.remarks),
     ]
+    if answers.causes:
+        parts += ["<h2>Pairs without a result</h2>", *_causes(answers)]
     for one in answers.cheapest:
-        parts += [f'<p class="answer"><b>{_text(words(one.limit))}:</b> {_text(line)}</p>' for line in one.says]
+        parts += [f'<p class="answer"><b>{_text(one.found.words)}:</b> {_text(line)}</p>' for line in one.says]
     if answers.yields:
         parts.append("<h2>Yield</h2>")
         for found in answers.yields:
             rows = [
-                [_text(group.label), _share(one), f'<span class="{_tone(verdict)}">{_text(verdict)}</span>']
-                for group, one, verdict in zip(answers.groups, found.shares, found.verdicts, strict=True)
-            ]
-            parts += [f"<p>{_text(words(found.limit))}</p>", _table(["combination", "pairs that keep it", ""], rows)]
+                [_text(group.label), _text(yield_words(found, answers.groups, k)),
+                 f'<span class="{_tone(found.verdicts[k])}">{_text(found.verdicts[k])}</span>']
+                for k, group in enumerate(answers.groups)
+            ]  # fmt: skip
+            parts += [f"<p>{_text(found.words)}</p>", _table(["combination", "pairs that keep it", ""], rows)]
     parts.append("<h2>Pictures</h2>")
     parts += figures
     if any(indices for _, indices in answers.sensitivity):
@@ -79,17 +86,22 @@ def page(answers: Answers, figures: Sequence[str]) -> str:
     parts.append("<p><small>Estimate, and in brackets the interval between two order statistics; an open end is one "
                  "that so few pairs do not place.</small></p>")  # fmt: skip
     for name in answers.store.plan.file.outputs:
-        unit = output(name).unit
-        parts.append(
-            f"<h3>{_text(name)}</h3><p><small>{_text(output(name).says + (', ' + unit if unit else ''))}</small></p>"
-        )
+        parts.append(f"<h3>{_text(name)}</h3><p><small>{_text(describe(name))}</small></p>")
         head = ["combination", "pairs", "mean", "std", *(f"{p:g} %" for p in PERCENTILES), "greatest"]
         parts.append(_table(head, _percentile_rows(answers, name)))
-    if answers.reasons:
-        parts += ["<h2>Pairs without a result</h2>",
-                  _table(["reason", "pairs"], [[_text(r), str(n)] for r, n in answers.reasons])]  # fmt: skip
     parts.append("</body></html>")
     return "\n".join(parts)
+
+
+def _causes(answers: Answers) -> list[str]:
+    """Why pairs have no result, and what that means for the yields."""
+    rows = [[str(one.pairs), _text(one.status.replace("_", " ")), f'{_text(one.reason)}',
+             f'{_text(one.example)}'] for one in answers.causes]  # fmt: skip
+    says = " ".join(count_words(answers.causes, pairs=answers.pairs))
+    return [
+        f"<p>{_text(says)}</p>",
+        _table(["pairs", "status", "cause, with the numbers of the example", "example"], rows, kind="words"),
+    ]
 
 
 def _percentile_rows(answers: Answers, name: str) -> list[list[str]]:
@@ -123,20 +135,17 @@ def interval(one: Interval) -> str:
     return f"{number(one.value)} ({low} to {high})" if math.isfinite(one.value) else ""
 
 
-def _share(one: Interval) -> str:
-    return f"{100.0 * one.value:.4g} % ({100.0 * one.low:.4g} to {100.0 * one.high:.4g} %)"
-
-
 def _tone(verdict: str) -> str:
-    return {"keeps it": "good", "does not": "bad"}.get(verdict, "")
+    return {KEEPS: "good", DOES_NOT: "bad", NONE_DRAWN: "bad"}.get(verdict, "")
 
 
 def _text(value: object) -> str:
     return html.escape(str(value))
 
 
-def _table(head: Iterable[str], rows: Sequence[Sequence[str]], *, shown: int = SHOWN) -> str:
+def _table(head: Iterable[str], rows: Sequence[Sequence[str]], *, shown: int = SHOWN, kind: str = "") -> str:
     body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows[:shown])
     more = f"<p><small>{len(rows) - shown} more rows are in the JSON.</small></p>" if len(rows) > shown else ""
     top = "".join(f"<th>{_text(cell)}</th>" for cell in head)
-    return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>{more}'
+    table = f'<table class="{kind}"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>'
+    return f'<div class="wide">{table}</div>{more}'

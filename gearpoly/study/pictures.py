@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
-from gearpoly.study.answers import Answers, Sample, words
+from gearpoly.study.answers import Answers
+from gearpoly.study.groups import Sample, sweep_name
 from gearpoly.study.outputs import output
 from gearpoly.study.store import as_numbers
+from gearpoly.units import FloatArray
 
 COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
 """Okabe and Ito's, with a dark grey."""
@@ -20,8 +23,14 @@ COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
 CURVES = 7
 """Groups drawn as curves of their own; more become bands of percentiles over the groups."""
 
+NAMED = 24
+"""Combinations that an axis names; more only have a place in the order of the tables."""
+
 STEPS = 400
 """Corners of a drawn distribution: more than a page has pixels are of no use."""
+
+LINE, UPRIGHT = 46, 26
+"""Letters of one line of a label along an axis of 4.6 inches, and up one of 2.9 or 2.4."""
 
 CLOUD = 1500
 """Dots in one picture of Sobol points."""
@@ -45,9 +54,9 @@ def _figures(answers: Answers) -> Iterator[tuple[str, Figure, str]]:
         part = names[start : start + 6]
         few = len(answers.groups) <= CURVES
         caption = (
-            "Share of pairs at or below a value, one curve per combination."
+            "Share of pairs at or below a value, one curve per combination; dashed, its limit."
             if few
-            else "Median and the band from the 5th to the 95th percentile of each combination."
+            else "Median and range from the 5th to the 95th percentile of each combination; dashed, its limit."
         )
         yield f"outputs_{start // 6 + 1}", _distributions(answers, part, few=few), caption
     if any(indices for _, indices in answers.sensitivity):
@@ -57,11 +66,12 @@ def _figures(answers: Answers) -> Iterator[tuple[str, Figure, str]]:
             "Sobol indices: full bars, what a factor makes on its own; pale bars, what it has a part in; lines, 95 % "
             "intervals. Chance is what the grade leaves open.",
         )
-    for k, one in enumerate(answers.yields):
+    if any(any(one.judged) for one in answers.yields):
         yield (
-            f"yield_{k + 1}",
-            _yields(answers, k),
-            f"Share of pairs with {words(one.limit)}; the line is what is asked.",
+            "yield",
+            _yields(answers),
+            "Share of the drawn pairs that keep each limit, with its interval; dashed lines, the share that is asked. "
+            "A combination of which no pair could be judged has no point.",
         )
     if answers.store.plan.design.ranges:
         yield "points", _points(answers), "Every dot a pair: outputs over what the Sobol points vary."
@@ -79,11 +89,10 @@ def _grid(count: int, *, columns: int = 3, height: float = 2.9) -> tuple[Figure,
     return figure, axes[:count]
 
 
-def axis_label(name: str) -> str:
-    """An output's name with its unit."""
-    unit = output(name).unit
-    bare = name.removesuffix(f"_{unit}") if unit.isalpha() else name
-    return f"{bare} / {unit}" if unit else name
+def axis_label(name: str, *, line: int = LINE) -> str:
+    """What an output is and its unit, in lines that an axis of a small picture holds."""
+    one = output(name)
+    return textwrap.fill(f"{one.says} / {one.unit}" if one.unit else one.says, line)
 
 
 def _distributions(answers: Answers, names: list[str], *, few: bool) -> Figure:
@@ -97,12 +106,28 @@ def _distributions(answers: Answers, names: list[str], *, few: bool) -> Figure:
             axis.set_ylabel("share of pairs")
             axis.set_ylim(0.0, 1.0)
         else:
-            _bands(axis, samples)
-            axis.set_ylabel(axis_label(name))
-            axis.set_xlabel("combination")
+            x, over = _over(answers)
+            _bands(axis, x, samples, joined=bool(over))
+            axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=8)
+            if over:
+                axis.set_xlabel(over)
+            else:
+                _name_combinations(axis, answers)
+        for limit in answers.limits:
+            if limit.output == name:
+                bound = limit.at_most if limit.at_most is not None else limit.at_least
+                (axis.axvline if few else axis.axhline)(bound, color=GREY, linewidth=1.2, linestyle="--")
     if few and len(answers.groups) > 1:
-        handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)), fontsize=8)
+        named = {label: handle for axis in axes
+                 for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)}  # fmt: skip
+        labels = [group.label for group in answers.groups if group.label in named]
+        figure.legend(
+            [named[label] for label in labels],
+            labels,
+            loc="outside lower center",
+            ncols=min(4, len(labels)),
+            fontsize=8,
+        )
     return figure
 
 
@@ -114,14 +139,27 @@ def _curve(axis: Any, sample: Sample, colour: str, label: str) -> None:
     axis.step(sample.values[keep], (keep + 1) / n, where="post", color=colour, linewidth=1.2, label=label)
 
 
-def _bands(axis: Any, samples: list[Sample]) -> None:
-    x = np.arange(len(samples))
+def _over(answers: Answers) -> tuple[FloatArray, str]:
+    """What combinations are drawn over: the values of the one thing that is swept where these are numbers that rise;
+    else their places, and no name."""
+    plain = answers.store.plan.design.plain
+    values = [group.values[plain[0].all_keys[0]] for group in answers.groups] if len(plain) == 1 else []
+    if values and all(isinstance(v, int | float) for v in values) and np.all(np.diff(values) > 0):
+        return np.array(values, dtype=np.float64), sweep_name(plain[0])
+    return np.arange(float(len(answers.groups))), ""
+
+
+def _bands(axis: Any, x: FloatArray, samples: list[Sample], *, joined: bool) -> None:
     low, middle, high = (
         np.array([np.quantile(s.values, q) if s.values.size else np.nan for s in samples]) for q in (0.05, 0.5, 0.95)
     )
-    axis.fill_between(x, low, high, color=BLUE, alpha=0.25, linewidth=0.0)
-    axis.plot(x, middle, color=BLUE, linewidth=1.2)
-    axis.margins(x=0.0)
+    if joined:
+        axis.fill_between(x, low, high, color=BLUE, alpha=0.25, linewidth=0.0)
+        axis.plot(x, middle, color=BLUE, linewidth=1.2)
+        axis.margins(x=0.0)
+    else:  # nothing lies between one combination and the next
+        axis.errorbar(x, middle, yerr=[middle - low, high - middle], fmt="o", color=BLUE, markersize=3.0, capsize=2.0)
+        axis.set_xlim(-0.5, len(samples) - 0.5)
 
 
 def _sensitivity(answers: Answers) -> Figure:
@@ -138,27 +176,42 @@ def _sensitivity(answers: Answers) -> Figure:
             )
         axis.set_yticks(y, labels=[i.factor for i in indices], fontsize=8)
         axis.set_xlim(0.0, max(1.05, max(i.total.value for i in indices) * 1.05))
-        axis.set_title(name, loc="left", fontsize=9)
+        axis.set_title(axis_label(name), loc="left", fontsize=9)
     return figure
 
 
-def _yields(answers: Answers, which: int) -> Figure:
-    found = answers.yields[which]
-    figure, (axis,) = _grid(1, height=3.2)
-    x = np.arange(len(found.shares))
-    middle = np.array([one.value for one in found.shares])
-    ends = np.array([[one.value - one.low, one.high - one.value] for one in found.shares]).T
-    axis.errorbar(
-        x, 100.0 * middle, yerr=100.0 * np.clip(ends, 0.0, None), fmt="o", color=BLUE, capsize=3.0, markersize=4.0
-    )
-    axis.axhline(100.0 * found.limit.share, color=ORANGE, linewidth=1.2, linestyle="--")
-    if len(x) <= 12:
-        axis.set_xticks(x, labels=[g.label for g in answers.groups], fontsize=8, rotation=0 if len(x) <= 4 else 30)
+def _yields(answers: Answers) -> Figure:
+    judged = [one for one in answers.yields if any(one.judged)]
+    figure, (axis,) = _grid(1, height=3.6 + 0.2 * len(judged))
+    figure.set_figwidth(max(6.4, min(14.0, 1.6 + 0.9 * len(answers.groups))))
+    x = np.arange(len(answers.groups))
+    apart = min(0.18, 0.6 / len(judged))  # of the way to the next combination
+    for k, one in enumerate(judged):
+        middle = np.array([found.value for found in one.shares])
+        ends = np.array([[found.value - found.low, found.high - found.value] for found in one.shares]).T
+        known = np.isfinite(middle)
+        axis.errorbar(
+            (x + apart * (k - 0.5 * (len(judged) - 1)))[known], 100.0 * middle[known],
+            yerr=100.0 * np.clip(ends[:, known], 0.0, None), fmt="o" if len(one.limits) == 1 else "D",
+            color=COLOURS[k % len(COLOURS)], capsize=3.0, markersize=4.5, label=textwrap.fill(one.words, 80),
+        )  # fmt: skip
+        axis.axhline(100.0 * one.share, color=COLOURS[k % len(COLOURS)], linewidth=1.0, linestyle=(k, (4, 3)))
+    axis.set_xlim(-0.5, len(x) - 0.5)
+    _name_combinations(axis, answers)
+    axis.set_ylim(-4.0, 104.0)  # a point at 0 or 100 % is seen whole
+    axis.set_ylabel("drawn pairs that keep it / %")
+    figure.legend(loc="outside lower left", fontsize=8)
+    return figure
+
+
+def _name_combinations(axis: Any, answers: Answers) -> None:
+    """Ticks with the combinations' names where there are few, which stand at 0, 1, 2, ..."""
+    labels = [textwrap.fill(group.label, 24) for group in answers.groups]
+    if len(labels) <= NAMED:
+        upright = len(labels) > 6
+        axis.set_xticks(range(len(labels)), labels=labels, fontsize=7 if upright else 8, rotation=90 if upright else 0)
     else:
-        axis.set_xlabel("combination")
-    axis.margins(x=0.1)
-    axis.set_ylabel("pairs that keep it / %")
-    return figure
+        axis.set_xlabel("combination, in the order of the tables")
 
 
 def _points(answers: Answers) -> Figure:
@@ -175,5 +228,5 @@ def _points(answers: Answers) -> Figure:
             x, y = as_numbers(columns[sweep.all_keys[0]])[rows], as_numbers(columns[name])[rows]
             axis.plot(x, y, ".", markersize=2.0, color=BLUE, alpha=0.5, rasterized=True)
             axis.set_xlabel(sweep.all_keys[0], fontsize=8)
-            axis.set_ylabel(axis_label(name), fontsize=8)
+            axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=7)
     return figure

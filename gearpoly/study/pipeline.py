@@ -16,14 +16,22 @@ from typing import Any
 import numpy as np
 
 from gearpoly.assemble import Assembled, assemble
-from gearpoly.errors import GearpolyError, InputFileError, JammedError
+from gearpoly.errors import GearpolyError, InputFileError, JammedError, NoContactError
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.contact import Closings
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
-from gearpoly.mesh.radial import closing_rotations_fast, spot_check
-from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, expected_closing, mean_count, touching_rows
+from gearpoly.mesh.radial import closing_rotations_fast
+from gearpoly.mesh.transmission import (
+    JAM,
+    NEAR,
+    FlankContacts,
+    certify_some,
+    expected_closing,
+    mean_count,
+    touching_rows,
+)
 from gearpoly.positions import cycle_positions
 from gearpoly.study.keys import with_values
 from gearpoly.study.making import Maker, maker
@@ -42,8 +50,9 @@ CHANGE, LOADED_CHANGE = 1e-4, 2e-3
 """Pitches. How closely a change of the number of touching pairs is placed, as in ``simulate``: under load it moves by
 1e-3 of a pitch when the torque does by 1 %."""
 
-DONE, JAMS, REFUSED = "done", "jams", "refused"
-"""What became of a row: outputs; the gears jam; no such pair can be drawn or mounted."""
+DONE, JAMS, NO_CONTACT, REFUSED = "done", "jams", "no_contact", "refused"
+"""What became of a row: outputs; the gears jam; their teeth come out of mesh somewhere; no such pair can be drawn,
+mounted or computed. The first three were drawn: the second and third are bad pairs, the fourth is none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +123,8 @@ def make_row(plan: Plan, index: int) -> Made:
         found = tuple(output(name).read(curves) for name in plan.file.outputs)
     except JammedError as error:
         status, reason = JAMS, str(error)
+    except NoContactError as error:
+        status, reason = NO_CONTACT, str(error)
     except InputFileError as error:
         status, reason = REFUSED, ": ".join(part for part in (error.where, error.found, error.wish) if part)
     except GearpolyError as error:
@@ -129,7 +140,7 @@ def run_pair(assembled: Assembled, file: PairFile, plan: Plan, *, certify: bool)
     pair, flank = assembled.pair, plan.file.flank
     needs = needs_of(plan.file.outputs)
     theta_2 = cycle_positions(pair, turns=plan.file.turns, points_per_mesh=plan.file.positions_per_mesh)
-    torque = file.pair.torque_nm * NM
+    torque = file.torque_nm * NM
     bends = assembled.elasticity if torque > 0.0 else None
     load, ratio = None, None
     if bends is not None:
@@ -186,22 +197,14 @@ def _closings(
     poses, guesses = -sense * theta_2, sense * theta_2 / pair.ratio + expected
     found = closing_rotations_fast(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=near / pair.r_b1)
     if certify:
-        spot_check(
-            *bodies,
-            found,
-            axis_distance=pair.a,
-            poses=poses,
-            guesses=guesses,
-            near=near / pair.r_b1,
-            samples=CERTIFY_AT,
-        )
+        certify_some(pair, found, flank=flank, poses=poses, guesses=guesses, near=near / pair.r_b1, samples=CERTIFY_AT)
     return found, expected
 
 
 def first_touch(pair: GearPair, theta_2: FloatArray, *, flank: Flank, certify: bool = False) -> FloatArray:
     """TE (N,) in rad of one flank at driven rotations ``theta_2`` (N,) in rad, and nothing else.
 
-    Raises ``GeometryError`` where no pair touches.
+    Raises ``NoContactError`` where no pair touches.
     """
     from gearpoly.mesh.radial_search import search
 
@@ -226,10 +229,8 @@ def first_touch(pair: GearPair, theta_2: FloatArray, *, flank: Flank, certify: b
 
 def _all_touch(at: Any, theta_2: FloatArray, flank: Flank) -> None:
     if at.size != theta_2.size:
-        from gearpoly.errors import GeometryError
-
         missing = np.setdiff1d(np.arange(theta_2.size), at)[0]
-        raise GeometryError(f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg")
+        raise NoContactError(f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg")
 
 
 def _contacts(pair: GearPair, theta_2: FloatArray, *, flank: Flank, near: float, certify: bool) -> FlankContacts:

@@ -42,14 +42,15 @@ class Progress:
 
     def __enter__(self) -> Self:
         if sys.stderr.isatty():
-            from rich.console import Console
             from rich.progress import BarColumn, TextColumn
             from rich.progress import Progress as Bar
+
+            from gearpoly.report.terminal import Terminal
 
             self._bar = Bar(
                 BarColumn(),
                 TextColumn("{task.description}", markup=False),
-                console=Console(stderr=True),
+                console=Terminal(stderr=True),
                 transient=True,
             )
             self._bar.start()

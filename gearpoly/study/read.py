@@ -9,10 +9,12 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gearpoly.errors import GearpolyError, InputFileError
+from gearpoly.errors import GearpolyError, InputFileError, shown, shown_value
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import PairFile, Section
-from gearpoly.files.traces import nearest, read_text, shorten
+from gearpoly.files.paths import is_file
+from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.files.traces import nearest, read_text
 from gearpoly.study.keys import check_key, with_values
 from gearpoly.study.models import Limit, StudyFile, Sweep, Until
 from gearpoly.study.outputs import check_output
@@ -60,9 +62,9 @@ def read_study(path: Path | str) -> Study:
                 raise InputFileError(file, where="outputs", wish=str(error)) from None
     study = study.model_copy(update={"outputs": tuple(attainable)})
     pair_file = file.parent / study.pair
-    if not pair_file.is_file():
+    if not is_file(pair_file):
         raise InputFileError(file, where="pair", found=f"no such file, {pair_file}", wish="want a pair file")
-    raw = with_values(parse(pair_file, read_text(pair_file)), study.set)
+    raw = with_sheets(with_values(parse(pair_file, read_text(pair_file)), study.set), pair_file)
     raw, traces = _with_traces(raw, pair_file)
     return Study(path=file, file=study, raw=raw, traces=traces)
 
@@ -88,7 +90,7 @@ def _with_traces(raw: dict[str, Any], pair_file: Path) -> tuple[dict[str, Any], 
             if not isinstance(name, str):
                 continue
             source, where = pair_file.parent / name, f"{gear}.inspection.{key}"
-            if not source.is_file():
+            if not is_file(source):
                 wish = "want the path of a file of measurements, relative to the pair file"
                 raise InputFileError(pair_file, where=where, found=f"no such file, {source}", wish=wish)
             traces[f"{gear}.{ending}"] = read_text(source)
@@ -111,9 +113,7 @@ def _explain(file: Path, error: ValidationError) -> InputFileError:
     if kind == "extra_forbidden":
         known = [info.alias or key for key, info in model.model_fields.items()]
         close = nearest(str(loc[-1]), known)
-        return InputFileError(
-            file, where=shorten(where), found="unknown key", wish=f'the nearest known key is "{close}"'
-        )
+        return InputFileError(file, where=shown(where), found="unknown key", wish=f'the nearest known key is "{close}"')
     return InputFileError(file, where=where, found=_found(fault), wish=f"want {_wish(model, fault)}")
 
 
@@ -121,11 +121,7 @@ def _found(fault: ErrorDetails) -> str:
     if fault["type"] == "missing":
         return "missing"
     value = fault["input"]
-    return (
-        "a table"
-        if isinstance(value, dict)
-        else shorten(str(value).lower() if isinstance(value, bool) else repr(value))
-    )
+    return "a table" if isinstance(value, dict) else shown_value(value)
 
 
 def _wish(model: type[Section], fault: ErrorDetails) -> str:

@@ -7,16 +7,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from gearpoly.errors import GearpolyError, InputFileError, OutOfRangeError
+from gearpoly.study.causes import causes
 from gearpoly.study.cluster import on_cluster
 from gearpoly.study.keys import with_values
 from gearpoly.study.local import Chunk, in_processes, in_this_process
-from gearpoly.study.pipeline import Made
+from gearpoly.study.pipeline import REFUSED, Made
 from gearpoly.study.plan import Plan, plan_of
 from gearpoly.study.progress import Progress
 from gearpoly.study.read import Study, check_pair
 from gearpoly.study.stop import enough, looks
 from gearpoly.study.store import Store, opened, write_manifest
+
+HOPELESS = 32
+"""Rows, and every combination once at least, after which a study ends that has refused all of them. If a tenth of the
+pairs could be drawn, 32 refusals in a row would come about once in thirty studies (0.9^32 = 0.034); a yield of less
+than a tenth of the draws says nothing of a workshop's gears. Fewer end a study that could run, more let an impossible
+one go on: a refused gear takes as long as 400 that are drawn."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,8 +73,8 @@ def run_study(
 ) -> Outcome:
     """Make the rows of ``study`` that ``out`` lacks, by ``workers`` processes or on the cluster at ``scheduler``.
 
-    Raises ``InputFileError`` where ``out`` holds rows of another study, ``GearpolyError`` where workers or disk fail;
-    finished chunks are on disk by then.
+    Raises ``InputFileError`` where ``out`` holds rows of another study or where the first rows are all refused (then
+    ``out`` is emptied again), ``GearpolyError`` where workers or disk fail; finished chunks are on disk by then.
     """
     plan = plan_study(study)
     begun = time.monotonic()
@@ -87,12 +96,17 @@ def run_study(
         why = "all rows"
         last_look = 0
         stop = _enough_at(store, plan, cuts, last_look)
+        first = min(target, max(HOPELESS, plan.design.combinations))
+        hopeless = _none_drawn(store, first)
         if stop is None:
             with watch:
                 for rows in _computed(plan, chunks, workers=workers, scheduler=scheduler):
                     store.write(rows)
                     made += len(rows)
                     watch.advance(len(rows))
+                    hopeless = hopeless and all(row.status == REFUSED for row in rows if row.index < first)
+                    if hopeless and _front(store.done()) >= first:
+                        break
                     front = _front(store.done()) if cuts else 0
                     reached = [cut for cut in cuts if last_look < cut <= front]
                     if reached:
@@ -100,6 +114,8 @@ def run_study(
                         last_look = reached[-1]
                         if stop is not None:
                             break
+        if hopeless:
+            raise _refusal(study, store, first)
         if stop is not None and plan.file.until is not None:
             until = plan.file.until
             why = f"percentile {until.percentile:g} of {until.output} is known to {until.width:g} after {stop} rows"
@@ -108,6 +124,22 @@ def run_study(
         _check_complete(store, target)
         write_manifest(store, rows=target, finished=True, why=why)
     return Outcome(store=store, rows=target, made=made, seconds=time.monotonic() - begun, why=why)
+
+
+def _none_drawn(store: Store, first: int) -> bool:
+    """Whether every one of the ``first`` rows that is there was refused."""
+    found = store.columns(["index", "status"])
+    return bool(np.all(found["status"][found["index"] < first] == REFUSED))
+
+
+def _refusal(study: Study, store: Store, first: int) -> InputFileError:
+    """Why nothing can come of ``study``, in one message. A table of refusals is of no use, so its folder is emptied for
+    the study as it will be when mended."""
+    cause, *others = causes(store, rows=first)
+    share = "" if not others else f", {cause.pairs} of them for this cause"
+    every = "the only pair is" if first == 1 else f"all of the first {first} pairs are"
+    store.clear()
+    return InputFileError(study.path, where="pair", found=f"{every} refused{share}; {cause.example}", wish=cause.reason)
 
 
 def _computed(plan: Plan, chunks: Iterator[Chunk], *, workers: int, scheduler: str | None) -> Iterator[list[Made]]:

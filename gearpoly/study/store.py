@@ -18,14 +18,20 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.errors import InputFileError, MissingExtraError, shown
 from gearpoly.files.output import write_text, written_aside
+from gearpoly.files.paths import is_file, is_folder, unreadable
+from gearpoly.files.traces import parse_number, read_text
 from gearpoly.study.keys import is_whole
 from gearpoly.study.pipeline import Made
 from gearpoly.study.plan import Plan, differences
 from gearpoly.units import FloatArray
 
 MANIFEST, ROWS, LOCK = "study.json", "rows", ".lock"
+FORMULA = tuple("=+-@\t\r")
+"""With what a cell begins that a spreadsheet computes."""
+
+_MANIFEST = {"gearpoly": str, "seed": int, "rows": int, "finished": bool, "why": str, "plan": str}
 _PART = re.compile(r"^(\d{9})-(\d{9})\.parquet$")
 
 
@@ -52,7 +58,10 @@ class Store:
 
     def parts(self) -> list[tuple[int, int, Path]]:
         """Start, stop and file of every part, in order."""
-        found = [(_PART.match(path.name), path) for path in self._rows.iterdir()]
+        try:
+            found = [(_PART.match(path.name), path) for path in self._rows.iterdir()]
+        except OSError as error:
+            raise unreadable(self._rows, error) from None
         return sorted((int(match[1]), int(match[2]), path) for match, path in found if match)
 
     def done(self) -> list[tuple[int, int]]:
@@ -105,13 +114,18 @@ class Store:
 
     def trim(self, rows: int) -> None:
         """Drop what lies beyond the first ``rows`` rows: computed before it was known that they are enough."""
-        pq = pyarrow().parquet
         for start, stop, path in self.parts():
             if stop <= rows:
                 continue
             if start < rows:
-                self._write_table(pq.read_table(path).slice(0, rows - start), start, rows)
+                self._write_table(read_part(path).slice(0, rows - start), start, rows)
             path.unlink()
+
+    def clear(self) -> None:
+        """Drop every row and the manifest; the folder is as fresh as before the first run."""
+        for _, _, path in self.parts():
+            path.unlink()
+        (self.folder / MANIFEST).unlink(missing_ok=True)
 
     def column(self, name: str, *, rows: int | None = None) -> Any:
         """One column over all parts (or those within the first ``rows``) as a numpy array, missing numbers as nan."""
@@ -119,24 +133,70 @@ class Store:
 
     def columns(self, names: Sequence[str], *, rows: int | None = None) -> dict[str, Any]:
         """Several columns as numpy arrays, in the order of the row numbers."""
-        pa = pyarrow()
         paths = [path for _, stop, path in self.parts() if rows is None or stop <= rows]
         found: dict[str, list[Any]] = {name: [] for name in names}
         for path in paths:
-            table = pa.parquet.read_table(path, columns=list(names))
+            table = read_part(path, columns=names)
             for name in names:
                 found[name].append(table[name].to_numpy())
         return {name: np.concatenate(parts) if parts else np.empty(0) for name, parts in found.items()}
 
     def to_csv(self, target: Path) -> None:
-        """The whole table as CSV, part by part; numbers read back equal."""
-        pq = pyarrow().parquet
+        """The whole table as CSV, part by part; numbers read back equal, and no text is a formula to a spreadsheet."""
         with written_aside(target) as aside, aside.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
             writer.writerow(self.schema.names)
             for _, _, path in self.parts():
-                for row in pq.read_table(path).to_pylist():
-                    writer.writerow(["" if value is None else value for value in row.values()])
+                for row in read_part(path).to_pylist():
+                    writer.writerow([_cell(value) for value in row.values()])
+
+
+def read_part(path: Path, *, columns: Sequence[str] | None = None) -> Any:
+    """The table in one part, or some ``columns`` of it. Raises ``InputFileError`` where it is cut off or damaged."""
+    with _damage_told(path):
+        table = pyarrow().parquet.read_table(path, columns=None if columns is None else list(columns))
+        missing = [name for name in columns or () if name not in table.column_names]
+        if missing:
+            raise ValueError(f"no column {missing[0]}")
+    _check_count(path, table.num_rows)
+    return table
+
+
+def _what_in(path: Path) -> dict[str, Any]:
+    """What the rows of one part are of, from its own metadata. Raises ``InputFileError`` as ``read_part`` does."""
+    with _damage_told(path):
+        found = pyarrow().parquet.read_metadata(path)
+        what: dict[str, Any] = dict(json.loads(found.metadata[b"gearpoly.study"]))
+    _check_count(path, found.num_rows)
+    return what
+
+
+def _check_count(path: Path, rows: int) -> None:
+    match = _PART.match(path.name)
+    if match and rows != int(match[2]) - int(match[1]):
+        raise _damaged(path, f"{rows} rows, which is not what its name says")
+
+
+@contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """The library promises no exception types for damage, so all are taken."""
+    try:
+        yield
+    except Exception as error:
+        raise _damaged(path, shown(str(error), width=120)) from None
+
+
+def _damaged(path: Path, reason: str) -> InputFileError:
+    wish = "delete it and run the study again, which makes its rows and no others"
+    return InputFileError(path, found=f"a cut-off or damaged part ({reason})", wish=wish)
+
+
+def _cell(value: Any) -> Any:
+    """A value as a cell of a CSV: a text that a spreadsheet would take for a formula gets its mark for text, an
+    apostrophe in front (OWASP, CSV injection)."""
+    if isinstance(value, str) and value[:1] in FORMULA and parse_number(value) is None:
+        return f"'{value}"
+    return "" if value is None else value
 
 
 def _fitting(value: Any, kind: Any) -> Any:
@@ -148,17 +208,23 @@ def _fitting(value: Any, kind: Any) -> Any:
 def read_store(folder: Path) -> tuple[Store, dict[str, Any]]:
     """An existing table and its manifest, to be read. Raises ``InputFileError`` where there is none."""
     manifest = folder / MANIFEST
-    if not manifest.is_file():
+    if not is_file(manifest):
         raise InputFileError(
             folder, found=f"no {MANIFEST}", wish="want the folder that gearpoly study --out has filled"
         )
     try:
-        document = json.loads(manifest.read_text(encoding="utf-8"))
+        document = json.loads(read_text(manifest))
+        for key, kind in _MANIFEST.items():
+            if not isinstance(document[key], kind):
+                raise TypeError(f"{key} = {shown(repr(document[key]))}")
         plan = Plan(document["plan"])
-        plan.file  # noqa: B018 - asked for what it raises: a plan that is none fails here
-    except (ValueError, KeyError, TypeError) as error:
-        raise InputFileError(manifest, found=f"not a study's manifest ({error})", wish="run the study again") from None
-    if not (folder / ROWS).is_dir():
+        # Asked for what they raise: a plan that is none fails here.
+        plan.what, plan.versions, plan.design.combinations, plan.design.values(0)
+    except (ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError) as error:
+        reason = f"no {error}" if isinstance(error, KeyError) else shown(str(error), width=120)
+        wish = "delete it and run the study again, which keeps the finished rows"
+        raise InputFileError(manifest, found=f"a damaged manifest ({reason})", wish=wish) from None
+    if not is_folder(folder / ROWS):
         raise InputFileError(folder, found=f"no folder {ROWS}", wish="run the study again")
     return Store(folder, plan), document
 
@@ -187,9 +253,17 @@ def opened(folder: Path, plan: Plan) -> Iterator[Store]:
     """
     store = Store(folder, plan)
     pyarrow()
-    if (folder / MANIFEST).is_file():
-        before, _ = read_store(folder)
-        changed = differences(before.plan.what, plan.what)
+    before = None
+    if is_file(folder / MANIFEST):
+        before = read_store(folder)[0].plan.what
+    elif is_folder(folder) and not _ours(folder):
+        raise InputFileError(folder, found="a folder with other things in it", wish="want a new or empty folder")
+    if is_folder(folder / ROWS):
+        for _, _, path in store.parts():  # each says itself what it is of, should the manifest be lost
+            inside = _what_in(path)
+            before = inside if before is None else before
+    if before is not None:
+        changed = differences(before, json.loads(json.dumps(plan.what)))
         if changed:
             more = f" and {len(changed) - 5} more" if len(changed) > 5 else ""
             raise InputFileError(
@@ -197,8 +271,6 @@ def opened(folder: Path, plan: Plan) -> Iterator[Store]:
                 found="rows of another study: " + "; ".join(changed[:5]) + more,
                 wish="these do not mix; want another --out, or the study as it was",
             )
-    elif folder.is_dir() and not _fresh(folder):
-        raise InputFileError(folder, found="a folder with other things in it", wish="want a new or empty folder")
     try:
         (folder / ROWS).mkdir(parents=True, exist_ok=True)
         lock = (folder / LOCK).open("a")
@@ -214,10 +286,15 @@ def opened(folder: Path, plan: Plan) -> Iterator[Store]:
         yield store
 
 
-def _fresh(folder: Path) -> bool:
-    """Whether nothing is in ``folder`` but what a run leaves that was killed before it had written its manifest."""
-    names = {path.name for path in folder.iterdir() if not path.name.startswith(".gearpoly-")}
-    return names <= {LOCK, ROWS} and not (ROWS in names and any(folder.joinpath(ROWS).iterdir()))
+def _ours(folder: Path) -> bool:
+    """Whether ``folder`` is one of a study whose manifest is not written yet, or lost: it has rows, or nothing else."""
+    try:
+        names = {path.name for path in folder.iterdir() if not path.name.startswith(".gearpoly-")}
+        rows = {path.name for path in (folder / ROWS).iterdir()} if ROWS in names else set()
+    except OSError as error:
+        raise unreadable(folder, error) from None
+    parts = {name for name in rows if _PART.match(name)}
+    return bool(parts) or (names <= {LOCK, ROWS} and all(name.startswith(".gearpoly-") for name in rows))
 
 
 def _hold(lock: IO[str], folder: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -13,23 +14,28 @@ from rich.text import Text
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
-from gearpoly.study.answers import Answers, words
+from gearpoly.study.answers import Answers
+from gearpoly.study.causes import Cause, causes, count_words
+from gearpoly.study.groups import Sample
 from gearpoly.study.models import Limit
+from gearpoly.study.outputs import describe
 from gearpoly.study.run import Outcome
 from gearpoly.study.statistics import Interval
 from gearpoly.study.store import read_store
+from gearpoly.study.yields import yield_words
 
 PRINTED = 24
 """Combinations that a terminal shows; the page has more."""
+
+CAUSES = 8
+"""Causes that a terminal shows; the page has all."""
 
 _LIMIT = re.compile(r"^\s*(\w+)\s*(<=|>=)\s*(\S+)\s*$")
 
 
 def print_outcome(console: Console, outcome: Outcome) -> None:
-    """Print what was made, at which rate, and how many pairs jam or cannot be made."""
+    """Print what was made, at which rate, and why pairs have no result."""
     store, file = outcome.store, outcome.store.plan.file
-    status = store.column("status")
-    count = {name: int((status == name).sum()) for name in ("done", "jams", "refused")}
     console.print(file.name, style="bold", highlight=False)
     console.print(
         f"{outcome.rows} pairs ({_counted(store.plan.design.combinations)}), {outcome.made} of them made now"
@@ -37,13 +43,18 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
         + (f"; stopped: {outcome.why}" if outcome.why != "all rows" else ""),
         highlight=False,
     )
-    if count["jams"] or count["refused"]:
-        console.print(
-            f"{count['jams']} pairs jam, {count['refused']} cannot be made or run (column reason)",
-            style="yellow",
-            highlight=False,
-        )
-    console.print(f"table: {store.folder / 'rows'}; answers: gearpoly study-report {store.folder}", highlight=False)
+    _print_causes(console, causes(store), pairs=outcome.rows)
+    console.print(f"answers: gearpoly study-report {store.folder}", highlight=False)
+
+
+def _print_causes(console: Console, found: tuple[Cause, ...], *, pairs: int) -> None:
+    """Print how many of all ``pairs`` have no result and why, one cause a line with one row as an example."""
+    for line in count_words(found, pairs=pairs):
+        console.print(line, style="bold yellow", highlight=False)
+    for one in found[:CAUSES]:
+        console.print(f"  {one.says}; for example {one.example}", style="yellow", highlight=False)
+    if len(found) > CAUSES:
+        console.print(f"  {len(found) - CAUSES} more causes are in the column reason", style="yellow", highlight=False)
 
 
 def _counted(combinations: int) -> str:
@@ -80,32 +91,49 @@ def _short(one: Interval) -> str:
     return f"{one.value:.3g} [{low}, {high}]" if math.isfinite(one.value) else ""
 
 
-def print_answers(console: Console, answers: Answers, *, page: Path) -> None:
-    """Print percentiles of every output, yields, and the cheapest grade."""
-    console.print(answers.name, style="bold", highlight=False)
-    for remark in answers.remarks:
-        console.print(f"note: {remark}", style="yellow", highlight=False)
+def _tables(answers: Answers) -> Iterator[tuple[str, Table]]:
+    """Percentiles: one table of all outputs where there is one combination, else one table per output."""
+    outputs = answers.store.plan.file.outputs
+    if len(answers.groups) == 1:
+        rows = [(name, answers.groups[0].sample(name), describe(name)) for name in outputs]
+        yield "", _table("output", rows, says=True)
+        return
+    for name in outputs:
+        rows = [(group.label, group.sample(name), "") for group in answers.groups[:PRINTED]]
+        yield f"{name}: {describe(name)}", _table("combination", rows)
+
+
+def _table(head: str, rows: list[tuple[str, Sample, str]], *, says: bool = False) -> Table:
     table = Table(box=None, pad_edge=False)
-    table.add_column("output", no_wrap=True)
+    table.add_column(head, no_wrap=True)
     for name in ("pairs", "median", "95 %", "99 %"):
         table.add_column(name, justify="right", no_wrap=True)
-    for output in answers.store.plan.file.outputs:
-        if len(answers.groups) > 1:
-            table.add_row(Text(output, style="bold"))
-        for group in answers.groups[:PRINTED]:
-            sample = group.sample(output)
-            found = dict(sample.percentiles)
-            label = f"  {group.label}" if len(answers.groups) > 1 else output
-            table.add_row(label, str(sample.values.size), *(_short(found[p]) for p in (50.0, 95.0, 99.0)))
-    console.print(table)
+    if says:
+        table.add_column("what it is")
+    for label, sample, what in rows:
+        found = dict(sample.percentiles)
+        numbers = [str(sample.values.size), *(_short(found[p]) for p in (50.0, 95.0, 99.0))]
+        table.add_row(Text(label), *numbers, *([Text(what)] if says else []))
+    return table
+
+
+def print_answers(console: Console, answers: Answers) -> None:
+    """Print why pairs have no result, percentiles of every output, yields, and the cheapest grade."""
+    console.print(answers.name, style="bold", highlight=False)
+    _print_causes(console, answers.causes, pairs=answers.pairs)
+    for remark in answers.remarks:
+        console.print(f"note: {remark}", style="yellow", highlight=False)
+    for title, table in _tables(answers):
+        if title:
+            console.print(f"\n{title}", style="bold", highlight=False)
+        console.print(table)
     if len(answers.groups) > PRINTED:
         console.print(f"{len(answers.groups) - PRINTED} more combinations are on the page", highlight=False)
-    for one in answers.yields:
-        console.print(f"\n{words(one.limit)}", style="bold", highlight=False)
-        for group, kept, verdict in list(zip(answers.groups, one.shares, one.verdicts, strict=True))[:PRINTED]:
-            share = f"{100.0 * kept.value:.4g} % ({100.0 * kept.low:.4g} to {100.0 * kept.high:.4g} %)"
-            console.print(f"  {group.label}: {share}, {verdict}", highlight=False)
-    for cheapest in answers.cheapest:
-        for line in cheapest.says:
+    graded = {one.found: one for one in answers.cheapest}
+    for found in answers.yields:
+        console.print(f"\n{found.words}", style="bold", highlight=False)
+        for k, group in enumerate(answers.groups[:PRINTED]):
+            share = yield_words(found, answers.groups, k)
+            console.print(f"  {group.label}: {share}; {found.verdicts[k]}", highlight=False)
+        for line in graded[found].says if found in graded else ():
             console.print(f"  {line}", style="green", highlight=False)
-    console.print(f"\npage: {page}", highlight=False)

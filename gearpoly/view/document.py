@@ -154,7 +154,9 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
         "theta_2": packed(turns[order], "f8"),
         "recorded_um": packed(one.recorded[order] / UM, "f4"),
         "mismatch_um": packed(one.residual[order] / UM, "f4"),
-        "numbered": comparison.alignment.numbered,
+        "open": [
+            name for name, told in zip(("driving", "driven"), comparison.alignment.numbered, strict=True) if not told
+        ],
         "where": [_entry(entry, comparison) for entry in comparison.located.entries],
     }
 

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+import gearpoly
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance import (
     ContactPair,
+    Mate,
     contact_deflection,
     load_points,
     tooth_compliance,
@@ -18,6 +20,7 @@ from gearpoly.mesh.compliance import (
 )
 from gearpoly.mesh.compliance.iso6336 import C_M, single_stiffness
 from gearpoly.mesh.compliance.potential_energy import ring_coefficients
+from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from tests.oracles.fem_tooth import rack_tooth
 
 E, NU, B = 206000.0, 0.3, 20.0
@@ -37,6 +40,7 @@ def pair_stiffness(law: str, line_load: float, contact: str = "palmgren") -> flo
             reference_radius=tooth.r,
             bore_radius=10.0,
             teeth=z,
+            mate=Mate(teeth=43 - z, profile_shift=0.0, dedendum=1.25),
         )
         q = tooth_compliance(section, radius=[tooth.r], face_width=B, youngs_modulus=E, poisson_ratio=NU, law=law)
         total += float(q[0])
@@ -70,6 +74,47 @@ def test_single_stiffness_with_profile_shift() -> None:
     # All nine terms, worked by hand for 20/30, x = 0.3 and 0.1.
     q = 0.04723 + 0.0077755 + 0.008597 - 0.001905 - 0.0017481 - 0.000193 - 0.00080627 + 0.0004761 + 0.0000182
     assert single_stiffness(z_1=20, z_2=30, x_1=0.3, x_2=0.1, h_fP=1.2) == pytest.approx(1.0 / q, rel=1e-5)
+
+
+def q_of_nine_terms(z: tuple[int, int], x: tuple[float, float]) -> float:
+    """q' in mm um/N with the nine constants of ISO 6336-1:2006, Table 9, as a scalar product."""
+    constants = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
+    terms = (1.0, 1 / z[0], 1 / z[1], x[0], x[0] / z[0], x[1], x[1] / z[1], x[0] ** 2, x[1] ** 2)
+    return sum(c * term for c, term in zip(constants, terms, strict=True))
+
+
+PAIRS = [((19, 60), (0.3, -0.3)), ((19, 104), (0.5, 0.15)), ((12, 120), (0.5, 0.0)), ((17, 200), (0.0, 0.0))]
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize(("z", "x"), PAIRS)
+def test_a_pair_from_a_file_has_the_standards_stiffness(
+    z: tuple[int, int], x: tuple[float, float], swapped: bool
+) -> None:
+    """Whichever gear drives: both teeth of a simulated pair add up to 1/c'_th, C_B = 0.975 for the 1.25 rack."""
+    order = (1, 0) if swapped else (0, 1)
+    sides = {
+        name: {"teeth": z[k], "module_mm": 2.0, "profile_shift": x[k], "face_width_mm": B, "chord_error_um": 1.0}
+        for name, k in zip(("driving", "driven"), order, strict=True)
+    }
+    pair = gearpoly.Pair.of(sides).mesh
+    by = pair_compliance(pair, Elasticity(law="iso6336"))
+    both = by.softest() * B * 1e3  # mm um/N
+    assert both == pytest.approx(q_of_nine_terms(z, x) / 0.975, rel=1e-12)  # rounding
+
+
+def test_the_standards_value_of_19_60() -> None:
+    assert q_of_nine_terms((19, 60), (0.3, -0.3)) == pytest.approx(0.0584, abs=5e-5)  # printed digits
+    assert single_stiffness(z_1=19, z_2=60, x_1=0.3, x_2=-0.3, h_fP=1.2) == pytest.approx(17.12, abs=5e-3)
+
+
+def test_profile_shifts_outside_the_fit_are_named_by_gear() -> None:
+    sides = {
+        name: {"teeth": z, "module_mm": 2.0, "profile_shift": x, "face_width_mm": B, "chord_error_um": 1.0}
+        for name, z, x in (("driving", 60, 0.3), ("driven", 19, -0.3))
+    }
+    with pytest.raises(OutOfRangeError, match=r"profile_shift -0\.3 of the pinion and 0\.3 of the wheel"):
+        pair_compliance(gearpoly.Pair.of(sides).mesh, Elasticity(law="iso6336"))
 
 
 @pytest.mark.parametrize("wrong", [{"z_1": 26}, {"x_1": -0.1}, {"x_1": 1.5, "x_2": 1.0}, {"x_1": -0.3, "x_2": -0.3}])

@@ -145,7 +145,13 @@ class FemTooth:
 
         facets = mesh.facets_satisfying(clamped, boundaries_only=True)
         self.free = self.basis.complement_dofs(self.basis.get_dofs(facets))
-        self.factor = splu(stiffness[self.free][:, self.free].tocsc())
+        # Symmetric and positive definite: pivots stay on the diagonal, and so few entries fill in.
+        self.factor = splu(
+            stiffness[self.free][:, self.free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
         self.dofs = self.free.size
 
     def load(self, radius: float, *, half_width: float | None = None, with_body: bool = False) -> FemLoad:
@@ -262,6 +268,7 @@ def lowest_contact(tooth: RackTooth, mate: RackTooth) -> float:
 def _tables() -> None:
     from gearpoly.mesh.compliance import (
         ContactPair,
+        Mate,
         contact_deflection,
         law_names,
         tooth_compliance,
@@ -312,6 +319,7 @@ def _tables() -> None:
             reference_radius=tooth.r,
             bore_radius=10.0,
             teeth=z,
+            mate=Mate(teeth=43 - z, profile_shift=0.0, dedendum=1.25),
         )
         for law in law_names():
             q = tooth_compliance(

@@ -15,7 +15,8 @@ ENDINGS = (".stl",)
 SAYS = "solids as triangles, in mm"
 CURVES = ("lines",)
 
-_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = 80
+"""Bytes at the start of a binary STL that are anyone's to fill."""
 
 
 def write(drawing: Drawing, target: Path, curves: str) -> float:
@@ -23,28 +24,17 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
 
     The stated chord error includes rounding to single precision.
     """
+    import trimesh
+
     from gearpoly.export.solid import solids
 
-    meshes = solids(drawing, single=True)
     error = drawing.chord_error + rounding(drawing)
     header = (
         f"gearpoly {__version__} unit=mm magnify={drawing.request.magnify:g} chord_error_um={rounded_up(error / UM):g}"
     )
+    triangles = trimesh.exchange.stl.export_stl(trimesh.util.concatenate(solids(drawing, single=True)))
     # A binary STL must not begin with "solid", and this does not.
-    rows = np.zeros(sum(mesh.faces.shape[0] for mesh in meshes), dtype=_ROW)
-    start = 0
-    for mesh in meshes:
-        corners = mesh.vertices[mesh.faces]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        part = rows[start : start + mesh.faces.shape[0]]
-        part["normal"] = normal / np.where(length > 0.0, length, 1.0)
-        part["corners"] = corners
-        start += mesh.faces.shape[0]
-    with target.open("wb") as stream:
-        stream.write(header.encode("ascii")[:80].ljust(80, b" "))
-        stream.write(np.uint32(rows.size).tobytes())
-        stream.write(rows.tobytes())
+    target.write_bytes(header.encode("ascii")[:HEADER].ljust(HEADER, b" ") + triangles[HEADER:])
     return error
 
 

@@ -18,7 +18,7 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance.beam import LoadPoints, load_points
 from gearpoly.mesh.compliance.contact import ContactPair, Flattening, contact_deflection, find_flattening
 from gearpoly.mesh.compliance.law import Blank, ComplianceLaw
-from gearpoly.mesh.compliance.outline import ToothSection, tooth_section
+from gearpoly.mesh.compliance.outline import Mate, ToothSection, tooth_section
 from gearpoly.units import FloatArray
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "ContactPair",
     "Flattening",
     "LoadPoints",
+    "Mate",
     "ToothSection",
     "contact_deflection",
     "find_flattening",

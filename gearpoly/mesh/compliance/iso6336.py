@@ -9,7 +9,7 @@ import numpy as np
 from gearpoly.errors import GeometryError, OutOfRangeError
 from gearpoly.mesh.compliance.beam import LoadPoints
 from gearpoly.mesh.compliance.law import Blank, ComplianceLaw
-from gearpoly.mesh.compliance.outline import ToothSection
+from gearpoly.mesh.compliance.outline import Mate, ToothSection
 from gearpoly.units import DEG, UM, FloatArray
 
 E_STEEL = 206000.0
@@ -43,7 +43,11 @@ def single_stiffness(
     if z_1 > z_2 or min(z_1, z_2) < 1:
         raise OutOfRangeError(f"tooth numbers {z_1}/{z_2}: the pinion, z_1, is the smaller one")
     if x_1 < x_2 or not -0.5 <= x_1 + x_2 <= 2.0:
-        raise OutOfRangeError(f"profile shifts {x_1}, {x_2}: ISO 6336-1 wants x_1 >= x_2 and -0.5 <= x_1 + x_2 <= 2")
+        raise OutOfRangeError(
+            f"profile_shift {x_1:g} of the pinion and {x_2:g} of the wheel: the stiffness of ISO 6336-1 holds where "
+            "the pinion's is not below the wheel's and their sum lies between -0.5 and 2; another law of compliance "
+            "would do"
+        )
     q = 0.04723 + 0.15551 / z_1 + 0.25791 / z_2 - 0.00635 * x_1 - 0.11654 * x_1 / z_1
     q += -0.00193 * x_2 - 0.24188 * x_2 / z_2 + 0.00529 * x_1**2 + 0.00182 * x_2**2
     C_B = (1.0 + 0.5 * (1.2 - h_fP)) * (1.0 - 0.02 * (20.0 - alpha_P / DEG))
@@ -55,20 +59,29 @@ def compliance(section: ToothSection, load: LoadPoints, blank: Blank) -> FloatAr
     and for every tooth**.
 
     It holds the contact deflection (about a quarter of it), at no stated load, so no contact law is
-    to be added. The mate is taken as an equal gear; for 18/25 the two halves add up to 1.2 % more
-    than the standard's own pair.
+    to be added. Both halves of a pair are equal and add up to the standard's pair; dedenda that
+    differ count by their mean, as C_B does. The pinion is the gear with fewer teeth, of equal ones
+    that with more profile shift.
 
-    Raises ``GeometryError`` where the section does not know its gear's tooth number.
+    Raises ``GeometryError`` where the section does not know its gear's tooth number and
+    ``OutOfRangeError`` where the standard's fit was not made.
     """
     if section.teeth is None:
         raise GeometryError("the ISO 6336 law needs the number of teeth of the gear")
     m = 2.0 * section.r / section.teeth
+    own = Mate(
+        teeth=section.teeth,
+        profile_shift=section.profile_shift,
+        dedendum=(section.r - section.r_f) / m + section.profile_shift,
+    )
+    mate = section.mate or own
+    pinion, wheel = sorted((own, mate), key=lambda gear: (gear.teeth, -gear.profile_shift))
     c_th = single_stiffness(
-        z_1=section.teeth,
-        z_2=section.teeth,
-        x_1=section.profile_shift,
-        x_2=section.profile_shift,
-        h_fP=(section.r - section.r_f) / m + section.profile_shift,
+        z_1=pinion.teeth,
+        z_2=wheel.teeth,
+        x_1=pinion.profile_shift,
+        x_2=wheel.profile_shift,
+        h_fP=0.5 * (own.dedendum + mate.dedendum),
         alpha_P=math.acos(section.r_b / section.r),
         E=blank.E,
     )

@@ -24,6 +24,15 @@ the beam would start up the fillet; smaller, and a rounded land would count as f
 
 
 @dataclass(frozen=True, kw_only=True)
+class Mate:
+    """The other gear by its numbers: teeth, profile shift, dedendum of its rack over the module."""
+
+    teeth: int
+    profile_shift: float
+    dedendum: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class ToothSection:
     """Sections of z teeth, transverse to their centre lines; lengths in mm, angles in rad, arrays
     read-only.
@@ -34,8 +43,9 @@ class ToothSection:
     angles from the centre line, both positive. ``centre`` (z,): polar angle of the centre line in
     the frame of the input. ``x_e``, ``h_e`` (z,): effective end of the beam and its thickness.
     ``x_f``, ``h_f`` (z,): the same where the fillet touches the root circle. ``theta_f`` (z,): half
-    angle of that place. ``H_p`` (z,): thickness at the reference circle. ``teeth`` and
-    ``profile_shift`` serve laws that know a gear by its numbers only. ``single`` is true where the
+    angle of that place. ``H_p`` (z,): thickness at the reference circle. ``teeth``,
+    ``profile_shift`` and ``mate`` (None: an equal gear) serve laws that know a gear by its numbers
+    only. ``single`` is true where the
     input was one tooth without a leading axis.
     """
 
@@ -57,6 +67,7 @@ class ToothSection:
     bore_radius: float | None
     teeth: int | None
     profile_shift: float
+    mate: Mate | None
     single: bool
 
     @property
@@ -117,6 +128,7 @@ def tooth_section(
     bore_radius: float | None = None,
     teeth: int | None = None,
     profile_shift: float = 0.0,
+    mate: Mate | None = None,
 ) -> ToothSection:
     """The sections of one or z teeth from their actual outlines, root to tip.
 
@@ -188,6 +200,7 @@ def tooth_section(
         bore_radius=None if bore_radius is None else float(bore_radius),
         teeth=teeth,
         profile_shift=float(profile_shift),
+        mate=mate,
         single=single,
     )
 

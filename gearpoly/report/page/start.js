@@ -2,7 +2,7 @@
 
 const element = (id) => document.getElementById(id);
 const [z1, z2] = DATA.z;
-const open = DATA.numbered ? "" : " (numbering open)";
+const open = DATA.numbered.map((told) => (told ? "" : " (numbering open)"));
 const made = new Map(); // what has been unpacked, by recording
 let chosen = 0;
 
@@ -32,7 +32,8 @@ function angleText(deg) {
   const coast = recording().raw.coast;
   const u = (deg / 360) * z2 - (coast ? 0.5 : 0);
   const n = Math.round(u);
-  const teeth = DATA.numbered ? `driving tooth ${modulo(n, z1)} on driven ${modulo(n + (coast ? 1 : 0), z2)}, ` : "";
+  const numbers = [modulo(n, z1), modulo(n + (coast ? 1 : 0), z2)].map((k, gear) => (DATA.numbered[gear] ? k : "?"));
+  const teeth = DATA.numbered.some((told) => told) ? `driving tooth ${numbers[0]} on driven ${numbers[1]}, ` : "";
   return `driven ${signed(deg, 3)}\u00b0 (${teeth}phase ${signed(u - n, 2)})`;
 }
 
@@ -129,7 +130,7 @@ function topOf(gear, when) {
 
 const maps = GEARS.flatMap((gear, k) => WHEN.map((when) => mapPlot(element(`map-${gear}-${when}`), {
   title: `Residual by tooth and mesh phase of the ${gear} gear, ${when}`,
-  yLabel: `${gear} tooth${open}`, rows: DATA.z[k],
+  yLabel: `${gear} tooth${open[k]}`, rows: DATA.z[k],
   source: () => {
     const { maps: found, raw } = recording();
     const values = found[`${gear}-${when}`];

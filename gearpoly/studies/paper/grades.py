@@ -167,7 +167,7 @@ def _thickness(recipe: Recipe) -> dict[str, float]:
 def _picture(results: dict[str, list[FloatArray]]) -> Picture:
     labels = {"1995": "1995", "2013": "2013", "lower": "1995, E_s = Rand(1) E_sni, smooth"}
     panels = []
-    for column, y in ((0, "TEpp / arcmin"), (1, "mean normal backlash / um")):
+    for column, y in ((0, "TEpp of the driven shaft / arcmin"), (1, "mean normal backlash / um")):
         lines = []
         for colour, (name, found) in enumerate(results.items()):
             x = np.arange(3.0) + 0.16 * (colour - 1)

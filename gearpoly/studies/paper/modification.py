@@ -163,7 +163,7 @@ def ask(study: Study) -> Finding:
             ),
             Panel(
                 x="relief / mean deflection of the sets",
-                y="TEpp of the ideal pair / arcmin",
+                y="TEpp of the ideal pair, driven shaft / arcmin",
                 lines=tuple(
                     Line(x=SWEEP, y=row, colour=k, style="joined", label=SHAPES[k]) for k, row in enumerate(ideal_te)
                 ),

@@ -142,7 +142,7 @@ def ask(study: Study) -> Finding:
         panels=(
             Panel(
                 x="relative phase of the eccentricities along the line of action / deg",
-                y="TEpp / arcmin",
+                y="TEpp of the driven shaft / arcmin",
                 lines=(
                     Line(x=degrees, y=alone, style="dots", label="eccentricity alone"),
                     Line(x=np.arange(361), y=closed_form(np.arange(361.0) * DEG), style="dashed", label="closed form"),

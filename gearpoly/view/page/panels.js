@@ -139,7 +139,7 @@ class Panels {
       `${recording.file}: ${recording.samples.toLocaleString("en")} samples, ${recording.cycles.toFixed(2)} hunting cycles; `
       + `${recording.rms_um.toFixed(3)} \u00b5m rms left about ${signed(recording.mean_um, 3)} \u00b5m, noise ${recording.noise_um.toFixed(3)} \u00b5m`
       + (recording.every > 1 ? `; one sample of ${recording.every} is shown` : "")
-      + (recording.numbered ? "." : "; tooth numbers are the picture's own, the recording does not tell them.");
+      + (recording.open.length ? `; tooth numbers of the ${recording.open.join(" and ")} gear are the picture's own, the recording does not tell them.` : ".");
     const list = element("where");
     recording.where.forEach((entry) => {
       const item = make("li");

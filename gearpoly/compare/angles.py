@@ -1,0 +1,45 @@
+"""At which angles a recording's columns are drawn: those of the shafts as estimated, not as read.
+
+A reading's own noise stands in the transmission error too. A fast wave that is drawn at the reading would follow that
+noise and explain it: at 1000 even samples a turn cos(1000 reading + phase) is sin(1000 te). So the transmission error
+is drawn smooth, and its noise is taken off the shafts in the shares that they have of it. Derived here.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from gearpoly.units import FloatArray
+
+WINDOW = 17
+"""Samples under the parabola that smooths an angle: it keeps 13 % of a sample's own noise, and of a wave of as many
+samples half. What it takes off a real wave moves a column by less than the transmission error itself, an angle of
+seconds of arc."""
+
+TELLS = 100_000
+"""Samples, the first ones, from which the shares of noise are taken."""
+
+SURE = 3.0
+"""Standard errors by which one shaft's reading has to be the noisier; else each is taken to have half of the noise."""
+
+
+def smoothed(te: FloatArray) -> FloatArray:
+    """A transmission error (n,) without the noise of single samples; its ends lie on the parabolas there."""
+    return np.asarray(savgol_filter(te, WINDOW, 2)) if te.size >= WINDOW else te
+
+
+def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> float:
+    """Part, 0 to 1, of the noise of te = theta_2 - ratio theta_1 (n,) in rad that the driven reading has.
+
+    Both readings bend with the true motion; with their own noise, each by itself. So second differences of both share
+    what the motion makes, and the difference of their mean squares is that of their noise.
+    """
+    a, b = np.diff(theta_2[:TELLS], 2), ratio * np.diff(theta_1[:TELLS], 2)
+    noise, motion = a - b, 0.5 * (a + b)
+    product, power = float(noise @ motion), float(noise @ noise)
+    if power == 0.0 or abs(product) < SURE * math.sqrt(power * float(motion @ motion) / max(a.size, 1)):
+        return 0.5
+    return min(max(0.5 + product / power, 0.0), 1.0)

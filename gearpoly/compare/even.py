@@ -1,0 +1,54 @@
+"""Whether samples come evenly, in time or over a shaft's turn: then a wave and its aliases are one.
+
+Samples that come ``rate`` times per unit show waves of frequencies f, rate - f, rate + f ... alike, whatever their
+noise. The lowest is reported, and the next two are told with it (Nyquist; Shannon 1949).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.units import FloatArray
+
+STRAY = 0.016
+"""Steps, rms, by which samples may stray and still be even: an alias then keeps exp(-(2 pi 0.016)^2) = 99 % of its
+power. Clocks of a microsecond at 10 kHz stray by 0.003; rigs that do not sample in step with anything by 0.1 and more.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Even:
+    """Samples per s, per turn of the driving and per turn of the driven shaft, each ``None`` where they are uneven."""
+
+    time: float | None = None
+    driving: float | None = None
+    driven: float | None = None
+
+
+def even_rate(x: FloatArray, *, rounding: float = 0.0) -> float | None:
+    """Samples per unit of ``x`` (n,), rising, where they come evenly, some of them perhaps left out, but for the
+    ``rounding`` of ``x``, rms; else ``None``."""
+    step = np.diff(x)
+    usual = float(np.median(step)) if step.size else 0.0
+    if usual <= 0.0:
+        return None
+    number = np.concatenate([[0.0], np.cumsum(np.rint(step / usual))])
+    along = x - np.mean(x)
+    rate = float(along @ number) / float(along @ along)
+    stray = number - np.mean(number) - rate * along
+    return rate if math.sqrt(float(stray @ stray) / x.size) <= math.hypot(STRAY, rounding / usual) else None
+
+
+def even_in(theta_1: FloatArray, theta_2: FloatArray, time_s: FloatArray | None) -> Even:
+    """What is even of samples at angles (n,) in rad and times (n,) in s."""
+    turn = 2.0 * math.pi
+    driving, driven = (None if (rate := even_rate(angle)) is None else rate * turn for angle in (theta_1, theta_2))
+    return Even(time=None if time_s is None else even_rate(time_s), driving=driving, driven=driven)
+
+
+def aliases(frequency: float, rate: float | None) -> tuple[float, ...]:
+    """The lowest two frequencies above half the ``rate`` that even samples show as they show ``frequency``."""
+    return () if rate is None else (rate - frequency, rate + frequency)

@@ -1,0 +1,166 @@
+"""Strong waves that hide in the noise they raise themselves, and the frequencies of waves that are fitted.
+
+A strong wave of a few turns of the record spreads over all lines from which the noise there is estimated, and then
+looks like noise that wanders. So the strongest line is weighed against the noise that is left without it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.compare.columns import Waves
+from gearpoly.compare.families import SHARES, log_false_any
+from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, refined
+from gearpoly.compare.model import JointModel, State
+from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.compare.pieces import pieces
+from gearpoly.compare.regression import Solution
+from gearpoly.compare.set_up import AlignedResidual
+from gearpoly.compare.slow import slow_curves
+from gearpoly.units import FloatArray
+
+FARTHEST, STEPS = 0.25, 2
+"""Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
+Newton steps: each squares what is left to go, and the first lands within a hundredth of a line."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Masked:
+    """A strong wave: its ``peak``, its cosine and sine ``heights`` (2,) in mm, and the ``noise`` without it."""
+
+    peak: Peak
+    heights: FloatArray
+    noise: Noise
+
+    def at(self, u: FloatArray, time_s: FloatArray | None) -> FloatArray:
+        """The wave (n,) in mm at ``u`` (n,) meshes and ``time_s`` (n,) s."""
+        x = time_s if self.peak.domain == "time" and time_s is not None else u
+        out = np.empty(x.size)
+        for here in pieces(x.size):
+            angle = (2.0 * np.pi * self.peak.frequency) * x[here]
+            out[here] = self.heights[0] * np.cos(angle) + self.heights[1] * np.sin(angle)
+        return out
+
+
+def masked_wave(
+    search: LineSearch, estimator: NoiseEstimator, slow: FloatArray, values: FloatArray, *, recordings: int,
+    floor: float,
+) -> Masked | None:  # fmt: skip
+    """The strongest wave beside the ``slow`` curves (n, q) in ``values`` (n,) in mm of one of ``recordings``, of
+    ``floor`` in mm at least, where it is no chance in the noise without it; ``None`` where it may be noise."""
+    left = values - slow @ np.linalg.lstsq(slow, values, rcond=None)[0]
+    domains: list[Domain] = ["order"] if search.time_grid is None else ["order", "time"]
+    domain, frequency, _ = max((_strongest(search, left, one) for one in domains), key=lambda one: one[2])
+    x, _, span, _ = search.over(domain)
+    snapped = search.snapped(frequency, SNAPS / span) if domain == "order" else None
+    frequency = frequency if snapped is None else snapped
+    columns = np.concatenate([slow, _rows(x, frequency)], axis=1)
+    beta = np.linalg.lstsq(columns, left, rcond=None)[0]
+    if float(np.hypot(*beta[-2:])) < floor:
+        return None
+    noise = estimator.estimate(left - columns @ beta)
+    rest, count = search.rest_at(domain, np.array([frequency]), noise)
+    white = noise.whitened(np.column_stack([left, columns]))
+    with_it, without = (
+        float(np.sum((white[:, 0] - design @ np.linalg.lstsq(design, white[:, 0], rcond=None)[0]) ** 2))
+        for design in (white[:, 1:], white[:, 1:-2])
+    )
+    z = np.array([0.5 * (without - with_it)]) / rest
+    lines = search.nyquist * search.span * recordings / SHARES.between
+    log_false = float(log_false_any(z, count, lines=lines)[0])
+    if log_false >= 0.0:
+        return None
+    gain = 2.0 * float(z[0])
+    # As in ``lines``: half a turn of phase over the record costs the line.
+    std = 0.0 if snapped is not None else 0.551 / span / math.sqrt(gain)
+    peak = Peak(domain=domain, frequency=frequency, std=std, gain=gain, log_false=log_false, known=snapped is not None)
+    return Masked(peak=peak, heights=beta[-2:], noise=noise)
+
+
+def strong_waves(data: AlignedResidual, *, z_1: int, z_2: int, recordings: int, floor: float) -> list[Masked]:
+    """The waves of a recording that would hide in the noise they raise, strongest first."""
+    search = LineSearch(u=data.u, time=data.time_s, z_1=z_1, z_2=z_2, averaged=data.averaged > 0.0)
+    estimator = NoiseEstimator(data.u, z_1=z_1, z_2=z_2)
+    slow = slow_curves(data.u if data.time_s is None else data.time_s)
+    left, out = data.residual, list[Masked]()
+    for _ in range(STRONG):
+        found = masked_wave(search, estimator, slow, left, recordings=recordings, floor=floor)
+        if found is None:
+            break
+        out.append(found)
+        left = left - found.at(data.u, data.time_s)
+    return out
+
+
+STRONG = 8
+"""Strong waves that are taken off before the noise of all samples of a long record is estimated; weaker ones hardly
+raise it."""
+
+SNAPS = 0.1
+"""Independent lines by which the strongest line of a whole residual may miss a known order: what other waves and the
+slow curves push it by."""
+
+
+def _strongest(search: LineSearch, left: FloatArray, domain: Domain) -> tuple[Domain, float, float]:
+    """Frequency of the largest line of ``left`` (n,) over angle or time that is no drift, and its power."""
+    x, grid, span, _ = search.over(domain)
+    power = grid.power(left)
+    frequency: FloatArray = grid.step * np.arange(power.size, dtype=np.float64)
+    power[frequency < SLOWEST / span] = 0.0
+    best, more = refined(x, left, float(frequency[np.argmax(power)]), span)
+    return domain, best, float(np.max(power)) * max(more, 1.0)
+
+
+def settle_waves(model: JointModel, solution: Solution) -> bool:
+    """Move every fitted wave of no known order to the frequency, over angle or over time, that the fit of everything
+    asks for; whether any moved by more than a hundredth of its error.
+
+    A wave was placed while others were not yet taken off, and raised the noise that it was weighed in.
+    """
+    moved = False
+    for s, left, places in zip(model.states, solution.left, model.places, strict=True):
+        for peak in [p for p in (*s.orders, *s.times) if not (p.known or p.faint)]:
+            name, held = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
+            ab = solution.beta[places[name][2 * held.index(peak) :][:2]]
+            own = _rows(s.search.over(peak.domain)[0], peak.frequency) @ ab
+            other: Domain = "order" if peak.domain == "time" else "time"
+            settled = _settled(s, left + own, peak, peak.frequency)
+            if s.search.time_grid is not None:
+                turned = peak.frequency * s.search.over(peak.domain)[3] / s.search.over(other)[3]
+                settled = s.search.likelier(settled, _settled(s, left + own, replace(peak, domain=other), turned))
+            held.remove(peak)
+            (s.times if settled.domain == "time" else s.orders).append(settled)
+            moved |= settled.domain != peak.domain or abs(settled.frequency - peak.frequency) > 0.01 * peak.std
+    return moved
+
+
+def _rows(x: FloatArray, frequency: float) -> FloatArray:
+    """Cosine and sine (n, 2)."""
+    return Waves(x=x, frequency=np.array([frequency])).rows(slice(None))
+
+
+def _settled(s: State, values: FloatArray, peak: Peak, frequency: float) -> Peak:
+    """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside slow curves: to first order a frequency
+    is one more column, x times the wave turned by a quarter."""
+    x, _, span, _ = s.search.over(peak.domain)
+    white, slow = s.noise.whitened(values), s.noise.whitened(s.slow)
+    along = 2.0 * np.pi * (x - 0.5 * (x[0] + x[-1]))
+    without = white - slow @ np.linalg.lstsq(slow, white, rcond=None)[0]
+    gain = 0.0
+    for step in range(STEPS + 1):
+        waves = _rows(x, frequency)
+        columns = np.concatenate([s.noise.whitened(waves), slow], axis=1)
+        beta = np.linalg.lstsq(columns, white, rcond=None)[0]
+        rest = white - columns @ beta
+        gain = float(without @ without - rest @ rest)
+        if step == STEPS:
+            break
+        turned = s.noise.whitened(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
+        turned -= columns @ np.linalg.lstsq(columns, turned, rcond=None)[0]
+        by = float(turned @ rest) / max(float(turned @ turned), 1e-300)
+        frequency += float(np.clip(by, -FARTHEST / span, FARTHEST / span))
+    level = float(s.search.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])
+    return replace(peak, frequency=frequency, gain=gain / level)

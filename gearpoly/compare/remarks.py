@@ -1,0 +1,80 @@
+"""What had to be assumed of a set of recordings, and what of them does not fit the pair file, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gearpoly.compare.beside import COARSE, Aligned
+from gearpoly.compare.stated import speed_remarks
+from gearpoly.compare.zeros import Alignment, Base
+from gearpoly.files.models import PairFile
+from gearpoly.units import DEG, NM, UM
+
+VARIES = 0.02
+"""Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
+
+
+def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, base: Base) -> list[str]:
+    """Remarks on ``aligned`` recordings of the pair of ``file``."""
+    out = list(_rounding_remarks(aligned))
+    for name, section in (("driving", file.driving), ("driven", file.driven)):
+        if section.inspection is None and (section.grade is not None or section.limits is not None):
+            out.append(f"nobody inspected the {name} gear: it is simulated free of deviations, its limits are a prior")
+    for k, one in enumerate(aligned):
+        out += [f"recording {k}: {remark}" for remark in one.cleaned.recording.remarks]
+        samples = one.cleaned.torque_nm
+        if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
+            out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")
+        if samples is None or not np.isfinite(samples).any():
+            continue
+        spread = float(np.nanstd(samples))
+        if spread * NM > VARIES * max(one.torque, NM):
+            out.append(
+                f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}, and is followed"
+            )
+    out += speed_remarks(aligned)
+    wrong = alignment.contradicted
+    if wrong is not None:
+        places = [
+            f"{name}_zero_deg = {zero / DEG:.2f}"
+            for name, zero in (("driving", wrong.driving), ("driven", wrong.driven))
+            if zero is not None
+        ]
+        out.append(
+            f"the curves fit much better ({wrong.rms / UM:.2f} um rms instead of {alignment.zeros.rms / UM:.2f}) with "
+            f"{' and '.join(places)}, more than half a tooth from what is stated; check the stated zeros"
+        )
+    if not alignment.phased and alignment.rough:
+        to = [
+            f"the {name} shaft to {std / DEG:.{1 if std < 10.0 * DEG else 0}f} deg"
+            for name, std in (("driving", alignment.std_driving), ("driven", alignment.std_driven))
+        ]
+        out.append(
+            f"the curves place {' and '.join(to)} only, since a coupling or encoder off its axis would look alike"
+        )
+    elif not alignment.phased:
+        kept = base.driving is not None or base.driven is not None
+        out.append(
+            "the simulated curve is too flat to place the teeth: "
+            + ("the stated zeros are kept" if kept else "no zero is stated either, so tooth numbers mean nothing")
+        )
+    return out
+
+
+def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:
+    """Where readings are so coarse that their rounding shows."""
+    for k, one in enumerate(aligned):
+        if one.rounding < COARSE * one.rms:
+            continue
+        parts = [
+            f"the {name} angle in steps of {step / DEG:.4g} deg ({2.0 * np.pi / step:.0f} a turn)"
+            for name, step in zip(("driving", "driven"), one.steps, strict=True)
+            if step is not None
+        ]
+        yield (
+            f"recording {k} reads {' and '.join(parts)}: rounding alone makes {one.rounding / UM:.3g} um rms along the "
+            "line of action, "
+            + ("and in samples so even it makes waves of any order of either shaft" if one.stepped else "as noise")
+        )

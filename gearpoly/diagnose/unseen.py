@@ -1,0 +1,271 @@
+"""Nothing is named against unseen data: what all names, each of them and any two are worth where no fit looked.
+
+Every recording is cut into blocks, and each is foretold from all the others. Only what is continuous is fitted again;
+claims are refused here, never chosen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
+from gearpoly.diagnose.fit import Kept
+from gearpoly.diagnose.heldout import Checked, cross_validated, held
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.system import FLOOR, System
+from gearpoly.errors import GearpolyError
+from gearpoly.physics.base import Claim
+from gearpoly.units import FloatArray, IntArray
+
+SURELY = 2.0
+"""Standard errors by which unseen data must fit better with names than without: one in fifty refused by chance."""
+
+LEAST, MOST, TURNS = 8, 12, 3
+"""Blocks of a recording: at least so many, or what is slow is not foretold at its ends; at most so many, since more
+tell nothing new. From so many turns of the gear in question on, where nothing slow is claimed, a block is a whole turn
+or more: a wave that only one turn has is then not foretold by the rest of that turn."""
+
+ONCE = 0.9
+"""Part of what a tooth does that one pass of it holds, from which on it came into mesh once: a second pass at the end
+of a recording may be cut."""
+
+AGAINST = -0.5
+"""Cosine between what two claims do, from which on they cancel in good part: neither is then worth more than both."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unseen:
+    """What is left of the unseen blocks, white: ``left`` (n,) of all recordings in a row, and ``strain``, by how much
+    what was known beforehand is contradicted meanwhile, both squared a misfit."""
+
+    left: FloatArray
+    strain: float
+
+    @property
+    def misfit(self) -> float:
+        """Square misfit, 1 per sample where noise alone is left."""
+        return float(self.left @ self.left) + self.strain
+
+
+class Blocks:
+    """A linear ``system`` in blocks: ``number`` (n,) says to which one every sample belongs."""
+
+    def __init__(self, system: System, number: IntArray) -> None:
+        self._system, self._number = system, number
+        white, target = np.concatenate(system.white), np.concatenate(system.target)
+        where = [np.flatnonzero(number == k) for k in range(int(number[-1]) + 1)]
+        self._where = where
+        self._white, self._target = [white[one] for one in where], [target[one] for one in where]
+        self._normal = [a.T @ a for a in self._white]
+        self._right = [a.T @ y for a, y in zip(self._white, self._target, strict=True)]
+
+    def unseen(self, leave: Sequence[int] = ()) -> Unseen:
+        """Every block as the others foretell it, without the parameters ``leave``."""
+        system = self._system
+        keep = np.setdiff1d(np.arange(system.size), np.asarray(leave, dtype=np.int64))
+        at = np.ix_(keep, keep)
+        precision, prior = system.precision[at], system.prior[keep]
+        normal = precision + sum(one[at] for one in self._normal)
+        right = precision @ prior + sum(one[keep] for one in self._right)
+        left, strain = np.empty(self._number.size), 0.0
+        parts = zip(self._where, self._white, self._target, self._normal, self._right, strict=True)
+        for where, a, y, own, mine in parts:
+            x = _solved(normal - own[at], right - mine[keep])
+            left[where] = y - a[:, keep] @ x
+            strain += float((x - prior) @ precision @ (x - prior)) / len(self._where)
+        return Unseen(left=left, strain=strain)
+
+
+def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
+    """Inverse of a ``normal`` matrix (m, m) times ``right`` (m,); what nothing tells stays nothing."""
+    diagonal = np.diag(normal).copy()
+    diagonal[diagonal <= 0.0] = 1.0
+    scale = np.sqrt(diagonal)
+    scaled = normal / np.outer(scale, scale)
+    scaled[np.diag_indices(scale.size)] += FLOOR
+    return np.asarray(cho_solve(cho_factor(scaled), right / scale) / scale)
+
+
+def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float]:
+    """By how much less unseen blocks misfit under ``wider`` than under ``plain``, and its standard error over blocks.
+
+    A block counts by how far both are apart in it, since a tooth shows in few: what it gains is expected to be so much
+    of all (the ratio estimator of Cochran, Sampling Techniques, 1977, chapter 6).
+    """
+    each = np.bincount(number, plain.left**2 - wider.left**2)
+    apart = np.bincount(number, (plain.left - wider.left) ** 2)
+    whole = float(np.sum(apart))
+    if whole == 0.0:
+        return plain.strain - wider.strain, 0.0
+    off = each - apart * (float(np.sum(each)) / whole)
+    count = max(2.0, whole**2 / float(apart @ apart))
+    std = math.sqrt(count / (count - 1.0) * float(off @ off))
+    return float(np.sum(each)) + plain.strain - wider.strain, std
+
+
+def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) -> Checked | None:
+    """Take back of the claims what unseen data speak against: one or two that make them fit no better, and then all
+    where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
+    larger with names than without; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
+    claimed."""
+    model = search.model
+    refused: list[tuple[Claim, float]] = []
+    if not model.claims:
+        return None
+    while (these := _idle(search)) is not None:
+        search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
+        before, gone = search.kept(), [(model.claims[k], _rms(search, model.claims[k])) for k in these]
+        try:
+            for k in sorted(these, reverse=True):
+                search.join([], instead=k)
+            search.settle()
+            search.drop_idle()
+        except GearpolyError:
+            search.restore(before)
+            break
+        refused += gone
+    unchecked = tuple(one for one in model.claims if not repeats(search, one))
+    number = _numbers(search)
+    before_any, start = start, start.under(search.noises)
+    declared = Blocks(_declared(search, start, comparison), number).unseen()
+    as_built = Blocks(start.system, number).unseen()
+    named = Blocks(_held(search), number).unseen()
+    gains = [gained(one, named, number) for one in (declared, as_built)]
+    rms = _told(search, before_any)
+    worse = any(gain <= SURELY * std for gain, std in gains) or rms[1] > rms[0]
+    if len(unchecked) < len(model.claims) and worse:
+        refused += [(one, _rms(search, one)) for one in model.claims]
+        unchecked = ()
+        search.restore(begun)
+    least = min(gains, key=lambda one: one[0] - SURELY * one[1])
+    count = number.size
+    return Checked(
+        declared=declared.misfit / count,
+        as_built=as_built.misfit / count,
+        named=named.misfit / count,
+        std=least[1] / count,
+        rms=rms,
+        refused=tuple(refused),
+        unchecked=unchecked,
+    )
+
+
+def _idle(search: Search) -> tuple[int, ...] | None:
+    """The claim with which unseen data fit worse, or two that cancel and make it no better for sure; None where all
+    pay."""
+    model, number = search.model, _numbers(search)
+    known = [k for k, one in enumerate(model.claims) if repeats(search, one)]
+    if not known:
+        return None
+    layout, whole = search.linear.layout, Blocks(_held(search), number)
+    named = whole.unseen()
+
+    def mine(k: int) -> list[int]:
+        return layout.places(k) + layout.form_places(model, k)
+
+    worst: tuple[float, tuple[int, ...]] = (0.0, ())
+    for k in known:
+        if model.claims[k].simulated:
+            plain, wider = with_and_without(model, search.scenes, search.linear, k)
+            pair = Blocks(plain, number).unseen(), Blocks(wider, number).unseen()
+        else:
+            pair = whole.unseen(mine(k)), named
+        gain = gained(*pair, number)[0]
+        worst = min(worst, (gain, (k,)))
+    if worst[1]:
+        return worst[1]
+    effects = {}
+    for k in known:
+        values = np.array(model.claims[k].values)
+        effects[k] = np.concatenate([white @ values for white in search.linear.white_of(k)])
+    for j, k in combinations(known, 2):
+        size = math.sqrt(float(effects[j] @ effects[j]) * float(effects[k] @ effects[k]))
+        if float(effects[j] @ effects[k]) >= AGAINST * size:
+            continue
+        gain, std = gained(whole.unseen([*mine(j), *mine(k)]), named, number)
+        if gain <= SURELY * std:
+            return j, k
+    return None
+
+
+def _told(search: Search, start: Linear) -> tuple[float, float]:
+    """The plain rms in mm of held-out samples, colour and all, with as-built teeth alone and with the claims: what only
+    whitening makes better is not seen."""
+    masks = [one.fit for one in search.model.observed]
+    waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
+    without = cross_validated(start, masks, leave=waves)
+    return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
+
+
+def _rms(search: Search, claim: Claim) -> float:
+    """Rms in mm of what a claim does over all recordings."""
+    return float(
+        np.sqrt(np.mean(np.concatenate(search.model.change(search.scenes, claim, claim.values, but=claim)) ** 2))
+    )
+
+
+def _held(search: Search) -> System:
+    """The fit of everything, shapes of single teeth as they stand."""
+    return held(search.linear, shaped_teeth(search)).system.without(shaped_teeth(search))
+
+
+def _declared(search: Search, start: Linear, comparison: Comparison) -> System:
+    """What the declared simulation leaves of the recordings, beside the same nuisances as all else has."""
+    at = slice(start.layout.nuisance.start, start.layout.foreign.stop)
+    left = [one.residual for one in comparison.aligned]
+    return replace(
+        start.system,
+        white=[a[:, at] for a in start.system.white],
+        target=[noise.whitened(rest) for noise, rest in zip(search.noises, left, strict=True)],
+        precision=start.system.precision[at, at],
+        prior=start.system.prior[at],
+    )
+
+
+def _numbers(search: Search) -> IntArray:
+    """The block (n,) of every sample of all recordings in a row."""
+    claims = search.model.claims
+    slow = any(one.physics.slow for one in claims)
+    gears = [one.place.gear for one in claims if one.place.gear is not None and not one.physics.mean_tooth]
+    slowest = max(gears, key=lambda gear: search.model.scope.gears[gear].z, default=None)
+    out, first = [], 0
+    for scene in search.scenes:
+        along = _turned(search, scene.samples.number, slowest)
+        turns = int(along[-1])
+        count = LEAST if slow or slowest is None or turns < TURNS else min(turns, MOST)
+        out.append(first + np.minimum((along * (count / along[-1])).astype(np.int64), count - 1))
+        first += count
+    return np.concatenate(out)
+
+
+def _turned(search: Search, k: int, gear: int | None) -> FloatArray:
+    """Turns (n,) of a gear, or of the driven one, since the beginning of recording ``k``, never less than before."""
+    samples = search.scenes[k].samples
+    angle = samples.theta_1 if gear == 0 else samples.theta_2
+    return np.asarray(np.maximum.accumulate(angle - np.min(angle)) / (2.0 * math.pi))
+
+
+def repeats(search: Search, claim: Claim) -> bool:
+    """Whether what a claim is about came more than once: its tooth into mesh, its gear round; what is the same at every
+    mesh, or goes on slowly, is seen in every part of a recording."""
+    gear, tooth = claim.place.gear, claim.place.tooth
+    if gear is None or claim.physics.mean_tooth or claim.physics.slow:
+        return True
+    if tooth is None:
+        return any(_turned(search, k, gear)[-1] >= 1.0 for k in range(len(search.scenes)))
+    effects = search.model.change(search.scenes, claim, claim.values, but=claim)
+    z = search.model.scope.gears[gear].z
+    passes = []
+    for scene, effect in zip(search.scenes, effects, strict=True):
+        angle = scene.samples.theta_1 if gear == 0 else scene.samples.theta_2
+        turn = np.floor(angle / (2.0 * math.pi) - tooth / z + 0.5).astype(np.int64)
+        passes += np.bincount(turn - np.min(turn), effect**2).tolist()
+    return bool(max(passes) < ONCE * sum(passes))

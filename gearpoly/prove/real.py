@@ -1,0 +1,280 @@
+"""Real recordings, on which nobody knows the truth: what an expert's judgement lets be named, and wants located."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearpoly.errors import GearpolyError, InputFileError, shown
+from gearpoly.files.pairfile import read_pair
+from gearpoly.files.paths import is_file, is_folder
+from gearpoly.files.traces import read_text
+from gearpoly.physics import catalogue
+from gearpoly.prove import diagnoser as diagnosers
+from gearpoly.prove.cases import CaseFiles
+from gearpoly.prove.diagnoser import Diagnoser, How
+from gearpoly.prove.fields import Fields
+from gearpoly.prove.pool import each
+from gearpoly.prove.run import code_under_proof, made_folder
+from gearpoly.prove.work import Diagnosing, diagnose, result, seconds
+from gearpoly.recording.read import read_recording
+from gearpoly.recording.recording import Recording
+from gearpoly.units import FloatArray
+
+ENDING = ".judgement.json"
+
+KINDS = ("shaft_order", "mesh_order", "tone", "time")
+"""Kinds of places that a judgement may want located."""
+
+TOLERANCE = 0.2
+"""Part of its amplitude by which a line may be off, where the judgement does not say: two analyses of one guide log
+differ by a tenth."""
+
+HALF_WIDTH = 0.5
+"""Line widths (1 over the turns that were recorded) by which a line may be off."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """A line that has to be located: its ``kind``, ``gear`` (of a shaft's order), ``order`` or ``hz``, amplitude in um
+    and the part of that by which it may be off."""
+
+    kind: str
+    gear: str | None
+    order: float | None
+    hz: float | None
+    amplitude_um: float | None
+    tolerance: float
+
+    @property
+    def label(self) -> str:
+        """Where and how large in a few words."""
+        where = f"{self.hz:g} Hz" if self.order is None else f"{self.gear or 'mesh'} order {self.order:g}"
+        return where if self.amplitude_um is None else f"{where}, {self.amplitude_um:g} um"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """What may be said of some recordings: whether they are a ``control`` (another machine's, of which nothing may be
+    named), the physics and gear that ``may_name`` holds (gear None: either), and the places that have to be located."""
+
+    case: CaseFiles
+    control: bool
+    may_name: tuple[tuple[str, str | None], ...]
+    must_locate: tuple[Place, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RealScore:
+    """How a verdict stands beside its judgement: ``named`` all that was named, ``false`` those that may not be;
+    ``located`` and ``lost`` of the places wanted; rms in um of unseen data before and after, where a verdict was
+    reached; ``error`` where none was; processor ``seconds``."""
+
+    name: str
+    control: bool
+    named: tuple[str, ...] = ()
+    false: tuple[str, ...] = ()
+    located: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
+    unseen_um: tuple[float, float] | None = None
+    error: str = ""
+    seconds: float | None = None
+
+    @property
+    def rises(self) -> bool:
+        """Whether unseen data fit worse with what was named."""
+        return self.unseen_um is not None and self.unseen_um[1] > self.unseen_um[0]
+
+
+def read_judgement(path: Path) -> Judgement:
+    """The judgement at ``path``, its pair file and recordings named from its folder. Raises ``InputFileError`` where a
+    file is missing, or a physics, a gear or a place is none."""
+    try:
+        raw = Fields(json.loads(read_text(path)))
+        pair = path.parent / raw.word("pair")
+        names = [Fields({"recordings": one}).word("recordings") for one in raw.values("recordings")]
+        recordings = tuple(path.parent / one for one in names)
+        control = raw.raw.get("control", False)
+        if not isinstance(control, bool):
+            raise ValueError("control is not true or false")
+        may_name = tuple((one.word("physics"), one.gear()) for one in raw.entries("may_name"))
+        places = tuple(_place(one) for one in raw.entries("must_locate"))
+    except (ValueError, RecursionError) as error:
+        wish = "want a judgement with pair, recordings, control, may_name and must_locate"
+        raise InputFileError(path, found=f"no judgement ({error})", wish=wish) from None
+    known = catalogue()
+    for physics, _ in may_name:
+        if physics not in known:
+            wish = f"want one of {', '.join(known)}"
+            raise InputFileError(path, where="may_name.physics", found=shown(physics), wish=wish)
+    if control and may_name:
+        raise InputFileError(path, where="may_name", found="names of a control", wish="want none, or control = false")
+    if not recordings:
+        raise InputFileError(path, where="recordings", found="none", wish='want names of files, as ["log.txt"]')
+    for one in (pair, *recordings):
+        if not is_file(one):
+            raise InputFileError(one, found="there is no such file", wish=f"named in {path.name}; put it there")
+    name = path.name.removesuffix(ENDING)
+    case = CaseFiles(name=name, pair=pair, recordings=recordings, truth=path)
+    return Judgement(case=case, control=control, may_name=may_name, must_locate=places)
+
+
+def _place(raw: Fields) -> Place:
+    kind, gear = raw.word("kind"), raw.gear()
+    order, hz = raw.number("order"), raw.number("hz")
+    if kind not in KINDS:
+        raise ValueError(f"{raw.where}kind is none of {', '.join(KINDS)}")
+    given = [one for one in (order, hz) if one is not None]
+    if len(given) != 1 or not 0.0 < given[0] < math.inf:
+        raise ValueError(f"{raw.where}order or hz is no number above 0, or both are there")
+    if kind == "shaft_order" and gear is None:
+        raise ValueError(f"no {raw.where}gear of a shaft's order")
+    tolerance = raw.number("tolerance")
+    return Place(
+        kind=kind, gear=gear, order=order, hz=hz, amplitude_um=raw.number("amplitude_um"),
+        tolerance=TOLERANCE if tolerance is None else tolerance,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Span:
+    """What lies between a place and its frequency: teeth of both gears, turns of the driven shaft that were recorded,
+    and seconds per turn (None: no time)."""
+
+    z_1: int
+    z_2: int
+    turns: float
+    seconds: float | None
+
+    def per_turn(self, place: dict[str, Any]) -> float | None:
+        """Cycles per turn of the driven shaft of an entry of the verdict, or of a place; None where it is no line."""
+        order, hz = place.get("order"), place.get("hz")
+        if order is None:
+            return None if self.seconds is None or hz is None else float(hz * self.seconds)
+        if place["kind"] == "mesh_order":
+            return float(order * self.z_2)
+        return float(order * (self.z_2 / self.z_1 if place.get("gear") == "driving" else 1.0))
+
+
+def span_of(recordings: list[Recording], *, z_1: int, z_2: int) -> Span:
+    """Turns and seconds of the longest of some recordings."""
+    best = Span(z_1=z_1, z_2=z_2, turns=0.0, seconds=None)
+    for one in recordings:
+        driven = one.driven_angle_rad
+        turns = _turns(driven) if driven is not None else _turns(one.driving_angle_rad) * z_1 / z_2
+        if turns > best.turns:
+            time = None if one.time_s is None else float(np.nanmax(one.time_s) - np.nanmin(one.time_s)) / turns
+            best = Span(z_1=z_1, z_2=z_2, turns=turns, seconds=time)
+    return best
+
+
+def _turns(angle: FloatArray | None) -> float:
+    if angle is None:
+        return 0.0
+    held = angle[np.isfinite(angle)]
+    return float(np.ptp(np.unwrap(held))) / (2.0 * math.pi)
+
+
+def score(judgement: Judgement, verdict: dict[str, Any] | None, span: Span, *, error: str = "",
+          seconds: float | None = None) -> RealScore:  # fmt: skip
+    """How a ``verdict`` (None: none was reached, for the reason ``error``) stands beside a judgement."""
+    wanted = {place.label: place for place in judgement.must_locate}
+    if verdict is None:
+        return RealScore(
+            name=judgement.case.name, control=judgement.control, lost=tuple(wanted), error=error, seconds=seconds
+        )
+    missing = verdict["missing"]
+    allowed = judgement.may_name
+    false = [one for one in missing if not any(_names(one, *may) for may in allowed)]
+    entries = [*verdict["where"], *verdict["unexplained"]]
+    found = [label for label, place in wanted.items() if any(_is_at(one, place, span) for one in entries)]
+    unseen = verdict["fit"]["heldout_rms_um"]
+    return RealScore(
+        name=judgement.case.name,
+        control=judgement.control,
+        named=tuple(map(_label, missing)),
+        false=tuple(map(_label, false)),
+        located=tuple(found),
+        lost=tuple(label for label in wanted if label not in found),
+        unseen_um=(unseen["before"], unseen["after"]),
+        seconds=seconds,
+    )
+
+
+def _names(entry: dict[str, Any], physics: str, gear: str | None) -> bool:
+    return entry["physics"] == physics and gear in (None, entry.get("gear"))
+
+
+def _label(entry: dict[str, Any]) -> str:
+    words = [entry["physics"], entry.get("gear"), f"tooth {entry['tooth']}" if entry.get("tooth") is not None else None]
+    return " ".join(word for word in words if word)
+
+
+def _is_at(entry: dict[str, Any], place: Place, span: Span) -> bool:
+    """Whether an entry of the verdict lies at a place, by whichever shaft it is told, and is as large."""
+    there, here = span.per_turn(asdict(place)), span.per_turn(entry)
+    if there is None or here is None or abs(here - there) > HALF_WIDTH / max(span.turns, 1e-9):
+        return False
+    size = entry.get("amplitude_um")
+    if place.amplitude_um is None or size is None:
+        return place.amplitude_um is None
+    return bool(abs(size - place.amplitude_um) <= place.tolerance * place.amplitude_um)
+
+
+def prove_real(
+    folder: Path, *, out: Path, workers: int = 1, diagnoser: Diagnoser = diagnosers.gearpoly,
+    say: Callable[[str], None] = print,
+) -> tuple[tuple[RealScore, ...], tuple[str, ...]]:  # fmt: skip
+    """Diagnose every judged recording of ``folder``, and score it; also what of the folder could not be read, a message
+    each. Raises ``InputFileError`` for a folder without judgements."""
+    if not is_folder(folder):
+        raise InputFileError(folder, found="there is no such folder", wish="want a folder with judgements")
+    paths = sorted(folder.glob(f"*{ENDING}"))
+    if not paths:
+        wish = f"want NAME{ENDING} beside the recordings (docs/prove.md says what is in it)"
+        raise InputFileError(folder, found="no judgement", wish=wish)
+    wrong: list[str] = []
+    judged: list[tuple[Judgement, Span]] = []
+    for path in paths:
+        try:
+            one = read_judgement(path)
+            file = read_pair(one.case.pair)
+            read = [read_recording(recording, worm=file.worm) for recording in one.case.recordings]
+            judged.append((one, span_of(read, z_1=file.driving.teeth, z_2=file.driven.teeth)))
+        except GearpolyError as error:
+            wrong.append(str(error))
+    place = out / "verdicts"
+    made_folder(place)
+    say(f"{len(judged)} judged recordings of {folder}")
+    code = code_under_proof(diagnoser)
+    jobs = [
+        Diagnosing(case=one.case, how=How(), code=code, diagnoser=diagnoser, target=place / f"{one.case.name}.json")
+        for one, _ in judged
+    ]
+    each(diagnose, [job for job in jobs if not job.done()], workers=workers, what="diagnoses",
+         name=lambda job: job.case.name)  # fmt: skip
+    scores = []
+    for (one, span), job in zip(judged, jobs, strict=True):
+        found = result(job.target)
+        scores.append(score(one, found["verdict"], span, error=found["error"], seconds=seconds(job.target)))
+    return tuple(scores), tuple(wrong)
+
+
+def real_json(scores: tuple[RealScore, ...]) -> dict[str, Any]:
+    """The scores and their sums, for JSON."""
+    return {
+        "recordings": [asdict(one) for one in scores],
+        "false_names": sum(len(one.false) for one in scores),
+        "controls": sum(one.control for one in scores),
+        "controls_named": sum(one.control and bool(one.named) for one in scores),
+        "located": sum(len(one.located) for one in scores),
+        "to_be_located": sum(len(one.located) + len(one.lost) for one in scores),
+        "no_verdict": sum(bool(one.error) for one in scores),
+        "unseen_rises": sum(one.rises for one in scores),
+    }

@@ -1,0 +1,202 @@
+"""Reading in a process of its own, for libraries that a damaged file can bring to crash, or to go round for ever.
+
+HDF5 2.0 does both: of 10 000 files with a few bytes changed one ended in a segmentation fault and two never came back,
+since links within the file led round in a circle. No exception comes of either, so the file is parsed where both can be
+seen and ended. The process is kept for the next file; it gets the file's name and gives back numbers, and nothing is
+unpickled.
+
+Run as a program this module is that process.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import importlib
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.recording.reader import Reader, memory_limit, optional
+from gearpoly.recording.table import Table
+
+SECONDS = 12.0
+"""s for a small file, which takes 10 ms; with the start of the process, one that never ends is refused within 20 s."""
+
+BYTES_PER_SECOND = 20e6
+"""How fast a large file is read at least, from a slow disk and unpacked: ten times slower than measured."""
+
+LIBRARIES_BYTES = 2**29
+"""Memory that the process may take beside the numbers, for buffers of the libraries."""
+
+_lock = threading.Lock()
+_kept: list[tuple[int, subprocess.Popen[bytes]]] = []
+
+
+def read_apart(reader: Reader, file: Path) -> Table:
+    """What ``reader`` finds in ``file``, read in another process.
+
+    Raises what the reader raises, and ``InputFileError`` where the process crashes or does not end.
+    """
+    if importlib.util.find_spec(reader.module) is None:
+        optional(file, reader.module, extra=reader.extra)
+    seconds = SECONDS + file.stat().st_size / BYTES_PER_SECOND
+    order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file)}
+    with _lock:
+        try:
+            answer, columns = _within(seconds, order)
+        except TimeoutError:
+            raise _damaged(reader, file, f"reading it did not end within {seconds:.0f} s") from None
+        except _CrashedError:
+            try:  # the process may have been ended from outside, which is no fault of the file's
+                answer, columns = _within(seconds, order)
+            except (TimeoutError, _CrashedError):
+                raise _damaged(reader, file, "its library crashed on it") from None
+    if "missing" in answer:
+        raise MissingExtraError(answer["missing"])
+    if "refused" in answer:
+        raise InputFileError(file, **answer["refused"])
+    if "bug" in answer:
+        raise RuntimeError(answer["bug"])
+    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"])
+
+
+class _CrashedError(Exception):
+    """The process ended before it answered."""
+
+
+def _damaged(reader: Reader, file: Path, reason: str) -> InputFileError:
+    found = f"a damaged {reader.name} file ({reason})"
+    return InputFileError(file, found=found, wish="want the whole file; copy or export it again")
+
+
+def _within(seconds: float, order: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The answer to one order, or ``TimeoutError`` where it takes longer, and the process is ended."""
+    process = _process()
+    late = threading.Event()
+
+    def end() -> None:
+        late.set()
+        process.kill()
+
+    timer = threading.Timer(seconds, end)
+    timer.start()
+    try:
+        return _asked(process, order)
+    except (OSError, EOFError, ValueError):
+        _end()
+        if late.is_set():
+            raise TimeoutError from None
+        raise _CrashedError from None
+    finally:
+        timer.cancel()
+
+
+def _process() -> subprocess.Popen[bytes]:
+    """The process that reads, started where there is none; a fork has no right to its parent's."""
+    if _kept and _kept[0][0] == os.getpid() and _kept[0][1].poll() is None:
+        return _kept[0][1]
+    if _kept and _kept[0][0] == os.getpid():
+        _end()
+    paths = os.pathsep.join(os.path.abspath(path) for path in sys.path)
+    process = subprocess.Popen(
+        [sys.executable, "-m", __name__ if __name__ != "__main__" else "gearpoly.recording.apart"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    _kept[:] = [(os.getpid(), process)]
+    return process
+
+
+@atexit.register
+def _end() -> None:
+    """End the process that reads; it ends by itself where nobody is left to ask."""
+    while _kept:
+        pid, process = _kept.pop()
+        if pid != os.getpid():
+            continue
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                with contextlib.suppress(OSError):
+                    stream.close()
+        process.kill()
+        process.wait()
+
+
+def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The process's answer to one order, and the columns after it."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    process.stdin.write(json.dumps(order).encode("ascii") + b"\n")
+    process.stdin.flush()
+    line = process.stdout.readline()
+    if not line.endswith(b"\n"):
+        raise EOFError
+    answer = json.loads(line)
+    columns = {}
+    for name, size in answer.get("columns", []):
+        values = np.empty(size, dtype=np.float64)
+        into, at = values.data.cast("B") if size else memoryview(b""), 0
+        while at < len(into):
+            got = process.stdout.readinto(into[at:])  # type: ignore[attr-defined]
+            if not got:
+                raise EOFError
+            at += got
+        columns[name] = values
+    return answer, columns
+
+
+def _bound(memory: int) -> None:
+    """Let the process take ``memory`` bytes more than it has, where the system can see to that."""
+    if sys.platform != "linux":
+        return
+    resource = importlib.import_module("resource")
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = pages * resource.getpagesize() + memory + LIBRARIES_BYTES
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+
+
+def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
+    try:
+        _bound(order["memory"])
+        table = importlib.import_module(order["module"]).READER.read(Path(order["file"]))
+    except InputFileError as error:
+        return {"refused": {"where": error.where, "found": error.found, "wish": error.wish}}, None
+    except MissingExtraError as error:
+        return {"missing": str(error)}, None
+    except Exception as error:
+        traceback = importlib.import_module("traceback")
+        return {"bug": "".join(traceback.format_exception(error))}, None
+    sizes = [(name, values.size) for name, values in table.columns.items()]
+    return {"columns": sizes, "keys": table.keys, "remarks": table.remarks}, table
+
+
+def serve(orders: BinaryIO, answers: BinaryIO) -> None:
+    """Answer orders until there are none."""
+    for line in orders:
+        answer, table = _answer(json.loads(line))
+        answers.write(json.dumps(answer).encode("ascii") + b"\n")
+        for values in table.columns.values() if table is not None else ():
+            if values.size:
+                answers.write(np.ascontiguousarray(values).data.cast("B"))
+        answers.flush()
+        del table
+
+
+if __name__ == "__main__":
+    # Whatever a library prints must not come between the answers.
+    with os.fdopen(os.dup(1), "wb") as stream:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        with contextlib.suppress(KeyboardInterrupt, BrokenPipeError):
+            serve(sys.stdin.buffer, stream)

@@ -1,0 +1,20 @@
+"""What cleaning did to a recording or found in it, for the user to read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Deed:
+    """One thing that was done or found: a short name, how many samples (or steps) it touched, and a sentence."""
+
+    what: str
+    count: int
+    says: str
+
+
+def note(done: list[Deed], what: str, count: int, says: str) -> None:
+    """Add a deed whose sentence begins with its ``count``, where that is not 0."""
+    if count:
+        done.append(Deed(what, count, f"{count} {says}"))

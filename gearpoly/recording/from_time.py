@@ -1,0 +1,36 @@
+"""Angles that no encoder read: a rig or a guide log may state a shaft's angle as time at one rate."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearpoly.units import FloatArray
+
+STEADY = 1e-6
+"""Part of the angle's range by which it may be off a straight line over time and still be nothing but time: readings to
+six places over a turn are as fine, and no shaft with an encoder turns as evenly for a hundred samples (the steadiest
+of the recordings at hand wobbles by 1e-4)."""
+
+FIRST = 64
+"""Samples that are looked at first, since nearly all encoders are told by them."""
+
+WRAP_DEG = 360.0
+
+
+def is_from_time(time: FloatArray, angle: FloatArray) -> bool:
+    """Whether an ``angle`` (n,) in deg, wrapped or not, is nothing but ``time`` (n,) in s at one rate."""
+    if time.size < FIRST:
+        return False
+    return _is_line(time[:FIRST], angle[:FIRST]) and _is_line(time, angle)
+
+
+def _is_line(time: FloatArray, angle: FloatArray) -> bool:
+    held = np.isfinite(time) & np.isfinite(angle)
+    if np.count_nonzero(held) < FIRST // 2:
+        return False
+    t, turned = time[held], np.unwrap(angle[held], period=WRAP_DEG)
+    span, far = float(np.ptp(t)), float(np.ptp(turned))
+    if not (span > 0.0 and far > 0.0):
+        return False
+    line = np.polynomial.Polynomial.fit(t, turned, 1)(t)
+    return bool(np.max(np.abs(turned - line)) <= STEADY * max(far, WRAP_DEG))

@@ -1,0 +1,174 @@
+"""Every command of README and docs runs as it stands, and says which files it wrote."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer.main
+
+from gearpoly.cli import app
+from tests.made_command import Command
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "data" / "recordings" / "README.md"]
+
+PARSED = {
+    "gearpoly prove": "a proving ground takes minutes to hours; tests of its own run small ones",
+    "gearpoly study data/studies/grades.toml": "1500 pairs; tests of studies run small ones",
+    "gearpoly study-report": "reads what the study above has made",
+    "python -m benchmarks": "minutes of measuring",
+    "python -m gearpoly.studies.paper": "ten minutes; its questions have tests of their own",
+    "python -m tests.oracles.fem_tooth": "minutes of finite elements; the oracle is run by tests of its own",
+    "python -m proving.samples": "tests of the samples make them again",
+    "python examples/stories": "tests of the stories run them",
+    "make": "this suite and set-ups",
+    "pip install": "changes the environment",
+}
+"""Commands, by how they begin, of which only the words are checked, and why."""
+
+SLOW = ("gearpoly diagnose", "gearpoly plan", "gearpoly view data/recordings")
+"""Commands, by how they begin, that take longer than a few seconds."""
+
+BEGINS = re.compile(r"(gearpoly|python|make|pip)\b")
+
+
+def code(page: Path) -> list[tuple[str, list[str]]]:
+    """All fenced and indented blocks of a page: language, lines."""
+    blocks: list[tuple[str, list[str]]] = []
+    fence: str | None = None
+    indented = False
+    for line in page.read_text(encoding="utf-8").splitlines():
+        if line.startswith("```"):
+            fence = line[3:].strip() if fence is None else None
+            if fence is not None:
+                blocks.append((fence, []))
+        elif fence is not None:
+            blocks[-1][1].append(line)
+        elif line.startswith("    "):
+            if not indented:
+                blocks.append(("", []))
+            blocks[-1][1].append(line[4:])
+        indented = fence is None and line.startswith("    ")
+    return blocks
+
+
+def commands() -> list[str]:
+    """Every command once, without its comment."""
+    found = []
+    for page in PAGES:
+        for language, lines in code(page):
+            if language in ("", "sh", "console"):
+                found += [line.partition(" #")[0].strip() for line in lines if BEGINS.match(line)]
+        # In a line of text, those that name a file of this repository or a module.
+        text = page.read_text(encoding="utf-8")
+        found += re.findall(r"`((?:gearpoly \S+ data/|python -m |python examples/|pip install -e )[^`\n]*)`", text)
+    return list(dict.fromkeys(found))
+
+
+def begins(command: str, heads: object) -> bool:
+    return any(command.startswith(str(head)) for head in heads)  # type: ignore[attr-defined]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in which paths of the documentation lead where they do in the repository, and results stay apart."""
+    for name in ("data", "examples"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def words(command: str) -> list[str]:
+    """A command's words as a shell would hand them over."""
+    return [one for word in shlex.split(command) for one in (sorted(glob.glob(word)) if "*" in word else [word])]
+
+
+def files(folder: Path) -> set[Path]:
+    return {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
+
+
+RUN = [command for command in commands() if not begins(command, PARSED) and command.startswith("gearpoly ")]
+
+
+@pytest.mark.parametrize(
+    "command", [pytest.param(one, marks=pytest.mark.slow if begins(one, SLOW) else (), id=one) for one in RUN]
+)
+def test_a_documented_command_runs_and_says_what_it_wrote(command: str, here: Path, gearpoly_command: Command) -> None:
+    ran = gearpoly_command(*words(command)[1:])
+    assert ran.code == 0, ran.err
+    said = {Path(line.removeprefix("wrote ").partition(": ")[0]) for line in ran.err.splitlines() if "wrote " in line}
+    assert said == files(here)
+
+
+@pytest.mark.parametrize("command", [one for one in commands() if one not in RUN])
+def test_a_documented_command_that_is_long_has_the_right_words(command: str, here: Path) -> None:
+    given = words(command)
+    if given[0] == "gearpoly":
+        group = typer.main.get_command(app)
+        group.commands[given[1]].make_context(given[1], given[2:])  # type: ignore[attr-defined]
+    elif given[0] == "make":
+        targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+        assert given[1] in targets
+    elif given[:2] == ["python", "-m"]:
+        if given[2] == "gearpoly":
+            return  # below
+        path = ROOT.joinpath(*given[2].split("."))
+        assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file()
+    elif given[0] == "python":
+        assert (ROOT / given[1]).is_file()
+    else:
+        assert given[:3] == ["pip", "install", "-e"]
+        extra = given[3].partition("[")[2].rstrip("]")
+        assert re.search(rf"^{extra} = \[", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_no_documented_command_has_a_placeholder() -> None:
+    for command in commands():
+        assert not re.search(r"\b[A-Z]{3,}\b|\[-|\.\.\.", command), command
+
+
+def test_every_reason_for_not_running_is_still_needed() -> None:
+    for head in PARSED:
+        assert any(command.startswith(head) for command in commands()), head
+
+
+def test_the_module_is_the_command() -> None:
+    ran = subprocess.run(
+        [sys.executable, "-m", "gearpoly", "--version"], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    assert ran.returncode == 0 and ran.stdout.startswith("gearpoly ")
+
+
+PYTHON = [(page, "\n".join(lines)) for page in PAGES for language, lines in code(page) if language == "python"]
+
+
+@pytest.mark.parametrize(("page", "text"), PYTHON, ids=[page.name for page, _ in PYTHON])
+def test_documented_python_runs(page: Path, text: str, here: Path) -> None:
+    exec(compile(text, str(page), "exec"), {})
+
+
+def test_what_make_run_shows_is_in_the_readme(here: Path) -> None:
+    """The end of `make run` reads the verdict's JSON: names, unseen data before and after."""
+    verdict = here / "verdict.json"
+    verdict.write_text(
+        '{"missing": [{"says": "The driven gear runs 9.0 um off its axis."}], "noise_um": 0.301,'
+        ' "fit": {"heldout_rms_um": {"before": 6.7024, "after": 0.3032}}}',
+        encoding="utf-8",
+    )
+    ran = subprocess.run(
+        [sys.executable, str(ROOT / "examples" / "first_run.py"), str(verdict), "out/page.html"],
+        capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    *told, look, page = ran.stdout.splitlines()
+    assert all(line in readme for line in told)
+    assert (look, page.strip()) == ("Look at:", "out/page.html")

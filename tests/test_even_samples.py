@@ -1,0 +1,137 @@
+"""Samples that come evenly: the lowest of a wave's aliases is told, and nobody blames an encoder for it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.angles import driven_share, smoothed
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare
+from gearpoly.compare.even import even_rate
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.files.pairfile import read_pair
+from gearpoly.recording.recording import Recording
+from gearpoly.units import DEG, UM, FloatArray
+
+RATIO = 18 / 25
+R_B2 = 25.0 * math.cos(20.0 * DEG)
+"""mm: half of 25 teeth of module 2 on the base circle."""
+
+
+def plain(folder: Path) -> Path:
+    """18 on 25 teeth of module 2, of which nothing else is known."""
+    path = folder / "plain.toml"
+    path.write_text("[driving]\nteeth = 18\nmodule_mm = 2.0\n[driven]\nteeth = 25\nmodule_mm = 2.0\n", encoding="utf-8")
+    return path
+
+
+def turning(hz: float, *, rate: float, seconds: float, seed: int = 1) -> Recording:
+    """Driving angle 180 deg/s at even times, a wave of 10 um in time, and noise of 0.1 um."""
+    time = np.arange(round(rate * seconds)) / rate
+    driving = 180.0 * DEG * time
+    te = 10.0 * np.cos(2.0 * math.pi * hz * time + 1.0) + 0.1 * np.random.default_rng(seed).normal(size=time.size)
+    return Recording(
+        source=Path("even.csv"),
+        time_s=time,
+        driving_angle_rad=driving,
+        driven_angle_rad=RATIO * driving + te * UM / R_B2,
+    )
+
+
+def compared(folder: Path, recording: Recording) -> Comparison:
+    path = plain(folder)
+    return compare(read_pair(path), [recording], path=path)
+
+
+@pytest.mark.parametrize(
+    ("hz", "rate", "seconds"),
+    [
+        (0.26, 180.0, 100.0),
+        pytest.param(0.05, 180.0, 100.0, marks=pytest.mark.slow),
+        pytest.param(0.26, 1000.0, 100.0, marks=pytest.mark.slow),
+        pytest.param(0.05, 1000.0, 100.0, marks=pytest.mark.slow),
+    ],
+)
+def test_a_slow_wave_of_even_samples_is_told_first_with_its_alias(
+    tmp_path: Path, hz: float, rate: float, seconds: float
+) -> None:
+    located = compared(tmp_path, turning(hz, rate=rate, seconds=seconds)).located
+    assert len(located.where) == 1  # no tooth, and nothing at or above half the rate
+    (wave,) = located.where
+    assert wave.hz == pytest.approx(hz, abs=1e-4)  # a hundredth of a line of 100 s
+    assert wave.aliases == pytest.approx((rate - hz, rate + hz), abs=1e-3)
+    # 0.1 um over the root of half of the samples is 0.001 um at 180 per s; five of these.
+    assert wave.amplitude_um == pytest.approx(10.0, abs=5.0 * 0.1 * math.sqrt(2.0 / (rate * seconds)))
+    assert located.noise_level / UM == pytest.approx(0.1, rel=0.05)  # as everywhere for noise
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hz", [0.26, 0.05])
+def test_no_encoder_is_blamed_for_a_wave_of_even_samples(tmp_path: Path, hz: float) -> None:
+    path = plain(tmp_path)
+    found = diagnose(read_pair(path), [turning(hz, rate=180.0, seconds=40.0)], path=path)
+    assert not found.findings
+    assert [entry.hz for entry in found.unexplained] == [pytest.approx(hz, abs=1e-3)]
+
+
+@pytest.mark.slow
+def test_white_noise_as_transmission_error_gets_no_name(tmp_path: Path) -> None:
+    """Even steps of 0.72 deg of the driven shaft: the driving angle is what both say, and brings their noise."""
+    driven = 0.72 * DEG * np.arange(12_000)
+    te = 0.3 * UM * np.random.default_rng(9).normal(size=driven.size)
+    path = plain(tmp_path)
+    recording = Recording(source=Path("te.csv"), driven_angle_rad=driven, te_mm=te)
+    found = diagnose(read_pair(path), [recording], path=path)
+    assert not found.findings
+    assert not found.unexplained
+
+
+def test_a_rate_shows_through_drop_outs_and_not_through_jitter() -> None:
+    rng = np.random.default_rng(3)
+    even = np.arange(5000) / 80.0
+    assert even_rate(np.delete(even, [7, 8, 9, 400])) == pytest.approx(80.0, rel=1e-9)
+    assert even_rate(even + 0.001 / 80.0 * rng.normal(size=even.size)) == pytest.approx(80.0, rel=1e-6)
+    assert even_rate(even + 0.1 / 80.0 * rng.uniform(-1.0, 1.0, even.size)) is None
+
+
+def readings(noisy: str, *, even: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Both angles and their noise-free transmission error in rad, a noise of 0.1 um on one of them."""
+    rng = np.random.default_rng(5)
+    driving = 0.5 * DEG * (np.arange(20_000) + (0.0 if even else 0.3) * rng.uniform(-1.0, 1.0, 20_000))
+    te = 2.0 * UM / R_B2 * np.cos(driving)
+    driven = RATIO * driving + te
+    noise = 0.1 * UM / R_B2 * rng.normal(size=driving.size)
+    return (driving + noise / RATIO, driven, te) if noisy == "driving" else (driving, driven + noise, te)
+
+
+@pytest.mark.parametrize(("noisy", "share"), [("driving", 0.0), ("driven", 1.0)])
+def test_the_noise_is_laid_to_the_shaft_that_has_it(noisy: str, share: float) -> None:
+    driving, driven, _ = readings(noisy, even=True)
+    # Of 20 000 samples the share is known to a hundredth.
+    assert driven_share(driving, driven, ratio=RATIO) == pytest.approx(share, abs=0.03)
+
+
+def test_where_nothing_tells_each_shaft_has_half_of_the_noise() -> None:
+    driving, driven, _ = readings("driven", even=False)
+    assert driven_share(driving, driven, ratio=RATIO) == 0.5
+
+
+def test_columns_at_the_estimated_angle_do_not_follow_a_reading_s_own_noise() -> None:
+    """cos(1000 reading) over 1000 even samples a turn is sin(1000 te): at the angle as estimated it is not."""
+    driving, driven, _ = readings("driven", even=True)
+    driving, driven = driving / 0.5 * 0.36, driven / 0.5 * 0.36
+    noise = driven - RATIO * driving
+    noise -= smoothed(noise)
+    order = 1000.0 / RATIO
+
+    def followed(angle: FloatArray) -> float:
+        """The part of a sample's own noise that the wave follows."""
+        return abs(float(np.sin(order * angle) @ noise)) / order / float(noise @ noise)
+
+    assert followed(driven) > 0.9  # all of it, to first order
+    # The middle of 17 samples under a parabola keeps 13 % of its own noise, of which smoothing took a part before.
+    assert followed(driven - noise) < 0.15

@@ -1,0 +1,206 @@
+"""Guide logs of telescopes: what a star shows of the gears before a worm, read from PHD2's own files."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.clock import found, turned
+from gearpoly.errors import InputFileError
+from gearpoly.files.models import WormSection
+from gearpoly.recording.read import read_recording
+from gearpoly.recording.recording import Recording
+from gearpoly.units import ARCSEC, DEG, FloatArray
+from tests.made_command import Command
+
+EQ6 = WormSection(wheel_teeth=180)
+PERIOD = 86164.0905 / 180
+SCALE, RATE, ANGLE, DECLINATION = 3.2, 2.4, 174.5, 12.0
+LOGS = Path(__file__).parents[2] / "shared" / "recordings" / "guide_logs"
+
+HEADER = f"""Guiding Begins at 2026-03-10 20:22:52
+Pixel scale = {SCALE} arc-sec/px, Binning = 1, Focal length = 240 mm
+Exposure = 2000 ms
+Mount = EQMOD HEQ5/6,  connected, guiding enabled, xAngle = {ANGLE}, xRate = {RATE}, yAngle = 90.8, yRate = 2.2
+RA Guide Speed = 7.5 a-s/s, Dec Guide Speed = 7.5 a-s/s, Cal Dec = 9.6, Last Cal Issue = None
+RA = 3.20 hr, Dec = {DECLINATION} deg, Hour angle = -0.43 hr, Pier side = West, Rotator pos = N/A
+Lock position = 600.000, 500.000, Star position = 600.000, 500.000, HFD = 2.92 px
+Frame,Time,mount,dx,dy,RARawDistance,DECRawDistance,RAGuideDistance,DECGuideDistance,RADuration,RADirection,DECDuration
+"""
+
+
+def axis_error(time: FloatArray) -> FloatArray:
+    """An error in arcsec of the axis, positive where it is ahead: a drift, the worm's turn and a mesh of 47."""
+    turn = 2.0 * math.pi * time / PERIOD
+    return 0.01 * time + 5.0 * np.cos(turn) + 0.4 * np.cos(47.0 * turn + 1.0)
+
+
+def made_log(
+    *, frames: int = 400, dithered: tuple[int, float] = (150, 4.0), lost: int = 90, per_ms: bool = False
+) -> tuple[str, FloatArray, FloatArray]:
+    """A guide log of a guider that halves what it sees, made from the error of the axis; time in s and that error.
+
+    The axis stands at tracking + error + pulses; the star's offset is what a pulse to the west would mend.
+    """
+    time = 2.0 + 2.1 * np.arange(frames)
+    error = axis_error(time)
+    arcsec = SCALE / math.cos(math.radians(DECLINATION))
+    lines, sent, lock = [], 0.0, 0.0
+    for k in range(frames):
+        if k == dithered[0]:
+            lock = dithered[1]
+            x = 600.0 + lock * math.cos(math.radians(ANGLE))
+            y = 500.0 + lock * math.sin(math.radians(ANGLE))
+            lines.append(f"INFO: DITHER by {lock:.3f}, 0.000, new lock pos = {x:.3f}, {y:.3f}")
+        offset = -error[k] / arcsec - sent - lock
+        if k == lost:
+            lines.append(f'{k + 1},{time[k]:.3f},"DROP",,,,,,,,,,,,,0,0.00,3,"Star lost - low mass, twice"')
+            continue
+        ms = round(abs(0.5 * offset) / RATE * 1000.0)
+        direction = "W" if offset > 0.0 else "E"
+        lines.append(f'{k + 1},{time[k]:.3f},"Mount",0.1,0.2,{offset:.4f},0.0,0.1,0.0,{ms},{direction},0')
+        sent += math.copysign(ms, offset) / 1000.0 * RATE
+    header = HEADER.replace(f"xRate = {RATE}", f"xRate = {RATE / 1000.0}") if per_ms else HEADER
+    return header + "\n".join(lines) + "\nGuiding Ends at 2026-03-10 20:50:29\n", time, error
+
+
+@pytest.mark.parametrize("per_ms", [False, True])
+def test_pulses_and_re_aimings_are_undone(tmp_path: Path, per_ms: bool) -> None:
+    """What comes out is the error that went in: pulses, a dither, declination and both units of rate undone."""
+    log = tmp_path / "log.txt"
+    text, time, error = made_log(per_ms=per_ms)
+    log.write_text(text, encoding="utf-8")
+    read = read_recording(log, worm=EQ6)
+    assert read.time_s is not None
+    assert read.te_rad is not None
+    np.testing.assert_allclose(read.time_s, time, atol=1e-3)  # written to ms
+    held = np.isfinite(read.te_rad)
+    assert np.flatnonzero(~held).tolist() == [90]
+    # The lock position is written to 0.001 px, offsets to 0.0001 px.
+    np.testing.assert_allclose(read.te_rad[held], 180 * error[held] * ARCSEC, atol=180 * 0.01 * ARCSEC)
+    assert read.driven_angle_rad is not None
+    np.testing.assert_allclose(read.driven_angle_rad, 2.0 * math.pi * read.time_s / PERIOD, rtol=1e-12)
+    assert any("re-aimed 1 times" in one for one in read.remarks)
+
+
+def test_pulses_are_what_the_worm_may_have_turned(tmp_path: Path) -> None:
+    """A pulse of 1000 ms to the west at 2.4 px/s turns the axis by 2.4 px, and the worm 180 times as far."""
+    rows = "\n".join(f'{k},{2 * k}.0,"Mount",0,0,0.1,0,0,0,{1000 if k == 5 else 0},W,0' for k in range(1, 101))
+    log = tmp_path / "log.txt"
+    log.write_text(HEADER + rows, encoding="utf-8")
+    read = read_recording(log, worm=EQ6)
+    assert read.driven_correction_rad is not None
+    step = RATE * SCALE / math.cos(math.radians(DECLINATION)) / 3600.0 * 180.0 * DEG
+    np.testing.assert_allclose(read.driven_correction_rad[:5], 0.0)
+    np.testing.assert_allclose(read.driven_correction_rad[5:], step, rtol=1e-12)
+
+
+def test_the_longest_section_is_read_and_the_others_told(tmp_path: Path) -> None:
+    short, _, _ = made_log(frames=100)
+    long, time, _ = made_log(frames=300)
+    log = tmp_path / "log.txt"
+    calibration = "Calibration Begins at 2026-03-10 20:00:00\nDirection,Step,dx,dy,x,y,Dist\nWest,0,0,0,1,2,0\n"
+    log.write_text("PHD2 version 2.6, Log version 2.5\n\n" + calibration + short + long[:-50], encoding="utf-8")
+    read = read_recording(log, worm=EQ6)
+    assert read.size == time.size - 1  # the last row was cut off
+    assert "2 guiding sections" in read.remarks[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("Guiding Begins", "Calibration Begins"), "without guiding"),
+        (("Pixel scale = 3.2", "Pixel scale = 0"), "no Pixel scale"),
+        (("xRate = 2.4", "xRate = ?"), "no xRate"),
+        (("Dec = 12.0 deg", "Dec = 88.0 deg"), "declination of 88"),
+        (('"Mount"', '"AO"'), "AO"),
+        (("RARawDistance", "RARaw"), "no column RARawDistance"),
+        ((',"Mount",0.1,0.2,', ',"Mount",0.1,0.2,x'), "RARawDistance = x"),
+    ],
+)
+def test_what_cannot_be_read_is_one_message(tmp_path: Path, change: tuple[str, str], says: str) -> None:
+    log = tmp_path / "log.txt"
+    log.write_text("PHD2 version 2.6\n" + made_log()[0].replace(*change), encoding="utf-8")
+    with pytest.raises(InputFileError, match=says):
+        read_recording(log, worm=EQ6)
+
+
+def test_a_pair_without_a_worm_says_what_is_wanted(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:
+    log = tmp_path / "log.txt"
+    log.write_text(made_log()[0], encoding="utf-8")
+    ran = gearpoly_command("compare", pair_file, log)
+    assert ran.code == 2
+    assert "[worm]" in ran.err
+    assert "wheel_teeth" in ran.err
+
+
+def waves(turns: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Lines at orders 1, 47/12 and 47 of the driven shaft in noise a fifth as large as the weakest."""
+    return sum(
+        (a * np.cos(2.0 * math.pi * o * turns + 0.3 * o) for a, o in ((5.0, 1.0), (3.0, 47 / 12), (1.0, 47.0))),
+        0.2 * rng.standard_normal(turns.size),
+    )
+
+
+@pytest.mark.parametrize(("share", "rate"), [(1.0, 1.0), (0.0, 1.0), (0.6, 0.99727)])
+def test_share_and_rate_are_told_by_the_lines(share: float, rate: float) -> None:
+    """Pulses that move the angle by a tenth of a turn over ten: within three of the stated standard deviations."""
+    rng = np.random.default_rng(3)
+    time = np.sort(rng.uniform(0.0, 10.0 * PERIOD, 2400))
+    angle = 2.0 * math.pi * time / PERIOD
+    pulses = np.cumsum(rng.standard_normal(time.size))
+    pulses *= 0.1 * 2.0 * math.pi / np.ptp(pulses)
+    te = waves((rate * angle + share * pulses) / (2.0 * math.pi), rng)
+    clock = found(angle, pulses, te, teeth=47, mate=12, timed=True)
+    assert abs(clock.share - share) < 3.0 * clock.share_std < 0.75
+    assert abs(clock.rate - rate) < 3.0 * clock.rate_std < 5e-3
+
+
+def test_noise_tells_neither_share_nor_rate() -> None:
+    """Red noise without a line moves the angle by less than is believed of it beforehand."""
+    rng = np.random.default_rng(4)
+    time = np.arange(800) * 2.0
+    angle = 2.0 * math.pi * time / PERIOD
+    pulses = np.cumsum(rng.standard_normal(800)) * 1e-3
+    te = np.cumsum(rng.standard_normal(800))
+    clock = found(angle, pulses, te, teeth=47, mate=12, timed=True)
+    assert clock.log_odds < 6.0  # of 20 draws the largest was 4.4
+    assert clock.share_std > 0.2
+
+
+def test_an_encoder_s_angle_without_pulses_stays() -> None:
+    angle = np.linspace(0.0, 50.0, 500)
+    plain = Recording(source=Path("x"), driven_angle_rad=angle, te_rad=np.zeros(500))
+    assert turned(plain, z_1=12, z_2=47) == (plain, None)
+
+
+@pytest.mark.skipif(not LOGS.is_dir(), reason="the real guide logs are not beside this checkout")
+@pytest.mark.parametrize(
+    ("log", "wheel", "frames", "rms"),
+    [("log01.txt", 180, 809, 4.700), ("log03.txt", 225, 666, 2.763)],
+)
+def test_real_logs_read(log: str, wheel: int, frames: int, rms: float) -> None:
+    """Frames, and the error about a straight line in arcsec of the axis, by a calculation apart (least squares)."""
+    read = read_recording(LOGS / log, worm=WormSection(wheel_teeth=wheel))
+    assert read.size == frames
+    assert read.te_rad is not None
+    assert read.time_s is not None
+    held = np.isfinite(read.te_rad)
+    y = read.te_rad[held] / ARCSEC / wheel
+    left = y - np.polyval(np.polyfit(read.time_s[held], y, 1), read.time_s[held])
+    assert float(np.std(left)) == pytest.approx(rms, rel=0.02)
+
+
+def test_an_angle_that_is_time_has_no_encoder_whose_lines_could_err(tmp_path: Path) -> None:
+    """An angle written to six places at one rate is time; one that wobbles by a thousandth of a degree was read."""
+    rng = np.random.default_rng(5)
+    time = np.round(0.5 * np.arange(400) + 0.05 * rng.random(400), 3)
+    angle = time * (360.0 / PERIOD)
+    for wobble, timed in ((0.0, ("driven",)), (1e-3 * rng.standard_normal(400), ())):
+        file = tmp_path / "made.csv"
+        table = np.column_stack((time, (angle + wobble) % 360.0, rng.standard_normal(400)))
+        np.savetxt(file, table, delimiter=",", header="time_s,driven_angle_deg,te_arcsec", comments="", fmt="%.6f")
+        assert read_recording(file).from_time == timed
