@@ -17,7 +17,7 @@ from proving.entry import Entry
 from proving.limit import Limit
 from proving.recipes import Recipe
 from proving.rig import Rig
-from proving.rivals import rivals
+from proving.rivals import rivals, whitened
 from proving.sizes import sized
 from proving.unknown import unknown
 
@@ -126,7 +126,7 @@ def _item(base: Rig, limit: Limit | None, effect: Effect, made: Recipe, setting:
     assert limit is not None
     hidden = apply(base, effect)
     item = truth(hidden, effect, made.chain, made.conditions)
-    item["over_limit"] = round(limit.over(hidden), 3)
+    item["over_limit"] = round(limit.size_of(whitened(base, limit, effect)), 3)
     item["rms_um"] = round(limit.rms_um(hidden), 5)
     if "physics" in item:
         item["rivals"] = [one.told() for one in rivals(base, limit, effect)]

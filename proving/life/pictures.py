@@ -19,7 +19,7 @@ from proving.life.ground import CLASSES, SHORT, make
 SEED = 20261125
 """Seed of the cases that are shown; no ground that judges has it."""
 SHOWN = {
-    "wander": 0, "coarse": 5, "train": 1, "even": 0, "large": 0, "wrong_file": 3, "outside": 4, "controls": 0,
+    "wander": 0, "coarse": 5, "train": 1, "even": 0, "large": 3, "wrong_file": 3, "outside": 3, "controls": 0,
 }  # fmt: skip
 """Variant shown of each class."""
 
@@ -87,7 +87,7 @@ def draw(klass: str, variant: int, target: Path) -> None:
                     orders.axvline(order * ratio, color="k", lw=0.5, ls=":")
     if len(case.recordings) > 1:
         whole.legend(fontsize=7, ncols=3)
-    figure.savefig(target, dpi=66, metadata={"Software": None})
+    figure.savefig(target, dpi=56, metadata={"Software": None})
 
 
 def main(folder: Path, shift: int = 0) -> None:

@@ -27,9 +27,9 @@ HIDDEN: tuple[tuple[str, ...], ...] = (
     ("eccentricity",), (), ("eccentricity", "profile_crowning"), ("profile_crowning",), ("tooth_pitch",),
     ("eccentricity",), ("profile_slope",), ("cumulative_pitch",),
 )  # fmt: skip
-SIZES = {"eccentricity": 15.0, "profile_crowning": 8.0, "profile_slope": 8.0, "tooth_pitch": 15.0,
+SIZES = {"eccentricity": 15.0, "profile_crowning": 20.0, "profile_slope": 15.0, "tooth_pitch": 15.0,
          "cumulative_pitch": 8.0}  # fmt: skip
-RATIOS = (10.0, 30.0, 100.0, 300.0, 1000.0)
+RATIOS = (10.0, 30.0, 100.0, 10.0, 300.0, 30.0, 1000.0)
 """Rms of the wander over that of the gears' effects."""
 MOST = 6
 """Aliases that a truth lists."""
@@ -66,16 +66,16 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         for order in rng.choice([2, 3, 5, 9, 10], int(rng.integers(0, 3)), replace=False)
     )  # fmt: skip
     size = 0.5 * max((abs(one.size) for one in effects), default=10.0)
-    wander = size * RATIOS[(v + v // 5) % len(RATIOS)]
+    wander = size * RATIOS[(v + v // 7) % len(RATIOS)]
     turn = 60.0 / condition.speed
-    share = float(10 ** rng.uniform(-3.3, -1.3))
+    share = float(10 ** rng.uniform(-4.0, -2.0))
     red = {
         "rough": wander * share, "rough_s": turn * float(rng.uniform(0.05, 0.3)),
-        "smooth": wander * sqrt(1 - share**2), "smooth_s": turn * float(rng.uniform(1.0, 4.0)),
+        "smooth": wander * sqrt(1 - share**2), "smooth_s": turn * float(rng.uniform(2.0, 6.0)),
     }  # fmt: skip
     rate = RATE * float(rng.uniform(-1, 1))
     chain = Chain(
-        noise_um=size * float(rng.uniform(0.2, 1.0)), known=False, zeros_deg=(0.0, float(rng.uniform(0, 360)))
+        noise_um=size * float(rng.uniform(0.03, 0.3)), known=False, zeros_deg=(0.0, float(rng.uniform(0, 360)))
     )
 
     def spread(time: FloatArray) -> FloatArray:
