@@ -177,6 +177,7 @@ def mesh(
         np.array([law.h_0, law.q, law.h_1, law.h_2]), rig.deflect, rig.friction, UM * rig.lead,
         out.x, out.tooth_1, out.tooth_2, out.roll_1, out.roll_2, out.weights, out.forces, out.deflections, out.counts,
     )  # fmt: skip
+    failed += int(np.count_nonzero(~np.isfinite(out.x)))
     if failed:
         raise BenchError(f"no equilibrium at {failed} of {n} positions")
     if rig.windup:
