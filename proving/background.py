@@ -8,10 +8,10 @@ from math import pi
 
 import numpy as np
 
+from proving.disturbance import Disturbance
 from proving.effects import Effect
+from proving.entry import Entry
 from proving.gears import Pair
-from proving.ground import Entry
-from proving.rig import Disturbance
 from proving.scenes import odd_order
 
 KINDS = (("hum",), ("line",), ("hum", "line"))

@@ -13,9 +13,9 @@ from proving.chain import ZERO_STD, Chain, Condition, Motion, motion, record
 from proving.compliance import LAWS
 from proving.drawn import Known, draw, form_deviation, index_covariance, make_pair, pair_file, slope_covariance
 from proving.effects import Effect, apply, truth
+from proving.entry import Entry
 from proving.flanks import Teeth
 from proving.gears import DEG, UM, FloatArray
-from proving.ground import Entry
 from proving.limit import Limit, sights
 from proving.recipes import Recipe, recipe
 from proving.reliefs import cancelling, mean_tooth, over_a_pitch
@@ -96,7 +96,7 @@ def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Kno
     return rig, (known[0], known[1])
 
 
-def _limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
+def limit_of(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
     def prior(of: Any, index: int) -> FloatArray:
         gear = rig.pair.gear(index)
         if made.inspected:
@@ -124,7 +124,7 @@ def _behind(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> tuple[tuple[Ef
     effects, and each with the other known."""
     if not made.background:
         return ()
-    limit = _limit(rig, replace(made, background=()), paths)
+    limit = limit_of(rig, replace(made, background=()), paths)
     waves = [sized(rig, limit, wave, over) for wave, over in zip(made.background, made.background_over, strict=True)]
     return tuple((wave, limit.over(apply(rig, wave))) for wave in waves)
 
@@ -136,13 +136,13 @@ def make(seed: int, entry: Entry) -> Case:
     base, known = build(made, rng)
     paths = tuple(motion(base, condition, rng) for condition in made.conditions)
     if made.scale_torque:  # an undeclared deflection is as large as the load makes it
-        n = _limit(base, made, paths).over(apply(base, made.effects[0]))
+        n = limit_of(base, made, paths).over(apply(base, made.effects[0]))
         top = max(c.torque for c in made.conditions)
         factor = min(entry.over / n, 1.0)
         weaker = tuple(replace(c, torque=float(f"{max(c.torque * factor, 1e-5 * top):.4g}")) for c in made.conditions)
         made = replace(made, conditions=weaker)
     effects = list(made.effects)
-    limit = _limit(base, made, paths) if effects else None
+    limit = limit_of(base, made, paths) if effects else None
     if limit is not None and not (made.fixed or made.scale_torque):
         effects = [sized(base, limit, effect, made.over) for effect in effects]
     if limit is not None and entry.klass == "look_alike":
@@ -179,7 +179,7 @@ def _items(
     # Where bending is hidden, all else is hidden in teeth that bend, by a law as little known as a declared one.
     bends = [effect for effect in effects if effect.physics == "tooth_deflection"]
     bent = apply(base, bends[0]) if bends else base
-    within = _limit(bent, made, paths) if bends and len(effects) > 1 else limit
+    within = limit_of(bent, made, paths) if bends and len(effects) > 1 else limit
     rest = [effect for effect in effects if effect not in bends]
     signals = [whitened(bent, within, effect) for effect in rest]
     items: list[dict[str, Any]] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -31,7 +31,7 @@ class Condition:
     speed: float = 30.0
     flank: str = "drive"
     turns: float = 50.0
-    per_mesh: int = 20
+    per_mesh: float = 20
     wobble: float = 0.004
     uneven: float = 0.2
 
@@ -70,12 +70,23 @@ class Motion:
     start: float
     rate: float
 
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Driven angles in rad at start and end."""
+        first, last = self.angle(np.array(self.span))
+        return float(first), float(last)
+
     def angle(self, time: FloatArray) -> FloatArray:
         """Driven angle in rad at any time in s."""
         out = self.start + self.rate * time
         for amplitude, omega, phase in self.waves:
             out += self.rate * amplitude / omega * np.sin(omega * time + phase)
         return out
+
+
+def campaign_turns(conditions: tuple[Condition, ...], turns: float) -> tuple[Condition, ...]:
+    """The same recordings of another length, in driving turns."""
+    return tuple(replace(one, turns=turns) for one in conditions)
 
 
 def motion(rig: Rig, condition: Condition, rng: np.random.Generator) -> Motion:
@@ -110,7 +121,7 @@ def _rings(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> Floa
     # Free vibration has died to 1e-4 after 9 / (zeta omega) seconds; so long it runs before the recording.
     lead = min(9 / (zeta * omega), 0.5 * path.span[1]) + 5 / mesh_hz
     grid = np.arange(path.span[0] - lead, path.span[1] + 2 / mesh_hz, step)
-    force = mesh(rig, path.angle(grid), torque=condition.torque, flank=condition.flank).x
+    force = mesh(rig, path.angle(grid), torque=condition.torque, flank=condition.flank, span=path.angles).x
     force = force - force.mean()
     denominator = np.array([1.0, 2 * zeta * omega, omega * omega])
     moved = []
@@ -131,7 +142,7 @@ def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = 
     times in s)."""
     time = path.time if at is None else at
     theta_2 = path.theta_2 if at is None else path.angle(at)
-    x = mesh(rig, theta_2, torque=condition.torque, flank=condition.flank).x
+    x = mesh(rig, theta_2, torque=condition.torque, flank=condition.flank, span=path.angles).x
     if rig.resonance is not None:
         x = x + _rings(rig, condition, path, time)
     r_1, r_2 = rig.pair.driving.r_b, rig.pair.driven.r_b
@@ -139,7 +150,7 @@ def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = 
     if rig.drift:
         gone = (time - path.span[0]) / (path.span[1] - path.span[0])
         x = x + UM * rig.drift * np.expm1(-rig.drift_bend * gone) / np.expm1(-rig.drift_bend)
-    for one in rig.disturbances:
+    for one in rig.extras:
         x = x + one.x(time, theta_1, theta_2, path.span)
     return np.asarray(x + r_2 * rig.encoder_2.error(theta_2) - r_1 * rig.encoder_1.error(theta_1))
 

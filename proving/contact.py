@@ -167,7 +167,8 @@ def _closest(
 
 @njit(cache=True)
 def solve(
-    theta_2: FloatArray, moment: float, side: float, z: IntArray, geo: FloatArray, ecc: FloatArray,
+    theta_2: FloatArray, moments: FloatArray, soft: FloatArray, side: float,
+    z: IntArray, geo: FloatArray, ecc: FloatArray,
     rows1: FloatArray, rows2: FloatArray, nodes: FloatArray, own1: FloatArray, own2: FloatArray, contact: FloatArray,
     deflect: bool, mu: float, lead: float,
     x: FloatArray, tooth1: IntArray, tooth2: IntArray, roll1: FloatArray, roll2: FloatArray,
@@ -175,9 +176,9 @@ def solve(
 ) -> int:  # fmt: skip
     """Transmission error x = r_b2 theta_2 - r_b1 theta_1 (mm) at positions theta_2 (rad); returns positions not found.
 
-    side +1 drive, -1 coast; geo: r_b1, r_b2, a, alpha_w, l_w1, l_w2, tip1, tip2, lowest roll length 1, thickness
-    angles 1, 2; ecc: amplitude and angle of both gears; nodes: l_1, c_1, l_2, c_2. The rest is filled, one row per
-    position."""
+    moments (N.mm) and soft (factor on the compliance of the teeth): one per position; side +1 drive, -1 coast; geo:
+    r_b1, r_b2, a, alpha_w, l_w1, l_w2, tip1, tip2, lowest roll length 1, thickness angles 1, 2; ecc: amplitude and
+    angle of both gears; nodes: l_1, c_1, l_2, c_2. The rest is filled, one row per position."""
     rb1, rb2, a, alpha_w, lw1, lw2, tip1, tip2, low1, off1, off2 = geo
     if side > 0:
         off1 = off2 = 0.0
@@ -187,9 +188,9 @@ def solve(
     gaps, lever1, lever2 = np.zeros(SLOTS), np.zeros(SLOTS), np.zeros(SLOTS)
     c, force, weight, teeth_c = np.zeros(SLOTS), np.zeros(SLOTS), np.zeros(SLOTS), np.zeros(SLOTS)
     guess, failed = 0.0, 0
-    loaded = moment if deflect else 0.0
     for i in range(theta_2.size):
-        t2 = theta_2[i]
+        t2, moment = theta_2[i], moments[i]
+        loaded = moment if deflect else 0.0
         t1 = (rb2 * t2 - guess) / rb1
         cx2 = a + ecc[2] * cos(pi + ecc[3] - t2)
         cy2 = side * ecc[2] * sin(pi + ecc[3] - t2)
@@ -234,6 +235,8 @@ def solve(
                 arm = (px - a) * ny - py * nx
                 recess = min(max(side * (lw2 - l2) / ROLLING, -1.0), 1.0)
                 lever2[k] = -arm + recess * mu * l2
+                if g > 1e8:  # a broken tooth that no point of the mate faces any more: far, by any lever
+                    lever1[k], lever2[k] = rb1, rb2
                 tooth1[i, k], tooth2[i, k], roll1[i, k], roll2[i, k] = k1, k2, l1, l2
                 if loaded > 0.0:
                     p1 = (l1 - nodes[0, 0]) / (nodes[0, -1] - nodes[0, 0]) * (nodes.shape[1] - 1)
@@ -242,7 +245,7 @@ def solve(
                     j2 = min(max(int(p2), 0), nodes.shape[1] - 2)
                     c1 = nodes[1, j1] + (p1 - j1) * (nodes[1, j1 + 1] - nodes[1, j1])
                     c2 = nodes[3, j2] + (p2 - j2) * (nodes[3, j2 + 1] - nodes[3, j2])
-                    teeth_c[k] = own1[k1] * c1 + own2[k2] * c2
+                    teeth_c[k] = soft[i] * (own1[k1] * c1 + own2[k2] * c2)
                     f = max(force[k], 1e-3 * moment / rb2)
                     rho = l1 * l2 / (l1 + l2)
                     c[k] = teeth_c[k] + contact[0] * f ** -contact[1] + contact[2] * log(contact[3] / (f * rho))

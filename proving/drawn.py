@@ -24,11 +24,21 @@ PAIRS: dict[str, tuple[int, int, float, float, float, float, float]] = {
     "17/22 m4 22.5deg": (17, 22, 4.0, 22.5, 0.25, 0.2, 30.0),
 }
 """Teeth with and without a common factor, modules 0.5 to 6, three pressure angles, with and without profile shift."""
+FURTHER: dict[str, tuple[int, int, float, float, float, float, float]] = {
+    "12/47 m0.5 shifted": (12, 47, 0.5, 20.0, 0.3, -0.3, 5.0),
+    "13/40 m1": (13, 40, 1.0, 20.0, 0.3, -0.1, 10.0),
+    "13/18": (13, 18, 2.774194, 20.0, 0.3, -0.3, 20.0),
+    "21/29": (21, 29, 1.72, 20.0, 0.0, 0.0, 20.0),
+    "23/32": (23, 32, 1.563636, 20.0, 0.0, 0.0, 20.0),
+    "28/39": (28, 39, 1.283582, 20.0, 0.0, 0.0, 20.0),
+}
+"""What drives and mounts have beside: a large ratio, small modules; and pairs of the centre distance of 18/25 m2 whose
+ratio is that to less than a hundredth."""
 
 
 def make_pair(name: str, offset: float = 0.0) -> Pair:
-    """A pair of `PAIRS`; offset in mm is added to the centre distance."""
-    z_1, z_2, m, alpha, x_1, x_2, b = PAIRS[name]
+    """A pair of `PAIRS` or `FURTHER`; offset in mm is added to the centre distance."""
+    z_1, z_2, m, alpha, x_1, x_2, b = (PAIRS | FURTHER)[name]
     # At 25 deg the standard root radius does not fit between the rack's teeth.
     rho_f = 0.38 if alpha < 24 else 0.3
     gears = [

@@ -58,10 +58,11 @@ class Teeth:
         return replace(self, own=own)
 
 
-def table(pair: Pair, index: int, teeth: Teeth, flank: str) -> FloatArray:
+def table(pair: Pair, index: int, teeth: Teeth, flank: str, ends: FloatArray | None = None) -> FloatArray:
     """Parameters of one flank of every tooth for `deviation`, shape (z, COLUMNS), in mm.
 
-    On the coast flank the index deviation is -p + E_s cos(alpha); a wave runs on without a jump from tooth to tooth.
+    ends: roll length (mm) at which each tooth ends; None: at the tip circle. On the coast flank the index deviation is
+    -p + E_s cos(alpha); a wave runs on without a jump from tooth to tooth.
     """
     gear, z = pair.gear(index), pair.gear(index).z
     out = np.zeros((z, COLUMNS))
@@ -89,10 +90,10 @@ def table(pair: Pair, index: int, teeth: Teeth, flank: str) -> FloatArray:
         out[tooth, _EDGE] = 0.12 * (b - a)
         out[tooth, _ROUGH] += UM * depth
     # The tip circle is turned, not cut with the flank: the corner is where l + d(l) ends there, by a fixed point.
-    for row in out:
-        row[_TIP] = tip
+    for row, end in zip(out, np.full(z, tip) if ends is None else ends, strict=True):
+        row[_TIP] = end
         for _ in range(8):
-            row[_TIP] = tip - deviation(row, row[_TIP])[0]
+            row[_TIP] = end - deviation(row, row[_TIP])[0]
     return out
 
 

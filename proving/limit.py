@@ -9,6 +9,7 @@ N')^-1 s."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import Any
@@ -19,8 +20,9 @@ from scipy.optimize import lsq_linear
 
 from proving.chain import Chain, Condition, Motion, te
 from proving.contact import SLOTS
+from proving.disturbance import Disturbance
 from proving.gears import DEG, UM, FloatArray
-from proving.rig import Disturbance, Encoder, Rig, mesh
+from proving.rig import Encoder, Rig, mesh
 
 POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
@@ -79,15 +81,20 @@ def _whiten(sight: Sight, chain: Chain, values: FloatArray) -> FloatArray:
     return np.asarray(scale * fresh.reshape(-1, *values.shape[1:]))
 
 
-def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain) -> FloatArray:
+Whiten = Callable[[Sight, Chain, FloatArray], FloatArray]
+"""Values (n, ...) at a sight's samples in units of independent noise."""
+
+
+def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain, whiten: Whiten = _whiten) -> FloatArray:
     """The rig's transmission error in um over all recordings, whitened to unit noise."""
-    return np.concatenate([_whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / UM) for one in look])
+    return np.concatenate([whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / UM) for one in look])
 
 
 def _displaced(rig: Rig, sight: Sight) -> FloatArray:
     """What a driven zero off by one um along the line of action changes in um, but for the mean: encoders and all that
     is no matter of the teeth stay where they are."""
-    bare = replace(rig, encoder_1=Encoder(), encoder_2=Encoder(), disturbances=(), drift=0.0)
+    of_teeth = tuple(extra for extra in rig.extras if extra.teeth)
+    bare = replace(rig, encoder_1=Encoder(), encoder_2=Encoder(), extras=of_teeth, drift=0.0)
     there = replace(sight.path, start=sight.path.start + ASIDE * DEG)
     here, gone = (te(bare, sight.condition, path, at=sight.time) for path in (sight.path, there))
     return np.asarray((gone - here) / (rig.pair.driven.r_b * ASIDE * DEG))
@@ -110,7 +117,13 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     form."""
     pair = rig.pair
     drive = sight.condition.flank == "drive"
-    got = mesh(rig, sight.path.angle(sight.time), torque=sight.condition.torque, flank=sight.condition.flank)
+    got = mesh(
+        rig,
+        sight.path.angle(sight.time),
+        torque=sight.condition.torque,
+        flank=sight.condition.flank,
+        span=sight.path.angles,
+    )
     n = sight.time.size
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
@@ -149,14 +162,17 @@ class Limit:
     index, slope: prior covariances (um^2) of the gears' index deviations and slopes, driving then driven; thickness:
     prior standard deviation (um) of both; zero: that of the driven zero, along the line of action; compliance: that of
     a declared compliance's scale, 0 where none is declared; form: those of a crowning of all teeth of either gear, 0
-    where somebody looked; waves: those of a background, whose amplitudes and phases are open."""
+    where somebody looked; waves: those of a background, whose amplitudes and phases are open; whiten: the noise, if it
+    is not the chain's."""
 
     def __init__(
         self, rig: Rig, look: tuple[Sight, ...], chain: Chain, *, index: tuple[FloatArray, FloatArray],
         slope: tuple[FloatArray, FloatArray], thickness: float, compliance: float,
         zero: float, form: tuple[float, float] = (0.0, 0.0), waves: tuple[Disturbance, ...] = (),
+        whiten: Whiten = _whiten,
     ) -> None:  # fmt: skip
-        self.rig, self.look, self.chain, self.base = rig, look, chain, signal(rig, look, chain)
+        self.rig, self.look, self.chain, self.whiten = rig, look, chain, whiten
+        self.base = signal(rig, look, chain, whiten)
         self._known: dict[str, Any] = {
             "index": index,
             "slope": slope,
@@ -165,13 +181,14 @@ class Limit:
             "zero": zero,
             "form": form,
             "waves": waves,
+            "whiten": whiten,
         }
         self.z_1 = rig.pair.driving.z
         self.slopes = self.z_1 + rig.pair.driven.z
         self.plain = self.seen(rig)
         top = max(one.condition.torque for one in look)
         columns = [np.hstack([_columns(rig, one, top), _quadratures(rig, one, waves)]) for one in look]
-        self.N = np.concatenate([_whiten(one, chain, free) for one, free in zip(look, columns, strict=True)])
+        self.N = np.concatenate([whiten(one, chain, free) for one, free in zip(look, columns, strict=True)])
         self.forms = self.N.shape[1] - 2 * len(waves) - FORMS
         k = self.N.shape[1]
         inverse = np.zeros((k, k))
@@ -200,6 +217,10 @@ class Limit:
     def around(self, rig: Rig) -> Limit:
         """The limit of the same recordings about another rig: there, other pairs lead."""
         return Limit(rig, self.look, self.chain, **self._known)
+
+    def seen_with(self, look: tuple[Sight, ...], whiten: Whiten) -> Limit:
+        """The same knowledge of the gears, looked at in other samples and in other noise."""
+        return Limit(self.rig, look, self.chain, **(self._known | {"whiten": whiten}))
 
     def over(self, rig: Rig) -> float:
         """Size over limit of what a rig has beyond the one the limit was built with."""
@@ -239,7 +260,7 @@ class Limit:
 
     def difference(self, rig: Rig) -> FloatArray:
         """Whitened signal of a rig less that of the one the limit was built with."""
-        return np.asarray(signal(rig, self.look, self.chain) - self.base)
+        return np.asarray(signal(rig, self.look, self.chain, self.whiten) - self.base)
 
     def fit(self, s: FloatArray, columns: FloatArray, *, low: FloatArray, high: FloatArray) -> FloatArray:
         """How much of each column (n, k), between low and high (k,), comes closest to a signal, nuisances taken out of

@@ -7,29 +7,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from proving.background import SPEED, background
-from proving.chain import Chain, Condition
+from proving.chain import Chain, Condition, campaign_turns
 from proving.drawn import make_pair
-from proving.effects import Effect
+from proving.effects import Effect, instance
+from proving.entry import Entry
 from proving.gears import Pair
-from proving.ground import Entry
+from proving.physics import PHYSICS
 from proving.reliefs import sag, spanning
 from proving.rig import ideal
 from proving.scenes import (
-    BOTH_FLANKS,
     COMMON,
     COPRIME,
-    LOADED,
-    SHAFT,
-    TIMED,
     campaign,
     chain,
     design_torque,
-    instance,
     stranger,
 )
 
 QUICK_PER_MESH = 10
 """Samples per mesh of the cases for everyday use: the fifth mesh harmonic still shows."""
+
+LEAST_TURNS = 1.5
+"""Driving turns of the shortest recording: of 24/36 half a hunting cycle is so long."""
 
 Declared = tuple[float, float, float] | None
 Vector = tuple[float, float] | None
@@ -65,17 +64,18 @@ class Recipe:
 
 def _kind(physics: tuple[str, ...], klass: str, rng: np.random.Generator) -> str:
     """The campaign in which the hidden physics can show."""
-    if "mesh_resonance" in physics:
+    shows = {PHYSICS[name].shows for name in physics if name in PHYSICS}
+    if "speeds" in shows:
         return "speeds"
     if klass == "look_alike":
         # Only what leaves the look-alikes alike: one flank, one torque; lost motion needs both flanks to show at all.
-        alone = {"shaft_windup": "flanks", "tooth_crack": "one"} | dict.fromkeys(BOTH_FLANKS, "coast")
-        return alone.get(physics[0], "free")
-    if any(name in LOADED for name in physics):
+        alone = {"shaft_windup": "flanks", "tooth_crack": "one"}
+        return alone.get(physics[0], "coast" if shows == {"flanks"} else "free")
+    if "load" in shows:
         return "load"
-    if klass == "one_flank" or any(name in BOTH_FLANKS for name in physics):
+    if klass == "one_flank" or "flanks" in shows:
         return "coast"
-    if physics and physics[0] in ("eccentricity", "encoder_eccentricity"):
+    if physics and PHYSICS[physics[0]].shows == "coast":
         return "coast"
     return str(rng.choice(["free", "free", "free", "two"]))
 
@@ -105,6 +105,9 @@ def recipe(entry: Entry, rng: np.random.Generator) -> Recipe:
     made = _beside(made, entry, rng.spawn(1)[0])  # a stream of its own: the case beside it stays as it is without
     if entry.quick:
         made = replace(made, conditions=tuple(replace(c, per_mesh=QUICK_PER_MESH) for c in made.conditions))
+    if entry.cycles:
+        turns = max(entry.cycles * make_pair(made.pair).hunting_turns, LEAST_TURNS)
+        made = replace(made, conditions=campaign_turns(made.conditions, turns))
     return made
 
 
@@ -181,7 +184,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
     deflect = kind not in ("free", "coast") and physics != ("tooth_deflection",)
     if deflect and kind in ("two", "all") and rng.random() < 0.3 and "tip_relief" not in physics:
         relief = _relief(pair)
-    plain = bool(set(physics) & {*TIMED, *SHAFT})
+    plain = any(PHYSICS[name].plain for name in physics)
     return Recipe(
         pair=name,
         grade=int(rng.choice([4, 5, 5, 6] if not inspected else [4, 5, 6, 7])),

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from math import pi
 
 import numpy as np
 
@@ -41,38 +40,32 @@ class Encoder:
         return np.asarray(out + (self.ratio - 1.0) * theta, dtype=np.float64)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Disturbance:
-    """Something that no gear does: a line at an order that is none of the gears', a jump, hum, a pulse, a modulated
-    wave.
+class Extra:
+    """What a physics does to a rig beyond the rig's own fields. Each way of changing it is one method, and does nothing
+    unless a physics says so."""
 
-    kind: line, jump, hum, pulse or asymmetric; gear: whose shaft counts the order; amplitude in um along the line of
-    action."""
-
-    kind: str
-    amplitude: float
-    gear: int = 1
-    order: float = 0.0
-    phase: float = 0.0
-    hz: float = 0.0
-    at: float = 0.5
+    teeth = False
+    """Whether it changes what the teeth do; else it changes the readings only."""
 
     def x(self, time: FloatArray, theta_1: FloatArray, theta_2: FloatArray, span: tuple[float, float]) -> FloatArray:
-        """Its share of the transmission error in mm; span: start and end of the recording in s."""
-        angle = self.order * (theta_1 if self.gear == 1 else theta_2) + self.phase
-        if self.kind == "line":
-            wave = np.cos(angle)
-        elif self.kind == "hum":
-            wave = np.cos(2 * pi * self.hz * time + self.phase)
-        elif self.kind == "jump":
-            wave = np.where(time > span[0] + self.at * (span[1] - span[0]), 1.0, 0.0)
-        elif self.kind == "pulse":  # a short bump once in a time that no shaft keeps
-            wave = np.exp(-0.5 * ((np.mod(angle, 2 * pi) - pi) / 0.25) ** 2)
-        elif self.kind == "asymmetric":  # steep on one side, swelling and fading
-            wave = (1 + 0.6 * np.cos(0.137 * angle)) * (np.cos(angle) + 0.45 * np.cos(2 * angle + 0.9)) / 1.3
-        else:
-            raise ValueError(f"no disturbance {self.kind!r}")
-        return np.asarray(UM * self.amplitude * wave, dtype=np.float64)
+        """Its share of the transmission error in mm, at times in s; span: start and end of the recording in s."""
+        return np.zeros_like(time)
+
+    def under(self, rig: Rig, torque: float) -> Rig:
+        """The rig as it is under a driven torque in N.m."""
+        return rig
+
+    def ends(self, pair: Pair, index: int, ends: FloatArray) -> FloatArray:
+        """Roll lengths (mm) at which the flanks of the teeth of gear 1 or 2 end, one per tooth."""
+        return ends
+
+    def torque(self, theta_2: FloatArray, span: tuple[float, float]) -> FloatArray:
+        """Factor on the torque at driven angles in rad; span: those of start and end of the recording."""
+        return np.ones_like(theta_2)
+
+    def softness(self, theta_2: FloatArray, span: tuple[float, float]) -> FloatArray:
+        """Factor on the compliance of all teeth, contact left out."""
+        return np.ones_like(theta_2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +85,7 @@ class Rig:
     deflect: bool = False
     law: str = "sainsot"
     scale: float = 1.0
+    youngs_mpa: float = 206000.0
     friction: float = 0.0
     lead: float = 0.0
     windup: float = 0.0
@@ -100,7 +94,7 @@ class Rig:
     drift_bend: float = 2.5
     encoder_1: Encoder = field(default_factory=Encoder)
     encoder_2: Encoder = field(default_factory=Encoder)
-    disturbances: tuple[Disturbance, ...] = ()
+    extras: tuple[Extra, ...] = ()
 
     def teeth(self, index: int) -> Teeth:
         """Teeth of gear 1 or 2."""
@@ -138,15 +132,27 @@ class Mesh:
 
 
 @lru_cache(maxsize=32)
-def _law(pair: Pair, law: str, scale: float) -> Compliance:
-    return compliance(pair, law=law, scale=scale)
+def _law(pair: Pair, law: str, scale: float, youngs_mpa: float) -> Compliance:
+    return compliance(pair, law=law, scale=scale, E=youngs_mpa)
 
 
-def mesh(rig: Rig, theta_2: FloatArray, *, torque: float, flank: str = "drive") -> Mesh:
-    """Quasi-static contact of the pair at driven angles theta_2 (rad), torque in N.m; wind-up included, no encoders."""
+def mesh(
+    rig: Rig, theta_2: FloatArray, *, torque: float, flank: str = "drive", span: tuple[float, float] = (0.0, 1.0)
+) -> Mesh:
+    """Quasi-static contact of the pair at driven angles theta_2 (rad), torque in N.m; wind-up included, no encoders.
+
+    span: driven angles at which the recording starts and ends, for what changes from one to the other."""
+    for extra in rig.extras:
+        rig = extra.under(rig, torque)
     pair = rig.pair
     n = theta_2.size
-    law = _law(pair, rig.law, rig.scale)
+    load, soft = np.full(n, torque), np.ones(n)
+    ends = [np.full(pair.gear(index).z, pair.gear(index).l_tip) for index in (1, 2)]
+    for extra in rig.extras:
+        load *= extra.torque(theta_2, span)
+        soft *= extra.softness(theta_2, span)
+        ends = [extra.ends(pair, index, ends[index - 1]) for index in (1, 2)]
+    law = _law(pair, rig.law, rig.scale, rig.youngs_mpa)
     g, h = pair.driving, pair.driven
     geo = np.array(
         [
@@ -164,17 +170,19 @@ def mesh(rig: Rig, theta_2: FloatArray, *, torque: float, flank: str = "drive") 
         **{k: np.zeros((n, SLOTS)) for k in ("roll_1", "roll_2", "weights", "forces", "deflections")},
     )
     failed = solve(
-        np.ascontiguousarray(theta_2, dtype=np.float64), 1000 * torque, 1.0 if flank == "drive" else -1.0,
-        np.array([g.z, h.z]), geo, ecc, table(pair, 1, rig.teeth_1, flank), table(pair, 2, rig.teeth_2, flank),
+        np.ascontiguousarray(theta_2, dtype=np.float64), 1000 * load, soft, 1.0 if flank == "drive" else -1.0,
+        np.array([g.z, h.z]), geo, ecc, table(pair, 1, rig.teeth_1, flank, ends[0]),
+        table(pair, 2, rig.teeth_2, flank, ends[1]),
         np.array([law.l_1, law.c_1, law.l_2, law.c_2]), rig.teeth_1.own, rig.teeth_2.own,
         np.array([law.h_0, law.q, law.h_1, law.h_2]), rig.deflect, rig.friction, UM * rig.lead,
         out.x, out.tooth_1, out.tooth_2, out.roll_1, out.roll_2, out.weights, out.forces, out.deflections, out.counts,
     )  # fmt: skip
+    failed += int(np.count_nonzero(~np.isfinite(out.x)))
     if failed:
         raise BenchError(f"no equilibrium at {failed} of {n} positions")
     if rig.windup:
         sign = -1.0 if flank == "drive" else 1.0
-        np.add(out.x, sign * h.r_b * rig.windup * 1e-6 * torque, out=out.x)
+        np.add(out.x, sign * h.r_b * rig.windup * 1e-6 * load, out=out.x)
     return out
 
 

@@ -7,71 +7,18 @@ minimum of a weighted distance by Gauss and Newton's method."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, hypot, inf, sqrt
+from math import inf
 from typing import Any
 
 import numpy as np
 
 from proving.effects import Effect, apply
-from proving.gears import DEG, FloatArray
+from proving.gears import FloatArray
 from proving.limit import Limit
+from proving.physics import PHYSICS
+from proving.physics.base import Beside, Kind
 from proving.rig import BenchError, Rig
-from proving.scenes import CAPS
-
-RIVALS: dict[str, tuple[str, ...]] = {
-    "eccentricity": ("cumulative_pitch", "encoder_eccentricity"),
-    "cumulative_pitch": ("eccentricity", "encoder_eccentricity", "undulation", "cumulative_pitch'"),
-    "encoder_eccentricity": ("eccentricity", "cumulative_pitch"),
-    "tooth_pitch": ("tooth_crack", "tooth_spall"),
-    "tooth_crack": ("tooth_pitch", "tooth_spall"),
-    "tooth_spall": ("tooth_pitch", "tooth_crack"),
-    "profile_slope": ("profile_slope'", "wear", "wear'", "tip_relief", "tip_relief'", "friction"),
-    "profile_crowning": (
-        "profile_crowning'", "wear", "wear'", "tip_relief", "tip_relief'", "tooth_deflection", "misalignment",
-    ),
-    "tip_relief": (
-        "tip_relief'", "profile_slope", "profile_slope'", "profile_crowning", "profile_crowning'", "wear", "wear'",
-        "tooth_deflection",
-    ),
-    "wear": (
-        "wear'", "profile_crowning", "profile_crowning'", "profile_slope", "profile_slope'", "tip_relief",
-        "tip_relief'", "tooth_deflection",
-    ),
-    "undulation": ("encoder_interpolation", "cumulative_pitch", "undulation'"),
-    "encoder_interpolation": ("undulation", "undulation'", "encoder_interpolation'"),
-    "tooth_deflection": (
-        "profile_crowning", "profile_crowning'", "tip_relief", "tip_relief'", "wear", "wear'", "shaft_windup",
-    ),
-    "misalignment": (
-        "profile_crowning", "profile_crowning'", "friction", "shaft_windup", "centre_distance", "tooth_thickness",
-    ),
-    "friction": ("profile_slope", "profile_slope'", "profile_crowning", "profile_crowning'", "misalignment"),
-    "centre_distance": ("tooth_thickness", "tooth_thickness'", "shaft_windup", "misalignment"),
-    "tooth_thickness": ("tooth_thickness'", "centre_distance", "shaft_windup"),
-    "shaft_windup": ("misalignment", "centre_distance", "tooth_thickness", "tooth_thickness'"),
-    "mesh_resonance": ("profile_crowning", "tip_relief", "tip_relief'", "profile_slope", "friction", "misalignment"),
-    "thermal_drift": ("encoder_scale", "encoder_scale'"),
-    "encoder_scale": ("encoder_scale'", "thermal_drift"),
-}  # fmt: skip
-"""What is worth comparing with what; a dash means the other gear. Whether it is a look-alike is computed, case by
-case."""
-
-ONE_SIGN = (
-    "tooth_deflection", "misalignment", "friction", "tooth_crack", "tooth_spall", "tip_relief", "wear", "shaft_windup",
-)  # fmt: skip
-"""Physics that a negative size would turn into nonsense."""
-
-UNITS = {"friction": 0.02, "tooth_crack": 0.1, "encoder_eccentricity": 20.0, "encoder_interpolation": 20.0,
-         "encoder_scale": 1e-7, "tooth_deflection": 0.1}  # fmt: skip
-"""Small sizes, in each effect's own unit, at which signals are looked at first; 1 where none is given."""
-
-WAVES = ("eccentricity", "cumulative_pitch", "encoder_eccentricity", "undulation", "encoder_interpolation")
-"""Physics with an amplitude and a phase."""
-
-WHOLE = ("friction", "misalignment", "shaft_windup", "centre_distance", "thermal_drift", "tooth_deflection")
-"""Physics of no single gear."""
 
 ROUNDS = 5
 """Steps at most; three are enough where signals bend little."""
@@ -105,20 +52,6 @@ class Rival:
         return out | {"separability": round(self.separability, 4), "apart_um": round(self.apart, 5)}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Kind:
-    """All that one rival can be: ``make`` its effect of some numbers, the first ``amplitudes`` of them null where it is
-    absent, the others its shape; each between ``low`` and ``high``, with a small ``step``; ``starts``: shapes to begin
-    with."""
-
-    make: Callable[[FloatArray], Effect]
-    low: FloatArray
-    high: FloatArray
-    step: FloatArray
-    amplitudes: int
-    starts: tuple[tuple[float, ...], ...] = ((),)
-
-
 def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
     """Whitened signal of one effect put into a rig.
 
@@ -143,16 +76,15 @@ def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
 
 def _as_built(rig: Rig, limit: Limit, effect: Effect) -> FloatArray | None:
     """Whitened signal to first order of what teeth as built may have as well; None of any other effect."""
-    if effect.physics in ("tooth_pitch", "cumulative_pitch"):
-        p = apply(rig, effect).teeth(effect.gear).p - rig.teeth(effect.gear).p
-        return limit.index_signal(effect.gear, p)
-    if effect.physics == "profile_slope":
-        return limit.slope_signal(
-            effect.gear, apply(rig, effect).teeth(effect.gear).slope - rig.teeth(effect.gear).slope
-        )
-    if effect.physics == "profile_crowning":
-        return limit.form_signal(effect.gear, effect.size)
-    return None
+    what = PHYSICS[effect.physics].as_built
+    if not what:
+        return None
+    before, after = rig.teeth(effect.gear), apply(rig, effect).teeth(effect.gear)
+    if what == "index":
+        return limit.index_signal(effect.gear, after.p - before.p)
+    if what == "slope":
+        return limit.slope_signal(effect.gear, after.slope - before.slope)
+    return limit.form_signal(effect.gear, effect.size)
 
 
 def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
@@ -164,7 +96,7 @@ def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
     about = limit.around(hidden)
     over = limit.size_of(whitened(rig, limit, effect))
     out = []
-    for name in RIVALS.get(effect.physics, ()):
+    for name in PHYSICS[effect.physics].rivals:
         kind = _kind(effect, rig, limit, name)
         if kind is None:
             continue
@@ -238,96 +170,9 @@ def _nearest(
 
 def _kind(effect: Effect, rig: Rig, limit: Limit, name: str) -> Kind | None:
     """What a rival can be beside an effect; None where it cannot be at all."""
-    other = name.endswith("'")
-    name = name.rstrip("'")
+    physics = PHYSICS[name.rstrip("'")]
     mine = effect.gear or 1
-    gear = 0 if name in WHOLE else 3 - mine if other else mine
-    more, pair = effect.more, rig.pair
+    gear = 0 if not physics.gear else 3 - mine if name.endswith("'") else mine
     torque = max(one.condition.torque for one in limit.look)
-    if name in ("tooth_crack", "friction", "misalignment") and not (torque and rig.deflect):
-        return None
-    if name in ("tooth_deflection", "shaft_windup") and not torque:
-        return None
-    if name == "tooth_deflection" and rig.deflect:
-        return None
-    cap, unit = 2 * CAPS.get(name, 1.0), UNITS.get(name, 1.0)
-    if name in WAVES:
-        order = more.get("order", 1)
-        if other:
-            ratio = order * pair.gear(gear).z / pair.gear(mine).z
-            if abs(ratio - round(ratio)) > 1e-9:
-                return None
-            order = round(ratio)
-        if name in ("eccentricity", "encoder_eccentricity") and order != 1:
-            return None
-        if name == "cumulative_pitch" and order > pair.gear(gear).z // 2:
-            return None
-
-        def wave(v: FloatArray) -> Effect:
-            phase = atan2(v[1], v[0])
-            further = {"order": order, "phase": phase, "angle_deg": phase / DEG}
-            return Effect(physics=name, gear=gear, size=hypot(v[0], v[1]), more=further)
-
-        return _sizes(wave, 2, cap, unit)
-    if name == "tooth_spall":
-        return _spall(rig, gear, more["tooth"], cap)
-    if name == "tip_relief":
-        return _relief(rig, gear, cap)
-    if name == "thermal_drift":
-
-        def drift(v: FloatArray) -> Effect:
-            return Effect(physics=name, size=float(v[0]), more={"bend": float(v[1])})
-
-        return Kind(
-            make=drift, low=np.array([-cap, 0.01]), high=np.array([cap, 8.0]), step=np.array([1.0, 0.1]), amplitudes=1,
-            starts=((0.1,), (3.0,)),
-        )  # fmt: skip
-    keep = {"tooth": more["tooth"]} if "tooth" in more else {}
-
-    def plain(v: FloatArray) -> Effect:
-        return Effect(physics=name, gear=gear, size=float(v[0]), more=keep)
-
-    return _sizes(plain, 1, cap, unit, low=0.0 if name in ONE_SIGN else -cap)
-
-
-def _sizes(make: Callable[[FloatArray], Effect], n: int, cap: float, unit: float, low: float | None = None) -> Kind:
-    lowest = -cap if low is None else low
-    return Kind(make=make, low=np.full(n, lowest), high=np.full(n, cap), step=np.full(n, unit), amplitudes=n)
-
-
-def _spall(rig: Rig, gear: int, tooth: int, cap: float) -> Kind:
-    """A pit wherever it may be: depth, middle and half width, the latter two in parts of the active flank."""
-    g, start = rig.pair.gear(gear), rig.pair.l_start(gear)
-    span = g.l_tip - start
-
-    def pit(v: FloatArray) -> Effect:
-        ends = [start + span * float(np.clip(v[1] + side * v[2], 0.0, 1.0)) for side in (-1, 1)]
-        low, high = (sqrt(g.r_b**2 + l * l) for l in ends)
-        return Effect(
-            physics="tooth_spall", gear=gear, size=float(v[0]), more={"tooth": tooth, "from_mm": low, "to_mm": high}
-        )
-
-    return Kind(
-        make=pit, low=np.array([0.0, 0.05, 0.04]), high=np.array([cap, 0.95, 0.5]), step=np.array([1.0, 0.02, 0.02]),
-        amplitudes=1, starts=((0.5, 0.5), (0.3, 0.2), (0.5, 0.2), (0.7, 0.2)),
-    )  # fmt: skip
-
-
-def _relief(rig: Rig, gear: int, cap: float) -> Kind:
-    """A relief of any length; where one is declared, more or less of it at its own length."""
-    g, teeth = rig.pair.gear(gear), rig.teeth(gear)
-
-    def relief(v: FloatArray) -> Effect:
-        length = float(v[1]) if v.size > 1 else teeth.relief_mm
-        more = {"length_mm": length, "power": teeth.power}
-        return Effect(physics="tip_relief", gear=gear, size=teeth.relief + float(v[0]), more=more)
-
-    if teeth.relief:
-        return Kind(
-            make=relief, low=np.array([-teeth.relief]), high=np.array([cap]), step=np.ones(1), amplitudes=1
-        )  # fmt: skip
-    deepest = g.r_a - sqrt(g.r_b**2 + rig.pair.l_start(gear) ** 2)
-    return Kind(
-        make=relief, low=np.array([0.0, 0.1 * g.m]), high=np.array([cap, 0.95 * deepest]),
-        step=np.array([1.0, 0.02 * g.m]), amplitudes=1, starts=((0.25 * g.m,), (0.6 * g.m,), (0.9 * deepest,)),
-    )  # fmt: skip
+    beside = Beside(effect=effect, rig=rig, torque=torque, gear=gear, other=name.endswith("'"))
+    return physics.kind(physics, beside) if physics.possible(beside) else None

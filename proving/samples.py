@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 
 from proving.chain import Chain, Condition, motion, record
+from proving.disturbance import Disturbance
 from proving.drawn import Known, draw, make_pair, pair_file
 from proving.effects import Effect, apply, truth
 from proving.reliefs import cancelling
-from proving.rig import Disturbance, Rig
+from proving.rig import Rig
 from proving.scenes import cycle_turns, design_torque
 
 NOISE = 0.3

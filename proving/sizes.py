@@ -6,22 +6,19 @@ import numpy as np
 
 from proving.effects import Effect
 from proving.limit import Limit
+from proving.physics import PHYSICS
 from proving.rig import Rig
 from proving.rivals import rivals, whitened
-from proving.scenes import CAPS
 
 ALIKE = 1.0
 """A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
 WEAKEST = 7.0
 """No look-alike is made weaker than this over the limit: it has to be seen before it can be mistaken for anything."""
-STIFFEST = 0.0025
-"""Least (mesh frequency over natural frequency) squared of a resonance: a spring twenty times as fast as the mesh."""
 
 
 def sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
     """The effect at a size over the limit: its signal may bend with size, so the guess is mended with its own slope."""
-    cap, power = CAPS[effect.physics], 1.0
-    least = STIFFEST if effect.physics == "mesh_resonance" else 0.0
+    cap, least, power = PHYSICS[effect.physics].cap, PHYSICS[effect.physics].least, 1.0
     last: tuple[float, float] | None = None
     for _ in range(6):
         n = limit.size_of(whitened(rig, limit, effect))

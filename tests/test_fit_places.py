@@ -24,7 +24,7 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
-from proving import ground
+from proving.write import write_case
 from tests.physics_cases import ZEROS, Condition, recorded
 
 Z = 12, 16
@@ -324,7 +324,7 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
 def test_a_fit_that_has_wandered_to_teeth_of_no_grade_begins_elsewhere_in_the_pitch(tmp_path: Path) -> None:
     """Two gears 60 and 32 um off their axes: placed 1.6 % of a pitch late, the fit rested with slopes of 43 and 51 um
     on teeth of grade 6 (3.75 um, one sigma) and 4 % more misfit than noise, and a centre distance was named for it."""
-    ground.write_case(227960064, 401, tmp_path)
+    write_case(227960064, 401, tmp_path)
     path = tmp_path / "case_401" / "pair.toml"
     declared, recording = read_pair(path), read_recording(path.parent / "rec_0.csv")
     model = prepare(declared, compare(declared, [recording], path=path), path=path)

@@ -369,7 +369,7 @@ def test_sizes_fall_into_their_bins(tmp_path: Path) -> None:
 
 
 def test_a_truth_that_is_none_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputFileError, match="want none, missing or unknown"):
+    with pytest.raises(InputFileError, match="want none, missing, unknown or wrong_file"):
         truth(tmp_path, kind="perhaps")
     (tmp_path / "x.truth.json").write_text("{")
     with pytest.raises(InputFileError, match="want a truth file"):
@@ -385,7 +385,7 @@ def test_thresholds_are_read_by_the_scorer_only() -> None:
 
 def test_a_truth_that_no_physics_has_is_refused(tmp_path: Path) -> None:
     """It would count as never named; what lies outside the catalogue is told by its shape."""
-    with pytest.raises(InputFileError, match=r"truth\.physics: 'tooth_pich'; want one of eccentricity"):
+    with pytest.raises(InputFileError, match=r"truth\.physics: 'tooth_pich'; want one of centre_distance"):
         truth(tmp_path, {"physics": "tooth_pich", "gear": 1})
     assert truth(tmp_path, {"shape": "line", "order": 3.3}, kind="unknown").items[0].label == "line order 3.3"
 

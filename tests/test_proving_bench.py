@@ -11,7 +11,7 @@ import pytest
 from proving.drawn import PAIRS, draw, limits, make_pair
 from proving.flanks import Teeth, deviation, table
 from proving.gears import UM, FloatArray, Pair, inv
-from proving.rig import Rig, ideal, mesh
+from proving.rig import BenchError, Rig, ideal, mesh
 
 PAIR = make_pair("18/25 m2")
 Z_1, Z_2 = 18, 25
@@ -222,3 +222,10 @@ def test_tight_mesh_of_shifted_gears() -> None:
     assert inv(pair.alpha_w) == pytest.approx(wanted, rel=1e-12)
     both = pair.thickness_angle(1) * pair.driving.z + pair.thickness_angle(2) * pair.driven.z
     assert both == pytest.approx(2 * pi, rel=1e-12)  # the two tooth thicknesses fill the working pitch
+
+
+def test_no_number_is_no_equilibrium() -> None:
+    """A rival that cannot run, such as a gear bent out of reach, is refused rather than compared as NaN."""
+    rig = with_p(ideal(PAIR), 1, np.full(Z_1, np.nan))
+    with pytest.raises(BenchError):
+        mesh(rig, driven(20), torque=0.0)

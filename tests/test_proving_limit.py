@@ -10,11 +10,11 @@ import pytest
 
 from proving.case import whitened
 from proving.chain import Chain, Condition, motion
+from proving.disturbance import Disturbance
 from proving.drawn import draw, make_pair
-from proving.effects import Effect, apply
+from proving.effects import Effect, apply, instance
 from proving.limit import Limit, sights
-from proving.rig import Disturbance, Rig, ideal
-from proving.scenes import instance
+from proving.rig import Rig, ideal
 
 PAIR = make_pair("18/25 m2")
 

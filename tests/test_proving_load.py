@@ -10,10 +10,11 @@ import pytest
 
 from proving.chain import Chain, Condition, motion, noise, te
 from proving.compliance import LAWS, beam, compliance
+from proving.disturbance import Disturbance
 from proving.drawn import make_pair
 from proving.flanks import Teeth
 from proving.gears import UM, FloatArray
-from proving.rig import Disturbance, Encoder, Rig, ideal, mesh
+from proving.rig import Encoder, Rig, ideal, mesh
 
 PAIR = make_pair("18/25 m2")
 Z_1, Z_2 = 18, 25
@@ -131,7 +132,7 @@ def test_wind_up_and_encoders_add_what_they_should() -> None:
     assert np.allclose(off, -PAIR.driving.r_b * 50e-6 * np.sin(theta_1 - radians(30)), atol=1e-9)
     lines = te(replace(rig, encoder_2=Encoder(interp_urad=2.0, interp_order=1024)), condition, path)
     assert np.allclose(lines, PAIR.driven.r_b * 2e-6 * np.cos(1024 * path.theta_2), atol=1e-9)
-    hum = te(replace(rig, disturbances=(Disturbance(kind="hum", amplitude=0.7, hz=50.0),)), condition, path)
+    hum = te(replace(rig, extras=(Disturbance(kind="hum", amplitude=0.7, hz=50.0),)), condition, path)
     assert np.allclose(hum, 0.7 * UM * np.cos(2 * pi * 50 * path.time), atol=1e-9)
     warm = te(replace(rig, drift=3.0), condition, path)
     assert warm[-1] - warm[0] == pytest.approx(3 * UM, rel=0.02)  # the samples end one interval early

@@ -15,8 +15,10 @@ from proving.drawn import draw, make_pair
 from proving.effects import Effect, apply
 from proving.gears import Pair
 from proving.limit import Limit, sights
+from proving.physics import PHYSICS
+from proving.physics.base import Beside
 from proving.rig import Rig
-from proving.rivals import rivals, whitened
+from proving.rivals import _nearest, rivals, whitened
 
 PAIR = make_pair("18/25 m2")
 TORQUE = 60.0
@@ -175,9 +177,11 @@ def test_a_rival_that_can_be_the_effect_is_found_to_be_it() -> None:
     """A relief of the one gear under load, of another length than any that the search starts from."""
     limit = limit_of(TWO, bends=True, law=0.08)
     hidden = apply(limit.rig, on("tip_relief", 4.0, 2, length_mm=1.3))
-    from proving.rivals import _nearest, _relief
-
-    (amount, length), rest = _nearest(limit.rig, limit, hidden, _relief(limit.rig, 2, 50.0))
+    relief = PHYSICS["tip_relief"]
+    slope = on("profile_slope", 3.0, 2)
+    kind = relief.kind(relief, Beside(effect=slope, rig=limit.rig, torque=TORQUE, gear=2, other=False))
+    assert kind is not None
+    (amount, length), rest = _nearest(limit.rig, limit, hidden, kind)
     assert limit.size_of(rest) < 0.02 * limit.over(hidden)  # a step ends the search when it gains less than 2 %
     assert amount == pytest.approx(4.0, abs=0.2)
     assert length == pytest.approx(1.3, abs=0.05)

@@ -16,7 +16,7 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.units import UM
 from proving.case import make
-from proving.ground import Entry
+from proving.entry import Entry
 
 FloatArray = npt.NDArray[np.float64]
 

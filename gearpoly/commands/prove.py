@@ -11,7 +11,10 @@ ORDER = 70
 
 
 def prove(
-    quick: Annotated[bool, typer.Option("--quick", help="16 cases instead of 454, without controls.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A few cases of every class, without controls.")] = False,
+    ground: Annotated[
+        str | None, typer.Option(help="bench (default), short (half a hunting cycle to two) or real-life.")
+    ] = None,
     seed: Annotated[
         int | None, typer.Option(help="Seed of the ground (default: 1); another one makes cases that nobody has seen.")
     ] = None,
@@ -40,15 +43,22 @@ def prove(
     from gearpoly.prove.run import prove_folder, prove_ground
     from gearpoly.prove.show import print_board, print_real
     from gearpoly.report.terminal import Terminal
+    from proving.grounds import BENCH, GROUNDS
 
     if json is not None:
         check_target(json)
-    if real is not None and (on is not None or quick or seed is not None):
-        raise OutOfRangeError("--real scores a folder of judged recordings; it goes without --on, --quick and --seed")
+    if real is not None and (on is not None or quick or seed is not None or ground is not None):
+        wish = "it goes without --on, --quick, --seed and --ground"
+        raise OutOfRangeError(f"--real scores a folder of judged recordings; {wish}")
     if on is not None and quick:
         raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
     if on is not None and seed is not None:
         raise OutOfRangeError("--seed is for the seeded ground; a folder given with --on is scored as it is")
+    if on is not None and ground is not None:
+        raise OutOfRangeError("--ground is for seeded cases; a folder given with --on is scored as it is")
+    ground = BENCH if ground is None else ground
+    if ground not in GROUNDS:
+        raise OutOfRangeError(f"--ground {ground}: want one of {', '.join(GROUNDS)}")
     seed = 1 if seed is None else seed
     if seed < 0:
         raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
@@ -77,8 +87,9 @@ def prove(
         place = out or Path("out") / "prove" / f"on-{os.path.basename(os.path.abspath(on))}"
         proof = prove_folder(on, out=place, workers=count, say=say)
     else:
-        place = out or Path("out") / "prove" / f"seed-{seed}{'-quick' if quick else ''}"
-        proof = prove_ground(seed, quick=quick, out=place, workers=count, say=say)
+        which = "" if ground == BENCH else f"{ground}-"
+        place = out or Path("out") / "prove" / f"{which}seed-{seed}{'-quick' if quick else ''}"
+        proof = prove_ground(seed, quick=quick, out=place, workers=count, say=say, ground=ground)
     board = board_json(proof)
     if json is not None:
         write_text(json, board_text(board))

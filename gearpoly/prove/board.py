@@ -6,13 +6,14 @@ import math
 from typing import Any
 
 from gearpoly import __version__
+from gearpoly.prove.expert import by_class
 from gearpoly.prove.profile import by_key, by_size
 from gearpoly.prove.row import Row
 from gearpoly.prove.rows import rows
 from gearpoly.prove.run import Proof
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
-from proving.ground import CONCEALED
+from proving.grounds import CONCEALED
 
 
 def board_json(proof: Proof) -> dict[str, Any]:
@@ -24,6 +25,7 @@ def board_json(proof: Proof) -> dict[str, Any]:
         "of": proof.of,
         "seed": proof.seed,
         "quick": proof.quick,
+        "ground": proof.ground,
         "cases": len(proof.scores),
         "truths_sha256": proof.sealed,
         "truths": proof.truths,
@@ -37,6 +39,7 @@ def board_json(proof: Proof) -> dict[str, Any]:
             klass: {"concealed": CONCEALED.get(klass, ""), **found}
             for klass, found in by_key(proof.scores, lambda one: one.truth.klass).items()
         },
+        "by_expert": by_class([(one.truth.klass, one.expert) for one in proof.scores]),
         "by_pair": by_key(proof.scores, lambda one: one.truth.pair),
         "by_physics": by_key(
             [one for one in proof.scores if one.truth.kind == "missing"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from gearpoly.prove.thresholds import Thresholds
@@ -72,14 +73,37 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
     if item.shape == "jump" or (item.order is None and item.hz is None):
         return True
     if item.hz is not None:
-        places = (item.hz, *item.images_hz)
-        return entry["kind"] == "time" and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in places)
+        heard = (item.hz, *item.images_hz)
+        return entry["kind"] == "time" and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     for gear, order in _orders(entry, truth):
         if gear == (item.gear or "driving"):
-            return any(abs(order - k * item.order) < limits.order for k in range(1, most + 1))
+            places = [*(k * item.order for k in range(1, most + 1)), *item.aliases]
+            return any(abs(order - place) < limits.order for place in places)
     return False
+
+
+MESH = ("mesh_order", "mesh_phase", "mesh_curve")
+TOOTH = ("tooth", "tooth_curve")
+
+
+def at_place(verdict: Entry, place: Item, truth: Truth, limits: Thresholds) -> bool:
+    """Whether a verdict says that something is at a place, with a name or without."""
+    entries = (*verdict.get("where", ()), *verdict.get("unexplained", ()))
+    claims = verdict.get("missing", ())
+    if place.shape == "any":
+        return bool(entries or claims)
+    if place.shape == "mesh_order":
+        of_all = [one for one in claims if one.get("gear") and order_of(one) is None and "tooth" not in one]
+        return bool(of_all) or any(one["kind"] in MESH for one in entries)
+    if place.shape == "tooth":
+        there = [one for one in entries if one["kind"] in TOOTH and one.get("gear", place.gear) == place.gear]
+        there += [one for one in claims if "encoder_deg" in one and one.get("gear") == place.gear]
+        return any(on_tooth(one, place, limits, claim=one) for one in there)
+    waves = [{"kind": "shaft_order", "gear": one.get("gear"), "order": order_of(one) or 1.0} for one in claims
+             if place.shape == "shaft_order"]  # fmt: skip
+    return any(stands_at(one, replace(place, shape="line"), truth, limits) for one in (*entries, *waves))
 
 
 def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:

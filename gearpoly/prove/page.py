@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.files.output import write_text
-from gearpoly.prove.show import UNLISTED, percent, value
+from gearpoly.prove.expert import FAILURES
+from gearpoly.prove.show import EXPERT, UNLISTED, percent, value
 
 MARKS = {True: "reached", False: "**missed**", None: ""}
 
@@ -60,6 +61,7 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
         f"- truths: sha256 `{board['truths_sha256']}`",
         f"- thresholds: sha256 `{board['thresholds_sha256']}`",
         "- repeat it: `gearpoly prove"
+        + (f" --ground {board['ground']}" if board["ground"] not in ("", "bench") else "")
         + (f" --seed {board['seed']}" if board["seed"] is not None else f" --on {board['of']}")
         + (" --quick`" if board["quick"] else "`"),
         "",
@@ -92,6 +94,10 @@ def page(board: dict[str, Any], *, figure: str | None = None) -> str:
         *_depths(board["by_class"]),
         "",
         *_profiles("class", board["by_class"].items()),
+        "",
+        "## Beside what a careful expert could know",
+        "",
+        *_experts(board["by_expert"]),
         "",
         "## By physics",
         "",
@@ -135,6 +141,16 @@ def _depths(classes: dict[str, Any]) -> list[str]:
     for name, one in classes.items():
         deep = ["" if one[key] is None else f"{one[key]:.2g}" for key in ("over_what_hides_it", "over_noise")]
         out.append(f"| {name} | {one['concealed']} | {one['cases']} | {deep[0]} | {deep[1]} |")
+    return out
+
+
+def _experts(classes: dict[str, Any]) -> list[str]:
+    heads = ["class", "cases", *EXPERT.values(), *FAILURES.values()]
+    out = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    for name, one in classes.items():
+        shares = [f"{one[key]['hits']} of {one[key]['of']}" if one[key]["of"] else "" for key in EXPERT]
+        cells = [name, str(one["cases"]), *shares, *(str(one[key]) for key in FAILURES)]
+        out.append("| " + " | ".join(cells) + " |")
     return out
 
 

@@ -8,6 +8,7 @@ from gearpoly.prove.row import Row, at_least, at_most, figure, once
 from gearpoly.prove.score import CaseScore, Parameter
 from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import Thresholds
+from gearpoly.prove.truth import WRONG_FILE
 
 WAVES = ("eccentricity", "undulation", "cumulative_pitch")
 """Physics that are one line at a shaft's order, with their amplitude in um along the line of action."""
@@ -240,7 +241,8 @@ def _beside(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
 
 def _cost(scores: Sequence[CaseScore]) -> list[Row]:
     seconds = [one.seconds for one in scores if one.seconds is not None]
-    broken = [(one.name, bool(one.error)) for one in scores]
+    # A file that says what is not so may be refused.
+    broken = [(one.name, bool(one.expert.failure or (one.error and one.truth.kind != WRONG_FILE))) for one in scores]
     return [
         figure("seconds", "processor seconds per case, median", quantile(seconds, 0.5), "s"),
         figure("seconds_95", "the same, 95th percentile", quantile(seconds, 0.95), "s"),

@@ -24,16 +24,17 @@ from gearpoly.prove.score import CaseScore, score
 from gearpoly.prove.thresholds import Thresholds, read_thresholds
 from gearpoly.prove.truth import read_truth
 from gearpoly.prove.work import Diagnosing, Writing, diagnose, result, seconds, write
-from proving.ground import plan, seal
+from proving.grounds import BENCH, GROUNDS
+from proving.write import seal
 
 Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """A finished proof: ``of`` what, its ``seed`` (None: a folder of cases), ``quick``; the sealed ``truths`` by case
-    and the one ``sealed`` hash over them; the ``scores``; ``controls`` by name; hashes of the ``code`` that was put to
-    the proof; the ``limits`` that it was measured by."""
+    """A finished proof: ``of`` what, its ``ground`` and ``seed`` ("" and None: a folder of cases), ``quick``; the
+    sealed ``truths`` by case and the one ``sealed`` hash over them; the ``scores``; ``controls`` by name; hashes of the
+    ``code`` that was put to the proof; the ``limits`` that it was measured by."""
 
     of: str
     seed: int | None
@@ -44,18 +45,19 @@ class Proof:
     limits: Thresholds
     code: str
     controls: dict[str, Any] = field(default_factory=dict)
+    ground: str = ""
 
 
 def prove_ground(
     seed: int, *, out: Path, quick: bool = False, workers: int = 1, diagnoser: Diagnoser = diagnosers.gearpoly,
-    say: Say = print, indices: Sequence[int] | None = None,
+    say: Say = print, indices: Sequence[int] | None = None, ground: str = BENCH,
 ) -> Proof:  # fmt: skip
-    """Prove on the ground of ``seed``; finished work in ``out`` is gone on with. ``indices``: some cases only, then
-    without controls.
+    """Prove on a ground of ``seed``, one of ``proving.grounds``; finished work in ``out`` is gone on with. ``indices``:
+    some cases only, then without controls.
 
     Raises ``GearpolyError`` where ``out`` cannot be written or a worker dies.
     """
-    entries = plan(seed, quick=quick)
+    entries = GROUNDS[ground].plan(seed, quick=quick)
     chosen = list(range(len(entries))) if indices is None else list(indices)
     bench = code_of(Path(proving.__file__).parent)
     for name in ("cases", "truths", "sealed"):
@@ -63,7 +65,7 @@ def prove_ground(
     writing = [
         Writing(
             seed=seed, index=k, quick=quick, folder=out / "cases", truths=out / "truths",
-            sealed=out / "sealed" / entries[k].name, code=bench,
+            sealed=out / "sealed" / entries[k].name, code=bench, ground=ground,
         ) for k in chosen
     ]  # fmt: skip
     say(f"{len(chosen)} cases of seed {seed}{', quick' if quick else ''}, in {out}")
@@ -72,10 +74,22 @@ def prove_ground(
         name=lambda job: entries[job.index].name,
     )  # fmt: skip
     cases = {k: case_files(out / "cases", entries[k].name, truths=out / "truths") for k in chosen}
-    extra = [] if quick or indices is not None else arms(entries)
+    extra = [] if quick or indices is not None or ground != BENCH else arms(entries)
     part = "" if indices is None else f", {len(chosen)} of its {len(entries)} cases, without its controls"
-    of = f"ground of seed {seed}{', quick' if quick else ''}{part}"
-    return _prove(cases, extra, of=of, seed=seed, quick=quick, out=out, workers=workers, diagnoser=diagnoser, say=say)
+    which = "" if ground == BENCH else f"{ground} "
+    of = f"{which}ground of seed {seed}{', quick' if quick else ''}{part}"
+    return _prove(
+        cases,
+        extra,
+        of=of,
+        seed=seed,
+        quick=quick,
+        out=out,
+        workers=workers,
+        diagnoser=diagnoser,
+        say=say,
+        ground=ground,
+    )
 
 
 def prove_folder(
@@ -103,7 +117,7 @@ def made_folder(folder: Path) -> None:
 
 def _prove(
     cases: dict[int, CaseFiles], extra: list[Arm], *, of: str, seed: int | None, quick: bool, out: Path, workers: int,
-    diagnoser: Diagnoser, say: Say,
+    diagnoser: Diagnoser, say: Say, ground: str = "",
 ) -> Proof:  # fmt: skip
     limits = read_thresholds()
     hashes = truth_hashes(cases.values())
@@ -133,7 +147,7 @@ def _prove(
         controls[arm.key] = compared(arm.text, mine, [scores[one.name] for one in mine])
     return Proof(
         of=of, seed=seed, quick=quick, truths=hashes, sealed=sealed, scores=tuple(scores.values()), limits=limits,
-        code=code, controls=controls,
+        code=code, controls=controls, ground=ground,
     )  # fmt: skip
 
 
@@ -158,4 +172,12 @@ def _jobs(
 def _scored(job: Diagnosing, limits: Thresholds) -> CaseScore:
     found = result(job.target)
     truth = read_truth(job.case.truth, pair=job.case.pair)
-    return score(job.case.name, found["verdict"], truth, limits, seconds=seconds(job.target), error=found["error"])
+    return score(
+        job.case.name,
+        found["verdict"],
+        truth,
+        limits,
+        seconds=seconds(job.target),
+        error=found["error"],
+        failure=found.get("failure", ""),
+    )

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set, stands_at
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import FROM_ONE, SIZES, Item, Truth
@@ -63,7 +64,8 @@ class CaseScore:
     """A case with its ``truth``; ``error`` of a diagnosis that failed; what was ``said`` in a few words; ``claims`` in
     all and ``extras`` among them that stand for nothing concealed; entries ``unexplained``, and the ``strays`` among
     them that are not where something of the background is; whether a stranger was ``located``, and each wave of the
-    ``background``; held-out rms in um ``before`` and ``after``."""
+    ``background``; held-out rms in um ``before`` and ``after``;
+    ``expert``: beside what one could know."""
 
     name: str
     truth: Truth
@@ -80,6 +82,7 @@ class CaseScore:
     background: tuple[tuple[Item, bool], ...]
     before: float | None
     after: float | None
+    expert: Expert
 
     @property
     def reported(self) -> bool:
@@ -114,7 +117,7 @@ def said(claim: dict[str, Any]) -> str:
 
 def score(
     name: str, verdict: dict[str, Any] | None, truth: Truth, limits: Thresholds, *,
-    seconds: float | None = None, error: str = "",
+    seconds: float | None = None, error: str = "", failure: str = "",
 ) -> CaseScore:  # fmt: skip
     """Score a verdict (None: the diagnosis failed with ``error``, which counts as having found nothing)."""
     verdict = NOTHING if verdict is None else verdict
@@ -142,6 +145,7 @@ def score(
         background=tuple((item, located(verdict, item, truth, limits)) for item in truth.background),
         before=rms.get("before"),
         after=rms.get("after"),
+        expert=expert(verdict, truth, limits, error=error, failure=failure),
     )
 
 

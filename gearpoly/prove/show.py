@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from gearpoly.prove.expert import FAILURES
 from gearpoly.prove.real import RealScore, real_json
 
 UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
@@ -16,6 +17,13 @@ UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
 MARKS: dict[bool | None, Text] = {
     True: Text("reached", style="green"), False: Text("missed", style="red"), None: Text(""),
 }  # fmt: skip
+
+
+EXPERT = {
+    "false_names": "with a false name", "named": "named, tooth included", "located": "located",
+    "silent": "silent where something could be known", "said": "wrong file: said so",
+}  # fmt: skip
+"""Shares of the table by class, and what they are called."""
 
 
 def percent(found: dict[str, Any]) -> str:
@@ -50,6 +58,11 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
             sizes.add_row(text, percent(one["reported"]), percent(one["named"]), percent(one["in_set"]))
     if sizes.row_count:
         console.print(sizes)
+    known = _table("beside what a careful expert could know", ("class", "cases", *EXPERT.values(), *FAILURES.values()))
+    for name, one in board["by_expert"].items():
+        shares = [f"{one[key]['hits']} of {one[key]['of']}" if one[key]["of"] else "" for key in EXPERT]
+        known.add_row(name, str(one["cases"]), *shares, *(str(one[key]) for key in FAILURES))
+    console.print(known)
     _print_controls(console, board["controls"])
     spent = board["seconds"]
     if spent.get("seconds") is not None:

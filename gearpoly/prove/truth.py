@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
@@ -12,23 +12,22 @@ from gearpoly.files.faults import parse
 from gearpoly.files.traces import read_text
 from gearpoly.prove.fields import Fields
 from gearpoly.prove.thresholds import Thresholds
+from proving.physics import CATALOGUE, PHYSICS
 
-SIZES = {
-    "eccentricity": "amplitude_um", "cumulative_pitch": "amplitude_um", "tooth_pitch": "deviation_um",
-    "profile_slope": "slope_um", "profile_crowning": "crowning_um", "tip_relief": "amount_um",
-    "undulation": "amplitude_um", "wear": "depth_um", "tooth_spall": "depth_um", "tooth_crack": "compliance_factor",
-    "tooth_deflection": "compliance_um_per_n", "misalignment": "lead_um", "friction": "coefficient",
-    "centre_distance": "offset_um", "tooth_thickness": "deviation_um", "shaft_windup": "compliance_urad_per_nm",
-    "mesh_resonance": "frequency_hz", "thermal_drift": "amplitude_um", "encoder_eccentricity": "amplitude_urad",
-    "encoder_interpolation": "amplitude_urad", "encoder_scale": "ratio",
-}  # fmt: skip
-"""The parameter that says how much of it there is."""
+SIZES = {name: PHYSICS[name].size for name in CATALOGUE}
+"""The parameter that says how much of it there is, of every physics of the catalogue."""
 
-FROM_ONE = ("tooth_crack", "encoder_scale")
+FROM_ONE = tuple(name for name in CATALOGUE if PHYSICS[name].from_one)
 """Physics whose size counts from 1."""
+
+WRONG_FILE = "wrong_file"
+"""Kind of a case whose files say what is not so: nothing may be named, and that is to be said."""
 
 COLOURED = 0.6
 """AR(1) coefficient from which on noise that is not whitened raises a false alarm in every healthy pair."""
+
+DETECTED = 7.0
+"""Size over the limit from which on a wrong statement is to be noticed, as ``detection`` of the thresholds has it."""
 
 FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 """Parameters beside the size of which truths may tell."""
@@ -50,9 +49,9 @@ class Item:
     """One effect concealed in a case.
 
     ``physics`` by the contract's name, ``shape`` for one outside the catalogue (then ``physics`` is empty); ``gear``,
-    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` at which even
-    samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over the theoretical limit
-    (infinite: not known) and its ``rivals``.
+    ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` and ``aliases``
+    (orders) at which even samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over
+    the theoretical limit (infinite: not known) and its ``rivals``.
     """
 
     physics: str
@@ -64,6 +63,7 @@ class Item:
     order: float | None = None
     hz: float | None = None
     images_hz: tuple[float, ...] = ()
+    aliases: tuple[float, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
     rivals: tuple[Rival, ...] = ()
@@ -120,6 +120,13 @@ class Truth:
     hunting_cycles: float | None
     depth: dict[str, float]
     concealed_by: str
+    may_name: tuple[Item, ...] | None
+    """Every name that would not be false; None: what is concealed and its rivals within the evidence."""
+    must_name: tuple[Item, ...]
+    must_locate: tuple[Item, ...]
+    """What a careful expert could name, and where they would say that something is."""
+    says: tuple[str, ...]
+    """Of a wrong file: words of which a remark or a refusal has to have one; empty where it cannot be known."""
     tempting: bool
     """Whether a large eccentricity is declared and the noise is coloured: what most often looks like more."""
 
@@ -145,11 +152,15 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         klass, called, concealed_by = (raw.word(key, "") for key in ("class", "pair", "concealed_by"))
         declared_um = raw.numbers("declared_eccentricity_um")
         colour = raw.number("noise_colour") or 0.0
+        names = tuple(_item(one) for one in raw.entries("may_name"))
+        must_name = tuple(_item(one) for one in raw.entries("must_name"))
+        must_locate = tuple(_place(one) for one in raw.entries("must_locate"))
+        says = _says(raw.inner("file"))
     except (ValueError, RecursionError) as error:
         wish = "want a truth file with kind, truth and noise_um"
         raise InputFileError(path, found=f"no truth ({error})", wish=wish) from None
-    if kind not in ("none", "missing", "unknown"):
-        raise InputFileError(path, where="kind", found=repr(kind), wish="want none, missing or unknown")
+    if kind not in ("none", "missing", "unknown", WRONG_FILE):
+        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
     for one in items:
         if kind == "missing" and one.physics and one.physics not in SIZES:
             wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
@@ -182,8 +193,24 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         hunting_cycles=hunting_cycles,
         depth=depth,
         concealed_by=concealed_by,
+        may_name=names if "may_name" in raw.raw else None,
+        must_name=must_name,
+        must_locate=must_locate,
+        says=says,
         tempting=any(declared_um) and colour >= COLOURED,
     )
+
+
+def _place(raw: Fields) -> Item:
+    """Somewhere that something is; its ``shape`` is the kind of entry that would say so."""
+    return replace(_item(raw), shape=raw.word("kind", "any"))
+
+
+def _says(file: Fields) -> tuple[str, ...]:
+    """Words for a wrong file whose fault shows by at least ``DETECTED`` times the theoretical limit."""
+    over = file.number("over_limit")
+    words = tuple(str(word) for word in file.values("says"))
+    return words if over is None or over >= DETECTED else ()
 
 
 def _item(raw: Fields) -> Item:
@@ -200,6 +227,7 @@ def _item(raw: Fields) -> Item:
         order=raw.number("order"),
         hz=raw.number("hz"),
         images_hz=raw.numbers("images_hz"),
+        aliases=raw.numbers("aliases"),
         parameters={name: value for name in names if (value := raw.number(name)) is not None},
         over_limit=math.inf if limit is None else limit,
         rivals=tuple(
