@@ -114,7 +114,9 @@ def test_a_strong_wave_of_few_turns_of_the_record_is_no_noise(lines: float) -> N
     wave = 10.0 * UM * np.cos(2.0 * math.pi * lines * (t - t[0]) / (t[-1] - t[0]) + 0.4)
     found = locate([residual(u, t, wave + noise(rng, u.size, "white", 0.1 * UM), z_1=15, z_2=30)], gears=KNOWN)
     first = found.where[0]
-    assert first.hz == pytest.approx(lines / (t[-1] - t[0]), rel=0.02)
+    # At a nearly even speed so few turns do not tell time from angle.
+    hz = first.hz if first.hz is not None else (first.order or 0.0) * (u[-1] - u[0]) / 15 / (t[-1] - t[0])
+    assert hz == pytest.approx(lines / (t[-1] - t[0]), rel=0.02)
     assert first.amplitude_um == pytest.approx(10.0, rel=0.05)  # few turns share a little with the slow curves
     assert found.noise_level / UM == pytest.approx(0.1, rel=0.05)
 

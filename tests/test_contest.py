@@ -114,6 +114,7 @@ class Ends:
     def __init__(self, ends: dict[str, float], *, broken: str = "", graded: bool = False) -> None:
         self.ends, self.broken, self.noises = ends, broken, None
         self.asked: list[str] = []
+        self.over = False
         gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
         self.model = SimpleNamespace(claims=[named("first")], as_built=SimpleNamespace(gears=gears))
 

@@ -13,6 +13,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose import placing
+from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
 from gearpoly.diagnose.placing import ENOUGH, _best_of, first, off_by, opening, placed, well_placed
@@ -312,7 +313,13 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
 
     observed = [SimpleNamespace(samples=SimpleNamespace(size=1000))]
     model: Any = SimpleNamespace(
-        stated=stated, observed=observed, moved=moved.append, kept=dict, restore=lambda kept: None, claims=[]
+        stated=stated,
+        observed=observed,
+        moved=moved.append,
+        kept=dict,
+        restore=lambda kept: None,
+        claims=[],
+        budget=Budget(),
     )
     monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))
     monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", begun)

@@ -144,7 +144,7 @@ def test_bad_value_of_a_gear(tmp_path: Path, line: str, key: str, found: str, wi
         ("4", "4 is too small", "5 or more"),
         ("-18", "-18 is too small", "5 or more"),
         ("100000", "too large", "10000 or less"),
-        ("0x" + "f" * 9000, "a huge integer is too large", "10000 or less"),
+        ("0x" + "f" * 9000, "a huge value is too large", "10000 or less"),
     ],
 )
 def test_bad_number_of_teeth(tmp_path: Path, value: str, found: str, wish: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import MANY, MOST, Road, Search
 from gearpoly.errors import GeometryError
@@ -35,7 +36,7 @@ class Walk(Search):
         self.noises: list[Any] = []
         self.looked: Any = None
 
-        self.model: Any = SimpleNamespace(claims=[])
+        self.model: Any = SimpleNamespace(claims=[], budget=Budget())
 
     def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:
         self.asked.append(most)

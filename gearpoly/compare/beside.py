@@ -28,11 +28,12 @@ hundredth of the mean square."""
 class Aligned:
     """One recording beside its simulation, sample by sample (n,).
 
-    ``theta_1``, ``theta_2`` in rad, as estimated, 0 at the contract's angle zero; ``recorded``, ``simulated`` and
+    ``theta_1``, ``theta_2`` in rad, as read, 0 at the contract's angle zero; ``recorded``, ``simulated`` and
     ``residual`` (their difference) in mm along the line of action; means of a set compare. ``torque`` in N.mm,
     ``speed`` of the driving shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in
     mm what a resonance adds to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording,
-    as a part of it, ``steps`` in rad to which both shafts' readings are rounded, where that shows. Arrays are taken
+    as a part of it, ``steps`` in rad to which both shafts' readings are rounded, where that shows, ``driven_share`` the
+    part of the noise of single samples that the driven angle has. Arrays are taken
     over, and sealed; what follows from others is worked out when asked for, since recordings are long.
     """
 
@@ -48,6 +49,7 @@ class Aligned:
     swings: FloatArray | None = None
     load: FloatArray | None = None
     steps: tuple[float | None, float | None] = (None, None)
+    driven_share: float = 0.0
 
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):
@@ -65,8 +67,16 @@ class Aligned:
 
     @property
     def theta_1(self) -> FloatArray:
-        """Driving rotation (n,) in rad, as estimated: without the noise of single samples."""
-        return np.asarray((self.theta_2 - smoothed(self.recorded) / self.r_b2) / self.cleaned.ratio)
+        """Driving rotation (n,) in rad, as read."""
+        return np.asarray((self.theta_2 - self.recorded / self.r_b2) / self.cleaned.ratio)
+
+    @property
+    def estimated(self) -> tuple[FloatArray, FloatArray]:
+        """Driving and driven rotation (n,) in rad, as estimated: without the noise of single samples, at which columns
+        of encoders and of free waves are drawn."""
+        smooth = smoothed(self.recorded)
+        theta_2 = self.theta_2 - self.driven_share * (self.recorded - smooth) / self.r_b2
+        return np.asarray((theta_2 - smooth / self.r_b2) / self.cleaned.ratio), np.asarray(theta_2)
 
     @property
     def simulated(self) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gears, stated_limits
 from gearpoly.compare.align import lay
-from gearpoly.compare.angles import driven_share, smoothed
+from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
@@ -163,10 +163,6 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
     counted = not recording.computed
     driven = recording.driven_angle_rad is not None
     theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
-    # A transmission error that the rig computed brings its noise to the shaft that was not read.
-    share = driven_share(one.theta_1, one.theta_2, ratio=cycle.ratio) if counted else float(not driven)
-    if share > 0.0:
-        theta_2 = theta_2 - share * (one.te - smoothed(one.te))
     te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
     if drift:
         x = one.theta_2 if one.time_s is None else one.time_s
@@ -254,7 +250,16 @@ def _aligned(
         swings=swings,
         load=load,
         steps=_steps(one),
+        driven_share=_driven_share(one),
     )
+
+
+def _driven_share(one: Cleaned) -> float:
+    """Part of the noise of single samples that the driven angle has; a transmission error that the rig computed brings
+    its noise to the shaft that was not read."""
+    if one.recording.computed:
+        return float(one.recording.driven_angle_rad is None)
+    return driven_share(one.theta_1, one.theta_2, ratio=one.ratio)
 
 
 def _steps(one: Cleaned) -> tuple[float | None, float | None]:
@@ -284,9 +289,10 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
             columns += [(bend - mean) * COMPLIANCE_DOUBT, np.full(bend.size, mean * COMPLIANCE_DOUBT)]
         return np.column_stack(columns)
 
+    theta_1, estimated = one.estimated
     return AlignedResidual(
-        theta_1=one.theta_1,
-        theta_2=one.theta_2,
+        theta_1=theta_1,
+        theta_2=estimated,
         residual=one.residual,
         z_2=pair.driven.gear.z,
         time_s=one.time_s,

@@ -177,11 +177,13 @@ class Search(JumpSearch):
             if jumped:
                 continue
             if best == 0.0:
-                solution, unmasked = self.unmask(solution)
-                if unmasked:
-                    continue
                 waves = self.faint_candidates(solution)
                 best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
+                # A train of pulses comes first: the one of its lines that stands out would be taken for a wave.
+                if best == 0.0:
+                    solution, unmasked = self.unmask(solution)
+                    if unmasked:
+                        continue
             largest = max(largest, best)
             if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
                 break

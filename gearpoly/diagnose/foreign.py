@@ -92,7 +92,7 @@ def _images(comparison: Comparison, entries: Found) -> set[int]:
             break
         order = int(np.argmax(gains[gear]))
         for k, one in enumerate(comparison.aligned):
-            angle = order * (one.theta_1, one.theta_2)[gear]
+            angle = order * one.estimated[gear]
             columns = np.column_stack((np.cos(angle), np.sin(angle)))
             left[k] = left[k] - columns @ np.linalg.lstsq(columns, left[k])[0]
         after = _powers(comparison, stay, left)
@@ -117,7 +117,7 @@ def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> 
     out = np.zeros(HIGHEST + 1)
     slowest = 0.0
     for one, rest in zip(comparison.aligned, left, strict=True):
-        turns = (one.theta_1, one.theta_2)[gear] / (2.0 * math.pi)
+        turns = one.estimated[gear] / (2.0 * math.pi)
         out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST + 1).transform(rest)) ** 2 / rest.size
         slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
     out[: math.ceil(slowest)] = 0.0
@@ -167,7 +167,7 @@ def _columns(entry: Entry, one: Aligned) -> FloatArray:
     if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
         angle = 2.0 * math.pi * entry.hz * one.time_s
     else:
-        angle = (entry.order or 0.0) * (one.theta_1 if entry.gear == "driving" else one.theta_2)
+        angle = (entry.order or 0.0) * one.estimated[0 if entry.gear == "driving" else 1]
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 

@@ -203,6 +203,7 @@ def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> G
 def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:
     zeros, recording = beside.alignment.zeros, one.cleaned.recording
     pair = beside.assembled.pair
+    read_1, read_2 = one.estimated
     u = one.theta_2 * (pair.driven.gear.z / (2.0 * math.pi))
     samples = Samples(
         number=number,
@@ -212,8 +213,8 @@ def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Ob
         theta_1=one.theta_1,
         theta_2=one.theta_2,
         time=one.time_s,
-        reading_1=(zeros.driving or 0.0) + recording.driving_direction * one.theta_1,
-        reading_2=(zeros.driven or 0.0) + recording.driven_direction * one.theta_2,
+        reading_1=(zeros.driving or 0.0) + recording.driving_direction * read_1,
+        reading_2=(zeros.driven or 0.0) + recording.driven_direction * read_2,
         direction_1=recording.driving_direction,
         direction_2=recording.driven_direction,
         counted=counted,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -50,7 +51,11 @@ def trees(draw: Draw, originals: list[dict[str, Any]]) -> dict[str, Any]:
         if change == "value":
             holder[key] = draw(values)
         elif change == "number" and isinstance(holder[key], int | float):
-            holder[key] *= draw(st.sampled_from((-1, 0, 0.5, 2, 10, 1000, 1e-6)))
+            by = draw(st.sampled_from((-1, 0, 0.5, 2, 10, 1000, 1e-6)))
+            try:
+                holder[key] *= by
+            except OverflowError:  # a whole number too large for a fraction of it
+                holder[key] *= int(math.copysign(math.ceil(abs(by)), by))
         elif change == "drop":
             del holder[key]
         elif change == "wrap":
