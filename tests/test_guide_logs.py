@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,12 @@ import pytest
 from gearpoly.compare.clock import found, turned
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import WormSection
+from gearpoly.physics.base import Place
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import ARCSEC, DEG, FloatArray
 from tests.made_command import Command
+from tests.physics_cases import Condition, rough, scope_of
 
 EQ6 = WormSection(wheel_teeth=180)
 PERIOD = 86164.0905 / 180
@@ -204,3 +207,13 @@ def test_an_angle_that_is_time_has_no_encoder_whose_lines_could_err(tmp_path: Pa
         table = np.column_stack((time, (angle + wobble) % 360.0, rng.standard_normal(400)))
         np.savetxt(file, table, delimiter=",", header="time_s,driven_angle_deg,te_arcsec", comments="", fmt="%.6f")
         assert read_recording(file).from_time == timed
+
+
+def test_no_wave_of_the_worm_s_shaft_is_named_of_the_gear_on_it() -> None:
+    """A worm makes whole orders of its own turn; without one the same places are looked at."""
+    alone = scope_of(rough(), (Condition(),))
+    with_worm = replace(alone, file=alone.file.model_copy(update={"worm": EQ6}))
+    for gear, seen in ((0, True), (1, False)):
+        assert with_worm.shows(Place(gear=gear, order=3)) == seen
+        assert alone.shows(Place(gear=gear, order=3))
+    assert with_worm.shows(Place(gear=1, tooth=4))

@@ -64,6 +64,7 @@ def test_what_may_not_be_named_is_false_whatever_else_is_right(tmp_path: Path) -
     found = score(read_judgement(judged(tmp_path)), verdict(missing=(right, *wrong)), SPAN)
     assert found.false == ("eccentricity driven", "tooth_pitch driven tooth 4")
     assert found.rises
+    assert not score(read_judgement(judged(tmp_path)), verdict(), SPAN).rises  # nothing was named
     control = score(read_judgement(judged(tmp_path, control=True, may_name=[])), verdict(missing=(right,)), SPAN)
     assert control.false == ("eccentricity driving",)
 

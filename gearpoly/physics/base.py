@@ -80,10 +80,16 @@ class Scope:
         return bool(known) and max(known) - min(known) > UNEVEN * max(known)
 
     def shows(self, place: Place) -> bool:
-        """Whether the samples can show what a place's order does."""
+        """Whether the recordings can show what a place's order does: the samples, and which shaft it is on.
+
+        A worm that turns with the driven gear makes waves at every whole order of its own, as large as the pair's: a
+        wave there is located, and named of neither.
+        """
         if place.order is None:
             return True
         gear = place.gear or 0
+        if gear == 1 and self.file.worm is not None:
+            return False
         return place.order < self.finest[gear] and not (self.stepped and place.order > self.gears[gear].z / 2)
 
     @property

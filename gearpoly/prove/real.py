@@ -89,7 +89,7 @@ class RealScore:
     @property
     def rises(self) -> bool:
         """Whether unseen data fit worse with what was named."""
-        return self.unseen_um is not None and self.unseen_um[1] > self.unseen_um[0]
+        return bool(self.named) and self.unseen_um is not None and self.unseen_um[1] > self.unseen_um[0]
 
 
 def read_judgement(path: Path) -> Judgement:
