@@ -217,3 +217,30 @@ def test_no_wave_of_the_worm_s_shaft_is_named_of_the_gear_on_it() -> None:
         assert with_worm.shows(Place(gear=gear, order=3)) == seen
         assert alone.shows(Place(gear=gear, order=3))
     assert with_worm.shows(Place(gear=1, tooth=4))
+
+
+def test_a_wrapped_angle_is_turned_as_the_whole_one() -> None:
+    """0 to 360 deg over and over, or on and on: the same share, rate and turns."""
+    rng = np.random.default_rng(6)
+    time = np.sort(rng.uniform(0.0, 6.0 * PERIOD, 1200))
+    angle = 2.0 * math.pi * time / PERIOD
+    pulses = 0.02 * np.sin(time / 300.0)
+    te = waves((angle + pulses) / (2.0 * math.pi), rng)
+    told = []
+    for held in (angle, angle % (2.0 * math.pi)):
+        made = Recording(
+            source=Path("x"), time_s=time, driven_angle_rad=held, te_rad=te, driven_correction_rad=pulses,
+            from_time=("driven",),
+        )  # fmt: skip
+        after, clock = turned(made, z_1=12, z_2=47)
+        assert after.driven_angle_rad is not None
+        told.append((clock, np.ptp(after.driven_angle_rad)))
+    assert told[0][1] == pytest.approx(told[1][1], rel=1e-9)
+    assert told[0][0] is not None and told[1][0] is not None
+    assert told[0][0].share == told[1][0].share
+
+
+def test_a_recording_of_less_than_a_turn_has_no_lines_that_tell() -> None:
+    angle = np.linspace(0.0, 1.0, 80)
+    clock = found(angle, 0.001 * angle, np.cos(7.0 * angle), teeth=47, mate=12, timed=True)
+    assert math.isfinite(clock.share) and math.isfinite(clock.rate)

@@ -84,7 +84,9 @@ def turned(recording: Recording, *, z_1: int, z_2: int) -> tuple[Recording, Cloc
             continue
         good = np.isfinite(angle) & np.isfinite(pulses) & np.isfinite(te)
         timed = shaft in recording.from_time
-        whole = angle[good] if timed else np.unwrap(angle[good])
+        # An angle that only rises or falls was never wrapped, and may pause for more than half a turn.
+        steps = np.diff(angle[good])
+        whole = angle[good] if np.all(steps >= 0.0) or np.all(steps <= 0.0) else np.unwrap(angle[good])
         clock = found(whole, pulses[good], te[good], teeth=teeth, mate=z_1 + z_2 - teeth, timed=timed)
         there = np.full(recording.size, math.nan)
         there[good] = clock.rate * whole + clock.share * pulses[good]
