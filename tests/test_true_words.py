@@ -7,6 +7,8 @@ import io
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from rich.console import Console
 from gearpoly.compare.bursts import burst_entries
 from gearpoly.compare.compare import compare
 from gearpoly.compare.describe import label_of
+from gearpoly.compare.describe_jumps import _comes_round
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
@@ -125,6 +128,21 @@ def test_a_tooth_that_comes_round_is_no_jump() -> None:
         values = tooth_signal(u, z=18, pitch=pitch, slope=np.zeros(18), low=-0.8, high=0.8)
         values = values + noise(rng, u.size, "white", 0.3 * UM)
         assert not moments(locate([residual(u, t, values, z_1=18, z_2=25)], gears=(GRADED[0], GRADED[1])).where)
+
+
+@pytest.mark.parametrize(("z", "comes_round"), [(18, True), (25, True), (21, False)])
+def test_a_step_that_comes_again_with_a_shaft_is_told_from_a_jump(z: int, comes_round: bool) -> None:
+    """A stretch of teeth 5 um low in every turn of 18 or 25 teeth steps at each turn alike, a period of no shaft does
+    not; nor does one step that stays, whatever the shafts."""
+    u = np.linspace(0.0, 90.0, 1800, endpoint=False)
+    at = int(np.searchsorted(u, 45.0))
+    again = np.where((u - 45.0) % z < 6.0, -5.0 * UM, 0.0)
+    stays = np.where(u >= 45.0, -5.0 * UM, 0.0)
+    for values, expected in ((again, comes_round), (stays, False)):
+        state = SimpleNamespace(data=SimpleNamespace(u=u, residual=values), slow=np.zeros((u.size, 1)))
+        search: Any = SimpleNamespace(states=[state], places=[{"slow": slice(0, 1)}], z_1=18, z_2=25)
+        solution: Any = SimpleNamespace(beta=np.zeros(1))
+        assert _comes_round(search, solution, 0, at, -5.0 * UM) == expected
 
 
 def test_no_jump_is_larger_than_all_that_was_recorded() -> None:
