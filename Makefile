@@ -33,7 +33,7 @@ test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
 
 # Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
-FUZZ ?= 500
+FUZZ ?= 550
 fuzz: $(VENV)/.test
 	GEARPOLY_FUZZ=$(FUZZ) $(BIN)/pytest tests/fuzz
 
