@@ -266,7 +266,9 @@ class Limit:
         """How much of each column (n, k), between low and high (k,), comes closest to a signal, nuisances taken out of
         both."""
         gram = columns.T @ np.stack([self.perp(column) for column in columns.T], axis=1)
-        gram += (1e-9 * np.diag(np.diag(gram))) + 1e-30 * np.eye(low.size)
+        # Of columns that nuisances take whole only rounding is left, of either sign.
+        whole = np.einsum("nk,nk->k", columns, columns)
+        gram = 0.5 * (gram + gram.T) + np.diag(1e-9 * np.diag(gram) + 1e-11 * whole + 1e-30)
         scale = 1 / np.sqrt(np.diag(gram))
         root = np.linalg.cholesky(gram * np.outer(scale, scale))
         wanted = solve_triangular(root, scale * (columns.T @ self.perp(s)), lower=True)
