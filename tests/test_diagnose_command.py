@@ -111,6 +111,7 @@ class Alike(Strict):
     tooth: Count | None = None
     encoder_deg: Deg | None = None
     flank: Literal["coast"] | None = None
+    probability: Chance
     parameters: dict[str, dict[Literal["value"], float]]
 
 
@@ -132,7 +133,8 @@ class Missing(Strict):
     parameters: dict[str, Valued]
     says: str = Field(min_length=5)
     heldout_rms_um: Heldout
-    p_value: Chance
+    probability: Chance
+    unknown_probability: Chance
     gain: Size
     model: str
     indistinguishable_from: list[Alike]

@@ -18,6 +18,7 @@ from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import filled, page
 from gearpoly.report.diagnosis_report import verdict_json
+from gearpoly.report.diagnosis_report import chance_words, how_sure
 from gearpoly.report.diagnosis_words import MINUS, chance, measured, number, parameter, typeset
 from gearpoly.units import DEG, UM, FloatArray
 from gearpoly.view.pack import unpacked
@@ -136,7 +137,9 @@ def test_every_finding_says_where_what_how_sure_what_else_and_what_next(diagnosi
             figures = [float(x) for x in re.findall(r"[\d.]+", words(cell))]
             # Two figures of the error are shown: half of the last one may be lost.
             assert figures == pytest.approx([value, std], abs=0.05 * std)
-        assert chance(one.p_value) in words(parts["How sure"])
+        assert how_sure(one) in words(parts["How sure"])
+        for rival in one.rivals:
+            assert chance_words(rival.probability) in words(parts["What else it could be"])
         assert f"{one.gain:.1f}" in words(parts["How sure"])
         rows = [[words(cell) for cell in row] for row in parts["Before and after"].xpath(".//tbody/tr")]
         for row, rms in zip(rows, (one.without, one.with_), strict=True):

@@ -11,6 +11,26 @@ Kind = Literal["shaft_order", "mesh_order", "time", "tooth", "mesh_phase", "cond
 
 
 @dataclass(frozen=True, kw_only=True)
+class Cause:
+    """A physics that may be behind an entry, with its ``probability`` there and the sizes that it would have; ``says``
+    it as a sentence."""
+
+    physics: str
+    gear: Gear | None
+    probability: float
+    parameters: tuple[tuple[str, float], ...]
+    says: str
+
+    def to_json(self) -> dict[str, object]:
+        """The cause under the contract's keys."""
+        out: dict[str, object] = {"physics": self.physics}
+        if self.gear is not None:
+            out["gear"] = self.gear
+        sizes = {name: {"value": value} for name, value in self.parameters}
+        return out | {"probability": self.probability, "parameters": sizes}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Entry:
     """One place where recordings and simulation differ. Sizes in um (these go to the edge), angles in deg.
 
@@ -22,7 +42,8 @@ class Entry:
     order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
     a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
     next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
-    ``as_built``: teeth within what inspection or grade leave open could make it.
+    ``as_built``: teeth within what inspection or grade leave open could make it. ``probability`` that it is there at
+    all and ``could_be``, the physics that may make it, where explanations were weighed.
     """
 
     kind: Kind
@@ -54,6 +75,8 @@ class Entry:
     gain: float = 0.0
     together: bool = False
     as_built: bool = False
+    probability: float | None = None
+    could_be: tuple[Cause, ...] = ()
 
     @property
     def moment(self) -> str | None:
@@ -124,6 +147,10 @@ class Entry:
         out["recordings"] = list(self.recordings)
         if self.as_built:
             out["as_built"] = True
+        if self.probability is not None:
+            out["probability"] = self.probability
+        if self.could_be:
+            out["could_be"] = [one.to_json() for one in self.could_be]
         if self.rivals:
             out["rivals"] = list(self.rivals)
         return out

@@ -12,11 +12,13 @@ import numpy as np
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
+from gearpoly.compare.entries import Cause, Gear
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
-from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back, with_and_without
+from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
+from gearpoly.diagnose.earned import Unearned, earned
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
@@ -24,14 +26,21 @@ from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
 from gearpoly.diagnose.imagine import Imagined
-from gearpoly.diagnose.leftovers import FOREMOST, located_on, not_excluded, slow_or_sudden, taken_back, unexplained
+from gearpoly.diagnose.judge import Judged
+from gearpoly.diagnose.leftovers import (
+    FOREMOST,
+    located_on,
+    not_excluded,
+    slow_or_sudden,
+    taken_back,
+    unexplained,
+    with_causes,
+)
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance
-from gearpoly.diagnose.rivals import Judged, judge
-from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
@@ -54,6 +63,8 @@ the plain error, four lengths as well, by up to 0.08 of themselves."""
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
 the next, two of three sizes are less than three times the least."""
+
+GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
@@ -106,15 +117,11 @@ def diagnose(
     search.step("holding the names against unseen data")
     unseen = checked(search, begun, start_linear, comparison)
     shapes = forms(search)
+    judged, unearned = earned(search, refitted)
     search.step("asking how deep")
     leasts = [only_the_least(search, k, shapes.get(one.key, ())) for k, one in enumerate(model.claims)]
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
-    search.step("weighing rivals")
-    judged = [
-        judge(model, search.scenes, search.linear, k, refitted=refitted.get(claim.key, ()))
-        for k, claim in enumerate(model.claims)
-    ]
     order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
     thought = Imagined(model=model, laws=search.laws)
     each = [
@@ -124,6 +131,7 @@ def diagnose(
     findings = gathered(search, each, hold=held_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
+    left_over = with_causes(comparison, left_over, unearned, [_causes(model, one) for one in unearned])
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
     stopped = search.over
@@ -191,12 +199,14 @@ def _finding(
     hold = held_places(search)
     rivals = tuple(
         Rival(
-            claim=one.claim,
-            parameters=parameters(model, one.claim, np.zeros((len(one.claim.values),) * 2)),
-            tooth=_numbered(comparison, one.claim),
-            encoder_deg=encoder_deg(comparison, one.claim),
+            claim=one,
+            parameters=parameters(model, one, np.zeros((len(one.values),) * 2)),
+            probability=chance,
+            tooth=_numbered(comparison, one),
+            encoder_deg=encoder_deg(comparison, one),
         )
-        for one in judged.rivals
+        for one, chance in judged.posterior.told
+        if one.key != claim.key
     )
     separation = None
     if rivals and not search.over:
@@ -204,12 +214,6 @@ def _finding(
         separation = would_separate(
             model, search.scenes, linear, k, [one.claim for one in rivals], nuisance=search.nuisance, thought=thought
         )
-    gain = judged.gain
-    if claim.simulated:
-        plain, wider = with_and_without(model, search.scenes, linear, k)
-        gain = max(gain, plain.misfit - wider.misfit)
-    weighed = Candidate(claim=claim, gain=gain, freedoms=len(claim.values))
-    chance = weighed.log_chance(tests=search.looked.tests(claim))
     return Finding(
         claim=claim,
         parameters=in_doubt(
@@ -218,8 +222,9 @@ def _finding(
         ),
         tooth=_numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),
-        gain=gain,
-        p_value=float(min(1.0, math.exp(max(chance, -700.0)))),
+        gain=judged.gain,
+        probability=judged.posterior.of(claim),
+        unknown_probability=judged.posterior.unknown,
         without=cross_validated(linear, masks, leave=mine, hold=[p for p in hold if p not in mine]),
         with_=cross_validated(linear, masks, hold=hold),
         rivals=rivals,
@@ -227,6 +232,22 @@ def _finding(
         at_least=at_least,
         foretold=elsewhere(search, k),
     )
+
+
+def _causes(model: Model, one: Unearned) -> tuple[Cause, ...]:
+    """The physics that may be behind a place, each with its probability."""
+    return tuple(
+        Cause(
+            physics=claim.physics.name,
+            gear=None if claim.place.gear is None else GEAR_NAMES[claim.place.gear],
+            probability=chance,
+            parameters=tuple(
+                (name, value)
+                for name, (value, _) in parameters(model, claim, np.zeros((len(claim.values),) * 2)).items()
+            ),
+            says=claim.says,
+        ) for claim, chance in one.posterior.told
+    )  # fmt: skip
 
 
 def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:

@@ -45,7 +45,8 @@ def _as_one(search: Search, same: Sequence[tuple[int, Finding]], hold: list[int]
         first,
         parameters=_over_recordings(search, [k for k, _ in same], sorted(recordings)),
         gain=linear.without(mine).system.misfit - linear.system.misfit,
-        p_value=min(one.p_value for _, one in same),
+        probability=min(one.probability for _, one in same),
+        unknown_probability=max(one.unknown_probability for _, one in same),
         without=cross_validated(
             linear,
             [one.fit for one in search.model.observed],

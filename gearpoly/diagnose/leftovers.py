@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.entries import Cause, Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.template import Condition, templates_of
+from gearpoly.diagnose.earned import Unearned
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.model import Model
@@ -114,6 +115,37 @@ def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
         return replace(entry, kind="shaft_order", order=float(place.order or 1))
     told = place.tooth if comparison.alignment.numbered[place.gear] else None
     return replace(entry, kind="tooth", tooth=told, encoder_deg=comparison.gears[place.gear].encoder_deg(place.tooth))
+
+
+def with_causes(
+    comparison: Comparison, entries: Sequence[Entry], unearned: Sequence[Unearned], causes: Sequence[tuple[Cause, ...]]
+) -> tuple[Entry, ...]:
+    """The ``entries`` with the ``causes`` of every place that did not earn a name; where none of them is at such a
+    place, one more."""
+    out = list(entries)
+    for one, could_be in zip(unearned, causes, strict=True):
+        place = taken_back(comparison, one.claim, one.rms)
+        same = [k for k, entry in enumerate(out) if not entry.could_be and _same_place(entry, place)]
+        if not same:
+            out.append(place)
+        at = same[0] if same else -1
+        out[at] = replace(out[at], could_be=could_be, probability=1.0 - one.posterior.nothing)
+    return tuple(out)
+
+
+EVERY_MESH = ("mesh_order", "mesh_phase")
+
+
+def _same_place(one: Entry, other: Entry) -> bool:
+    """Whether two entries are about one wave, one tooth, every mesh, or a slow course."""
+    if one.kind in EVERY_MESH and other.kind in EVERY_MESH:
+        return True
+    if one.kind != other.kind or one.gear != other.gear:
+        return False
+    if one.kind == "tooth":
+        near = one.encoder_deg is not None and one.encoder_deg == other.encoder_deg
+        return near or (one.tooth is not None and one.tooth == other.tooth)
+    return one.order == other.order and one.hz == other.hz and one.moment is None
 
 
 def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:

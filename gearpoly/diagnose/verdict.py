@@ -25,11 +25,12 @@ def _said(claim: Claim, tooth: int | None) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Rival:
-    """What else a claim could be, with the parameters that it would have; ``tooth`` (None where the numbering is open)
-    and where that passes on the encoder."""
+    """What else a claim could be, with the parameters that it would have and its ``probability``; ``tooth`` (None where
+    the numbering is open) and where that passes on the encoder."""
 
     claim: Claim
     parameters: Reported
+    probability: float
     tooth: int | None = None
     encoder_deg: float | None = None
 
@@ -42,8 +43,8 @@ class Rival:
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """One missing physics: the ``claim``, its ``parameters`` (value, standard error), where its ``tooth`` passes on the
-    encoder, ``gain`` in misfit, ``p_value`` over the whole search, rms in mm on unseen samples ``without`` and
-    ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
+    encoder, ``gain`` in misfit, its ``probability`` and that of a cause that nobody knows, rms in mm on unseen samples
+    ``without`` and ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
     teeth do not touch there; ``foretold``: by how much less of a misfit each torque and flank is foretold by the others
     with it (None where there is one condition only). ``together``: all claims of one slow physics, each about some of
     the recordings, of which ``claim`` is the first (none: it stands alone)."""
@@ -53,7 +54,8 @@ class Finding:
     tooth: int | None
     encoder_deg: float | None
     gain: float
-    p_value: float
+    probability: float
+    unknown_probability: float
     without: Rms
     with_: Rms
     rivals: tuple[Rival, ...]

@@ -9,8 +9,8 @@ from html import escape
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.base import Reported
-from gearpoly.report.diagnosis_report import STATUS
-from gearpoly.report.diagnosis_words import MINUS, capital, chance, number, parameter, physics_words, typeset
+from gearpoly.report.diagnosis_report import STATUS, chance_words, how_sure
+from gearpoly.report.diagnosis_words import MINUS, capital, number, parameter, physics_words, typeset
 from gearpoly.units import UM
 
 CHIP = {
@@ -92,7 +92,7 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
     claim = one.claim
     freedoms = sum(len(each.values) for each in one.claims)
     sure = (
-        f"Noise alone would do this, anywhere in the whole search, with a chance of <b>{chance(one.p_value)}</b>. "
+        f"<b>{how_sure(one)}</b>. "
         f"Left out, the misfit (sum of squares over the noise) rises by <b>{number(one.gain, 1)}</b> for {freedoms} "
         f"free value{'s' if freedoms > 1 else ''}, everything else fitted again. Errors are one standard error."
     )
@@ -175,7 +175,7 @@ def rivals(found: Sequence[Rival]) -> str:
         values = ", ".join(" ".join(parameter(name, value, 0.0)) for name, (value, _) in one.parameters.items())
         items.append(
             f"<li>{escape(typeset(one.says))} <code>{escape(physics_words(one.claim.physics.name))}</code>"
-            f"{_rival_place(one)}<br><small>{escape(values)}</small></li>"
+            f"{_rival_place(one)}, {chance_words(one.probability)}<br><small>{escape(values)}</small></li>"
         )
     return f"<p>These recordings cannot tell it from:</p><ul>{''.join(items)}</ul>"
 

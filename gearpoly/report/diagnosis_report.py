@@ -84,7 +84,8 @@ def _finding_json(one: Finding) -> dict[str, Any]:
     out["parameters"] = _parameters_json(one.parameters)
     out["says"] = one.says
     out["heldout_rms_um"] = {"without": one.without.unseen / UM, "with": one.with_.unseen / UM}
-    out["p_value"] = one.p_value
+    out["probability"] = one.probability
+    out["unknown_probability"] = one.unknown_probability
     out["gain"] = one.gain
     if one.foretold is not None:
         out["heldout_condition_gain"] = one.foretold
@@ -117,6 +118,7 @@ def _place_json(one: Finding | Rival) -> dict[str, Any]:
 
 def _rival_json(rival: Rival) -> dict[str, Any]:
     out: dict[str, Any] = {"physics": rival.claim.physics.name} | _place_json(rival)
+    out["probability"] = rival.probability
     out["parameters"] = {name: {"value": value} for name, (value, _) in rival.parameters.items()}
     return out
 
@@ -232,8 +234,7 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
     values = ", ".join(_value_words(name, *pair) for name, pair in one.parameters.items())
     console.print(f"   model: {one.claim.physics.equation}", highlight=False, soft_wrap=True)
     console.print(f"   values: {values}", highlight=False, soft_wrap=True)
-    chance = "below 1e-300" if one.p_value < 1e-300 else f"{one.p_value:.1g}"
-    console.print(f"   how sure: noise alone would do this with a chance of {chance}", highlight=False)
+    console.print(f"   how sure: {how_sure(one)}", highlight=False, soft_wrap=True)
     before, after = repeatable(one.without.unseen, diagnosis.noise), repeatable(one.with_.unseen, diagnosis.noise)
     console.print(
         f"   unseen data: {one.without.unseen / UM:.4f} um rms without, {one.with_.unseen / UM:.4f} with (repeatable "
@@ -248,7 +249,8 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
             soft_wrap=True,
         )
     for rival in one.rivals:
-        console.print(f"   or else: {rival.says}", highlight=False, soft_wrap=True)
+        in_100 = chance_words(rival.probability)
+        console.print(f"   or else, {in_100}: {rival.says}", highlight=False, soft_wrap=True)
     if one.separation is not None:
         console.print(
             f"   to decide: {one.separation.recording.says} (separability {one.separation.separability:.2f}, now "
@@ -256,6 +258,23 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
             highlight=False,
             soft_wrap=True,
         )
+
+
+def how_sure(one: Finding) -> str:
+    """The probability of a finding, and of a cause that is not in the catalogue, in words."""
+    unknown = chance_words(one.unknown_probability)
+    return (
+        f"{chance_words(one.probability)} that it is this; {unknown} that a cause outside the catalogue does the same"
+    )
+
+
+def chance_words(probability: float) -> str:
+    """A probability as so many in 100."""
+    if probability > 0.995:
+        return "more than 99 in 100"
+    if probability < 0.005:
+        return "less than 1 in 100"
+    return f"{100.0 * probability:.0f} in 100"
 
 
 def _value_words(name: str, value: float, std: float) -> str:

@@ -1,0 +1,115 @@
+"""What is believed of a place before any recording: how often a cause there is one that the catalogue holds, and how
+far sizes may be from ordinary ones.
+
+These are judgements. They are stated here once, so that everybody can see and doubt them.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from gearpoly.physics.base import Claim, Scope
+
+SCALES = 2.0 ** np.arange(-3, 7)
+"""Factors on an ordinary size over which the prior of every size is averaged: a fine gear errs by an eighth of what is
+ordinary in a ground one of grade 5, and a printed one by sixty times as much."""
+
+_SPREAD = 2.0
+"""Octaves. Standard deviation of the factor about 1, log-normal."""
+
+SCALE_WEIGHTS = np.exp(-0.5 * (np.log2(SCALES) / _SPREAD) ** 2)
+SCALE_WEIGHTS /= np.sum(SCALE_WEIGHTS)
+
+PRESENT = 0.1
+"""Chance that an ordinary pair on an ordinary rig has one cause or another at a kind of place that the simulation left
+out; shared among all places of that kind."""
+
+FORM = 0.08
+"""Part of its own largest effect by which a physics with a shape may be of another form, one standard deviation: no
+spall is cut by a formula. With nothing a smooth curve of no cause wins at every large size, with 0.2 everything is a
+spall (trial on a linear model)."""
+
+ONCE_PER_TURN = 0.02
+"""Share of causes that the catalogue does not hold, once per turn of a shaft that carries a gear and an encoder: one of
+the two is off its axis nearly always. What else sits on that shaft (a coupling out of line, a bearing) seldom shows."""
+
+TURNS_WITH_IT = 0.5
+"""The same at other whole orders of a shaft, and once per turn of one that something else is known to turn with: worms,
+couplings, bearings, belts and poles of a motor make all of them."""
+
+LINES = 0.03
+"""The same at a number of waves per turn that encoders have as lines: nothing else on a shaft comes so often."""
+
+ONE_TOOTH = 0.1
+"""The same at a single tooth. Pitch, spalls, cracks and chips are nearly all that befalls one; dirt, burrs and dents
+are the rest."""
+
+EVERY_MESH = 0.5
+"""The same at every mesh: profiles, loads, lubricants and mounts all show there, and the catalogue holds some."""
+
+BETWEEN_RECORDINGS = 0.04
+"""The same in what sets the means of recordings apart: the backlash by thickness or centre distance, and wind-up."""
+
+SLOW = 0.5
+"""The same in a slow course of a recording: what warms up, creeps, slips, or belongs to what is driven."""
+
+LINE_COUNTS = frozenset(
+    by * count
+    for count in (
+        50, 60, 64, 72, 90, 96, 100, 120, 125, 128, 144, 150, 180, 192, 200, 240, 250, 256, 300, 360, 400, 480, 500,
+        512, 600, 625, 720, 768, 800, 900, 1000, 1024, 1200, 1250, 1270, 1440, 1500, 1536, 1800, 2000, 2048, 2160,
+        2400, 2500, 2540, 2700, 3000, 3600, 4000, 4096, 4500, 4800, 5000, 5400, 6000, 7200, 8192, 9000,
+    )
+    for by in (1, 2, 4)
+)  # fmt: skip
+"""Lines per turn of encoders on sale, and twice and four times as many, at which interpolation errs. A judgement from
+common series: powers of two, parts of a degree, decimal counts."""
+
+
+Kind = Literal["slow", "tooth", "wave", "means", "mesh"]
+"""Kinds of places: a slow course, a single tooth, a wave of a shaft, means of recordings, every mesh."""
+
+
+def kind_of(claim: Claim) -> Kind:
+    """The kind of place that a claim is about."""
+    physics = claim.physics
+    if physics.slow:
+        return "slow"
+    if claim.place.tooth is not None:
+        return "tooth"
+    if order_of(claim) is not None:
+        return "wave"
+    return "means" if physics.whole_gear or not physics.mean_tooth else "mesh"
+
+
+def same_place(one: Claim, other: Claim) -> bool:
+    """Whether two claims are explanations of one place: of one tooth, of one wave, of every mesh."""
+    if kind_of(one) != kind_of(other):
+        return False
+    if kind_of(one) not in ("tooth", "wave"):
+        return True
+    return (one.place.gear, one.place.tooth, order_of(one)) == (other.place.gear, other.place.tooth, order_of(other))
+
+
+def unknown_share(claim: Claim, scope: Scope) -> float:
+    """Share of the causes at the place of a ``claim`` that the catalogue does not hold."""
+    place, kind, order = claim.place, kind_of(claim), order_of(claim)
+    if kind == "wave" and order == 1:
+        worm = place.gear == 1 and scope.file.worm is not None
+        return TURNS_WITH_IT if worm else ONCE_PER_TURN
+    if kind == "wave":
+        return LINES if claim.physics.measures and order in LINE_COUNTS else TURNS_WITH_IT
+    return {"slow": SLOW, "tooth": ONE_TOOTH, "means": BETWEEN_RECORDINGS, "mesh": EVERY_MESH}[kind]
+
+
+def order_of(claim: Claim) -> int | None:
+    """Waves per turn of its shaft that a claim makes, mostly; None where it is no wave."""
+    if claim.place.order is not None:
+        return claim.place.order
+    return 1 if claim.physics.name in ONCE else None
+
+
+ONCE = ("eccentricity", "encoder_eccentricity")
+"""Physics that come once per turn by their nature."""

@@ -1,0 +1,192 @@
+"""What may be at a place without a cause that anybody knows: a wave of a shaft, a curve over the contact of one tooth,
+a curve over every mesh, a slow course, a step, a mean.
+
+An unknown has the freedoms that a place leaves it and no further knowledge. A physics earns its name against these.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.physics.base import Claim
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+HARMONICS = 8
+"""Harmonics of the mesh that a curve of no cause has: the corners of a contact show up to about there."""
+
+KNOTS = 12
+"""Places along the contact of one tooth between which a curve of no cause runs straight."""
+
+REACH = (0.12, 0.4)
+"""Parts of the contact of a tooth over which such a curve forgets itself: a pit's edge, a lean."""
+
+TERMS = 6
+"""Legendre polynomials of a slow course of no cause."""
+
+STEPS = 24
+"""Moments of a recording at which it may have jumped."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unknown:
+    """An explanation without a cause: ``columns`` (n_k, q) per recording, normal about 0 with relative standard
+    deviations ``std`` (q,), and the ``weight`` that it has among those of its place."""
+
+    name: str
+    columns: list[FloatArray]
+    std: FloatArray
+    weight: float
+
+
+Grouping = Callable[[Scene], object]
+
+
+def _group(scenes: Sequence[Scene], by: Grouping) -> list[int]:
+    """Number of every scene's group, counted from 0."""
+    keys = [by(scene) for scene in scenes]
+    return [list(dict.fromkeys(keys)).index(key) for key in keys]
+
+
+def _apart(parts: Sequence[FloatArray], groups: Sequence[int]) -> list[FloatArray]:
+    """Columns (n_k, q g), those of every group for itself."""
+    many, out = max(groups) + 1, []
+    for part, group in zip(parts, groups, strict=True):
+        wide = np.zeros((part.shape[0], part.shape[1] * many))
+        wide[:, group * part.shape[1] : (group + 1) * part.shape[1]] = part
+        out.append(wide)
+    return out
+
+
+def _same(scene: Scene) -> object:
+    return 0
+
+
+def _flank(scene: Scene) -> object:
+    return scene.samples.flank
+
+
+def _condition(scene: Scene) -> object:
+    return scene.samples.flank, round(scene.samples.torque, 3)
+
+
+def _number(scene: Scene) -> object:
+    return scene.samples.number
+
+
+def _repeated(
+    name: str,
+    scenes: Sequence[Scene],
+    parts: Sequence[FloatArray],
+    std: FloatArray,
+    ways: Sequence[tuple[str, Grouping]],
+) -> list[Unknown]:
+    """The same curve in all recordings, or another by flank, by condition, or in each, where that is not the same."""
+    out: list[Unknown] = []
+    seen: list[list[int]] = []
+    for words, by in ways:
+        groups = _group(scenes, by)
+        if groups in seen:
+            continue
+        seen.append(groups)
+        many = max(groups) + 1
+        out.append(Unknown(name=f"{name}{words}", columns=_apart(parts, groups), std=np.tile(std, many), weight=1.0))
+    return [Unknown(name=one.name, columns=one.columns, std=one.std, weight=1.0 / len(out)) for one in out]
+
+
+def waves(scenes: Sequence[Scene], gear: int, order: float) -> list[Unknown]:
+    """A wave of an ``order`` per turn of a shaft, drawn at the angle as it was estimated."""
+    parts = []
+    for scene in scenes:
+        angle = order * (scene.samples.reading_1 if gear == 0 else scene.samples.reading_2)
+        parts.append(np.column_stack((np.cos(angle), np.sin(angle))))
+    ways = (("", _same), (" by flank", _flank), (" by recording", _number))
+    return _repeated("wave", scenes, parts, np.ones(2), ways)
+
+
+def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
+    """A curve over the contact of one tooth, of a correlation over some part of it that nobody knows."""
+    parts = [tooth_hats(scene, gear, tooth, knots=KNOTS) for scene in scenes]
+    x = np.linspace(0.0, 1.0, KNOTS)
+    out = []
+    for reach in REACH:
+        root = np.linalg.cholesky(np.exp(-np.abs(x[:, None] - x) / reach) + 1e-9 * np.eye(KNOTS))
+        mixed = [part @ root for part in parts]
+        out += _repeated("curve", scenes, mixed, np.ones(KNOTS), (("", _same), (" by condition", _condition)))
+    return [Unknown(name=one.name, columns=one.columns, std=one.std, weight=one.weight / len(REACH)) for one in out]
+
+
+def tooth_hats(scene: Scene, gear: int, tooth: int, *, knots: int) -> FloatArray:
+    """Hats (n, ``knots``) along the active flank of one tooth, as they show in the transmission error."""
+    place = np.clip(scene.spans[gear].u(scene.roll(gear)), 0.0, 1.0) * (knots - 1)
+    mine = scene.teeth(gear) == tooth
+    hats = np.maximum(0.0, 1.0 - np.abs(place[:, :, None] - np.arange(knots)))
+    return scene.swung(scene.samples.sense * np.einsum("pn,pnk->nk", scene.weight * mine, hats))
+
+
+def mesh_curves(scenes: Sequence[Scene], *, means: bool = False) -> list[Unknown]:
+    """A curve that is the same at every mesh; with ``means``, a mean of its own too."""
+    parts = [mesh_harmonics(scene, means=means) for scene in scenes]
+    return _repeated("mesh curve", scenes, parts, mesh_std(means=means), (("", _flank), (" by condition", _condition)))
+
+
+def mesh_harmonics(scene: Scene, *, means: bool = False) -> FloatArray:
+    """Cosines and sines (n, 2 H) of the first harmonics of the mesh, and first a 1 with ``means``."""
+    angle = scene.samples.theta_2 * scene.gear(1).z
+    waves = [wave(h * angle) for h in range(1, HARMONICS + 1) for wave in (np.cos, np.sin)]
+    return np.column_stack([np.ones_like(angle), *waves] if means else waves)
+
+
+def mesh_std(*, means: bool = False) -> FloatArray:
+    """Relative standard deviations of the harmonics: a curve with corners falls off as 1/h."""
+    harmonics = np.repeat(1.0 / np.arange(1, HARMONICS + 1), 2)
+    return np.concatenate(([1.0], harmonics)) if means else harmonics
+
+
+def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unknown]:
+    """A slow course of every recording by itself, or a step at some moment in them."""
+    these = [k for k, _ in enumerate(scenes) if not recordings or k in recordings]
+    parts: list[FloatArray] = []
+    jumps: list[FloatArray] = []
+    for k, scene in enumerate(scenes):
+        along = scene.samples.along
+        within = float(k in these)
+        parts.append(np.asarray(within * np.polynomial.legendre.legvander(along, TERMS)[:, 1:], dtype=np.float64))
+        moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
+        jumps.append(within * (along[:, None] >= moments).astype(np.float64))
+    std = 1.0 / np.arange(1, TERMS + 1)
+    courses = _repeated("slow course", scenes, parts, std, (("", _same), (" by recording", _number)))
+    halved = [Unknown(name=one.name, columns=one.columns, std=one.std, weight=0.5 * one.weight) for one in courses]
+    one_step = [
+        Unknown(name="step", columns=[part[:, j : j + 1] for part in jumps], std=np.ones(1), weight=0.5 / STEPS)
+        for j in range(STEPS)
+    ]
+    return halved + one_step
+
+
+def unknowns(claim: Claim, scenes: Sequence[Scene], *, order: int | None) -> list[Unknown]:
+    """The explanations without a cause at the place of a ``claim``; ``order`` of the wave that it is, if any."""
+    place, physics = claim.place, claim.physics
+    if physics.slow:
+        return slow_courses(scenes, place.recordings)
+    if place.tooth is not None:
+        return tooth_curves(scenes, place.gear or 0, place.tooth)
+    if order is not None:
+        return waves(scenes, place.gear or 0, order)
+    return mesh_curves(scenes, means=physics.whole_gear or not physics.mean_tooth)
+
+
+def rms(columns: Sequence[FloatArray], std: FloatArray) -> float:
+    """Root of the mean square in mm that columns with such sizes are expected to have over all samples."""
+    power = sum(float(np.sum((part * std) ** 2)) for part in columns)
+    return math.sqrt(power / max(1, sum(part.shape[0] for part in columns)))
+
+
+def at_place(claim: Claim, scenes: Sequence[Scene], *, order: int | None) -> list[FloatArray]:
+    """Columns (n_k, q) of the richest of them, for a fit that leaves a place without a cause."""
+    found = [one for one in unknowns(claim, scenes, order=order) if one.columns[0].shape[1] > 1]
+    return max(found, key=lambda one: one.columns[0].shape[1]).columns

@@ -1,0 +1,120 @@
+"""The evidence of columns, their posterior, bounds and scales, against quadrature of the same integrals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad, quad
+from scipy.stats import norm
+
+from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
+from gearpoly.infer.posterior import Explanation, Sized, weighed
+from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
+
+# Quadrature is exact to 1e-9 relative; what is compared are logarithms of its results.
+TO = 1e-6
+
+
+def test_one_size_is_integrated_as_by_quadrature() -> None:
+    """log int N(x; 0, s) exp(score x - I x^2 / 2) dx."""
+    score, information, s = 3.0, 2.5, 1.7
+    whole = quad(lambda x: norm.pdf(x, scale=s) * math.exp(score * x - 0.5 * information * x**2), -20, 20)[0]
+    got = log_bayes_factor(np.array([score]), np.array([[information]]), std=np.array([s]))
+    assert got == pytest.approx(math.log(whole), abs=TO)
+
+
+def test_two_sizes_that_lean_on_each_other_are_integrated_as_by_quadrature() -> None:
+    score, information, std = np.array([1.0, -2.0]), np.array([[2.0, 1.1], [1.1, 1.5]]), np.array([0.8, 2.0])
+
+    def density(y: float, x: float) -> float:
+        b = np.array([x, y])
+        prior = norm.pdf(x, scale=std[0]) * norm.pdf(y, scale=std[1])
+        return float(prior * math.exp(score @ b - 0.5 * b @ information @ b))
+
+    whole = dblquad(density, -8, 8, -12, 12, epsabs=1e-10)[0]
+    assert log_bayes_factor(score, information, std=std) == pytest.approx(math.log(whole), abs=TO)
+
+
+def test_bounds_are_integrated_as_by_quadrature() -> None:
+    """A pit has no negative depth: the prior is cut at 0 and normalised again."""
+    information, s = np.array([[1.9]]), 2.0
+    for score in (-6.0, 0.5, 8.0):
+        cut = quad(_half_normal_times, 0, 40, args=(score, 1.9, s))[0]
+        mean, covariance = posterior(np.array([score]), information, std=np.array([s]))
+        got = log_bayes_factor(np.array([score]), information, std=np.array([s])) + log_truncated(
+            float(mean[0]), math.sqrt(covariance[0, 0]), prior=s, bounds=(0.0, math.inf)
+        )
+        assert got == pytest.approx(math.log(cut), abs=TO)
+
+
+def _half_normal_times(x: float, score: float, information: float, s: float) -> float:
+    return float(2.0 * norm.pdf(x, scale=s) * math.exp(score * x - 0.5 * information * x**2))
+
+
+def test_bounds_far_from_the_data_keep_their_digits() -> None:
+    """Forty standard errors on the wrong side: log of the tail is -800, no minus infinity."""
+    assert log_truncated(-40.0, 1.0, prior=1.0, bounds=(0.0, math.inf)) == pytest.approx(
+        float(norm.logsf(40.0)) - math.log(0.5), rel=1e-9
+    )
+
+
+def test_posterior_of_one_size_is_that_of_two_readings() -> None:
+    """A prior N(0, s) is a reading of 0 with error s."""
+    mean, covariance = posterior(np.array([3.0]), np.array([[2.0]]), std=np.array([0.5]))
+    assert covariance[0, 0] == pytest.approx(1.0 / (2.0 + 4.0))
+    assert mean[0] == pytest.approx(3.0 / 6.0)
+
+
+def test_a_parameter_that_data_do_not_tell_costs_nothing() -> None:
+    """Its posterior is its prior, whatever the prior is."""
+    for s in (1e-3, 1.0, 1e3):
+        got = log_bayes_factor(np.array([0.0]), np.array([[0.0]]), std=np.array([s]))
+        assert got == pytest.approx(0.0, abs=1e-12)
+
+
+def test_evidence_does_not_depend_on_units() -> None:
+    score, information, std = np.array([4.0, 1.0]), np.array([[3.0, 0.4], [0.4, 1.0]]), np.array([1.0, 2.0])
+    by = np.array([1e3, 1e-6])
+    changed = log_bayes_factor(score / by, information / np.outer(by, by), std=std * by)
+    assert changed == pytest.approx(log_bayes_factor(score, information, std=std), rel=1e-9)
+
+
+def test_occams_factor_of_a_size_that_is_well_known() -> None:
+    """0.5 ln(1 + I s^2) is what one freedom costs: 0.5 ln N more for N times the data (Schwarz 1978)."""
+    cost = [-log_bayes_factor(np.zeros(1), np.array([[n]]), std=np.ones(1)) for n in (1e4, 1e6)]
+    assert cost[1] - cost[0] == pytest.approx(0.5 * math.log(100.0), rel=1e-4)
+
+
+def test_scales_are_summed_over() -> None:
+    assert float(np.sum(SCALE_WEIGHTS)) == pytest.approx(1.0)
+    column = [np.eye(1)]
+    sized = Sized(columns=column, std=np.ones(1), scaled=1)
+    score, information = np.array([5.0]), np.array([[1.0]])
+    by_hand = [
+        quad(
+            lambda x, s=s: norm.pdf(x, scale=s) * math.exp(5.0 * x - 0.5 * x**2), -60.0, 60.0, limit=400, points=[0.0]
+        )[0]
+        for s in SCALES
+    ]
+    whole = math.log(float(np.dot(SCALE_WEIGHTS, by_hand)))
+    assert sized.log_evidence(lambda _: (score, information)) == pytest.approx(whole, abs=1e-5)
+    assert log_mean([0.0, 0.0], weights=np.array([0.25, 0.75])) == pytest.approx(0.0)
+
+
+def test_probabilities_at_a_place_add_up_and_follow_bayes() -> None:
+    assert np.allclose(normalised([0.0, math.log(3.0)]), [0.25, 0.75])
+    nothing = weighed([Explanation(claim=None, log_evidence=0.0, weight=1.0)], unknown_share=1.0, places=1)
+    assert nothing.nothing == pytest.approx(1.0 / (1.0 + PRESENT))
+    assert nothing.unknown + nothing.nothing == pytest.approx(1.0)
+    assert not nothing.named
+
+
+def test_a_place_among_many_needs_more_evidence() -> None:
+    """43 teeth: the log odds of one fall by log 43."""
+    at = [
+        weighed([Explanation(claim=None, log_evidence=6.0, weight=1.0)], unknown_share=1.0, places=z) for z in (1, 43)
+    ]
+    odds = [math.log(one.unknown / one.nothing) for one in at]
+    assert odds[0] - odds[1] == pytest.approx(math.log(43.0))
