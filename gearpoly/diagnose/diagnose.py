@@ -12,13 +12,14 @@ import numpy as np
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.compare.entries import Cause, Gear
+from gearpoly.compare.entries import Cause, Entry, Gear
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
+from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
-from gearpoly.diagnose.earned import Unearned, earned
+from gearpoly.diagnose.earned import earned
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
@@ -47,6 +48,7 @@ from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
+from gearpoly.infer.posterior import Posterior
 from gearpoly.physics.base import Claim, Reported
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
@@ -131,7 +133,8 @@ def diagnose(
     findings = gathered(search, each, hold=held_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
-    left_over = with_causes(comparison, left_over, unearned, [_causes(model, one) for one in unearned])
+    left_over = with_causes(comparison, left_over, unearned, [_causes(model, one.posterior) for one in unearned])
+    left_over = _explained(search, comparison, left_over)
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
     stopped = search.over
@@ -234,7 +237,19 @@ def _finding(
     )
 
 
-def _causes(model: Model, one: Unearned) -> tuple[Cause, ...]:
+def _explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The entries of which nobody has asked yet, each with the probability that it is there at all and what may be
+    behind it."""
+    found = zip(entries, causes(search, comparison, entries), strict=True)
+    return tuple(
+        one
+        if posterior is None
+        else replace(one, probability=1.0 - posterior.nothing, could_be=_causes(search.model, posterior))
+        for one, posterior in found
+    )
+
+
+def _causes(model: Model, found: Posterior) -> tuple[Cause, ...]:
     """The physics that may be behind a place, each with its probability."""
     return tuple(
         Cause(
@@ -246,7 +261,7 @@ def _causes(model: Model, one: Unearned) -> tuple[Cause, ...]:
                 for name, (value, _) in parameters(model, claim, np.zeros((len(claim.values),) * 2)).items()
             ),
             says=claim.says,
-        ) for claim, chance in one.posterior.told
+        ) for claim, chance in found.told
     )  # fmt: skip
 
 

@@ -44,10 +44,10 @@ class Rival:
 class Finding:
     """One missing physics: the ``claim``, its ``parameters`` (value, standard error), where its ``tooth`` passes on the
     encoder, ``gain`` in misfit, its ``probability`` and that of a cause that nobody knows, rms in mm on unseen samples
-    ``without`` and ``with_`` it, its ``rivals`` and the recording that would decide; ``at_least``: its size may be larger, for
-    teeth do not touch there; ``foretold``: by how much less of a misfit each torque and flank is foretold by the others
-    with it (None where there is one condition only). ``together``: all claims of one slow physics, each about some of
-    the recordings, of which ``claim`` is the first (none: it stands alone)."""
+    ``without`` and ``with_`` it, its ``rivals`` and the recording that would decide. ``at_least``: its size may be
+    larger, for teeth do not touch there; ``foretold``: by how much less of a misfit each torque and flank is foretold
+    by the others with it (None where there is one condition only). ``together``: all claims of one slow physics, each
+    about some of the recordings, of which ``claim`` is the first (none: it stands alone)."""
 
     claim: Claim
     parameters: Reported

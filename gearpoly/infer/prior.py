@@ -100,7 +100,8 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         worm = place.gear == 1 and scope.file.worm is not None
         return TURNS_WITH_IT if worm else ONCE_PER_TURN
     if kind == "wave":
-        return LINES if claim.physics.measures and order in LINE_COUNTS else TURNS_WITH_IT
+        read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
+        return LINES if read and order in LINE_COUNTS else TURNS_WITH_IT
     return {"slow": SLOW, "tooth": ONE_TOOTH, "means": BETWEEN_RECORDINGS, "mesh": EVERY_MESH}[kind]
 
 

@@ -1,0 +1,116 @@
+"""The bench on which explanations of one place are weighed: all that is believed of other places, and the noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear, derivatives
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.system import System
+from gearpoly.infer.posterior import Explanation, Sized
+from gearpoly.infer.prior import FORM, order_of
+from gearpoly.infer.unknown import mesh_harmonics, mesh_std, rms, tooth_hats, unknowns
+from gearpoly.physics.base import Claim, Physics, Scope
+from gearpoly.physics.scene import Scene
+from gearpoly.units import FloatArray
+
+KNOTS = 12
+"""Places along a tooth's contact between which its form may differ from what a physics draws."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """What explanations of one place are weighed with: the state ``others`` without the claim there, ``scenes`` of the
+    state with it, the ``linear`` fit, and the ``plain`` system without the claim."""
+
+    others: Model
+    scenes: list[Scene]
+    linear: Linear
+    plain: System
+    heat: float
+
+    def white(self, columns: Sequence[FloatArray]) -> list[FloatArray]:
+        """Columns (n_k, q) in mm made white."""
+        return [noise.whitened(one) for noise, one in zip(self.linear.noises, columns, strict=True)]
+
+    def log_evidence(self, sized: Sized) -> float:
+        """Log evidence of columns over that of nothing."""
+        return sized.log_evidence(self.plain.scores, heat=self.heat)
+
+    def of(self, claim: Claim) -> float:
+        """Log evidence of a claim that is not in the state, to first order about its values."""
+        columns = derivatives(self.others, self.scenes, claim)
+        effect = self.others.change(self.scenes, claim, claim.values)
+        return self.log_evidence(self.sized(claim, columns, effect))
+
+    def unknown(self, claim: Claim, *, size: float) -> list[Explanation]:
+        """The explanations without a cause at the place of a claim, of which an ordinary one has the rms ``size`` in
+        mm."""
+        out = []
+        for one in unknowns(claim, self.scenes, order=order_of(claim)):
+            usual = rms(one.columns, one.std)
+            if usual <= 0.0:
+                continue
+            sized = Sized(columns=self.white(one.columns), std=one.std * (size / usual), scaled=one.std.size)
+            out.append(Explanation(claim=None, log_evidence=self.log_evidence(sized), weight=one.weight))
+        return out
+
+    def sized(self, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> Sized:
+        """A claim by its derivatives (n_k, q) in mm, the size's first, with the doubt about its form: a part of its
+        ``effect`` (n_k,)."""
+        physics, scope = claim.physics, self.others.scope
+        a = physics.amplitudes
+        std = [*amplitude_std(physics), *(_shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
+        bounds = (-math.inf, math.inf)
+        if a == 1 and not physics.fixed_amplitudes:
+            bounds = physics.coordinates[0].bounds(scope, claim.place)
+        parts = list(columns)
+        form, loose = self._form(claim, effect)
+        if loose.size:
+            parts = [np.concatenate((mine, more), axis=1) for mine, more in zip(parts, form, strict=True)]
+            std += loose.tolist()
+        scaled = 0 if physics.fixed_amplitudes else a
+        return Sized(columns=self.white(parts), std=np.array(std), scaled=scaled, bounds=bounds)
+
+    def _form(self, claim: Claim, effect: Sequence[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
+        """Columns (n_k, q) in mm of the form that a claim leaves open, and standard deviations (q,): of a tooth along
+        its contact, of all teeth along the mesh."""
+        place, physics = claim.place, claim.physics
+        most = FORM * max(float(np.max(np.abs(one))) for one in effect)
+        if place.tooth is not None:
+            hats = [tooth_hats(scene, place.gear or 0, place.tooth, knots=KNOTS) for scene in self.scenes]
+            return hats, np.full(KNOTS, most)
+        if not physics.mean_tooth:
+            return [], np.zeros(0)
+        mean = math.sqrt(sum(float(np.sum((e - np.mean(e)) ** 2)) for e in effect) / sum(e.size for e in effect))
+        curves = [mesh_harmonics(scene) for scene in self.scenes]
+        std = mesh_std()
+        return curves, std * FORM * mean / rms(curves, std)
+
+
+def amplitude_std(physics: Physics) -> list[float]:
+    """Standard deviation of each amplitude, in its unit, of an ordinary fault."""
+    size = math.sqrt(sum(one**2 for one in physics.ordinary) / physics.amplitudes)
+    return [size] * physics.amplitudes
+
+
+def _shape_std(claim: Claim, k: int, scope: Scope) -> float:
+    """Standard deviation of a coordinate of shape: of one that is even between its bounds."""
+    low, high = claim.physics.coordinates[k].bounds(scope, claim.place)
+    return (high - low) / math.sqrt(12.0)
+
+
+def ordinary_rms(claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> float:
+    """Rms in mm that an ordinary fault of a claim's kind has at its place, by its derivatives (n_k, q), or by its whole
+    ``effect`` (n_k,) if it is there or is not; the mean taken off where only the course is told."""
+    physics = claim.physics
+    if physics.fixed_amplitudes:
+        return rms([one[:, None] for one in effect], np.ones(1))
+    own = [one[:, : physics.amplitudes] for one in columns]
+    if physics.mean_tooth:
+        own = [one - np.mean(one, axis=0) for one in own]
+    return rms(own, np.array(amplitude_std(physics)))
