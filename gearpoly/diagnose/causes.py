@@ -11,7 +11,7 @@ from gearpoly.diagnose.scan import scan
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.trial import Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
-from gearpoly.infer.prior import kind_of, order_of, same_place, unknown_share
+from gearpoly.infer.prior import kind_of, order_of, same_place, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics, Place
 
 MANY = 12
@@ -81,15 +81,16 @@ def _posterior(search: Search, trial: Trial, possible: list[tuple[Physics, Place
         return None
     claims = list(best.values())
     first = claims[0]
-    many = len({(physics.name, place.gear) for physics, place in possible})
+    weights = share_of_causes(first, (Claim(physics=physics, place=place, values=()) for physics, place in possible))
+    columns = derivatives(search.model, search.scenes, first)
+    effect = search.model.change(search.scenes, first, first.values)
+    trial, without_cause = trial.at(first, size=ordinary_rms(first, columns, effect), effect=effect)
     explanations = [
-        Explanation(claim=claim, log_evidence=trial.of(claim), weight=1.0 / many)
+        Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
         for claim in claims
         if same_place(claim, first)
     ]
-    columns = derivatives(search.model, search.scenes, first)
-    effect = search.model.change(search.scenes, first, first.values)
-    explanations += trial.unknown(first, size=ordinary_rms(first, columns, effect))
+    explanations += trial.explanations(without_cause)
     places = search.looked.own.get(first.physics.name, 1)
     share = max(unknown_share(claim, search.model.scope) for claim in claims)
     return weighed(explanations, unknown_share=share, places=places)

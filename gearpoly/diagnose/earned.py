@@ -15,6 +15,7 @@ from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
+from gearpoly.units import FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +58,7 @@ def earned(search: Search, refitted: Mapping[Key, Sequence[Refitted]]) -> tuple[
         effect = search.model.change(search.scenes, claim, claim.values, but=claim)
         rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
         gone.append(Unearned(claim=claim, rms=rms, posterior=judged[least].posterior))
-        _give_up(search, least)
+        _give_up(search, least, effect)
 
 
 def _likelier(search: Search, judged: Sequence[Judged], taken: set[Key]) -> tuple[int, Claim] | None:
@@ -81,10 +82,11 @@ def _take(search: Search, k: int, claim: Claim) -> None:
         search.restore(begun)
 
 
-def _give_up(search: Search, k: int) -> None:
-    """Let a curve of no cause stand in the place of claim ``k``, and fit everything again."""
+def _give_up(search: Search, k: int, effect: Sequence[FloatArray]) -> None:
+    """Let a curve of no cause stand in the place of claim ``k``, which has this ``effect`` (n_k,) in mm, and fit
+    everything again."""
     claim = search.model.claims[k]
-    curve = at_place(claim, search.scenes, order=order_of(claim))
+    curve = at_place(claim, search.scenes, order=order_of(claim), effect=effect)
     begun = search.kept()
     try:
         search.join([], instead=k)

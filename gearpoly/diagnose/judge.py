@@ -15,7 +15,7 @@ from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.trial import Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
-from gearpoly.infer.prior import same_place, unknown_share
+from gearpoly.infer.prior import LEAST_SHARE, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics, Place
 from gearpoly.physics.scene import Scene
 from gearpoly.units import FloatArray
@@ -52,6 +52,8 @@ def judge(
         others=model.but(claim), scenes=scenes, linear=linear, plain=plain, heat=max(1.0, linear.system.whiteness)
     )
     effect = model.change(scenes, claim, claim.values, but=claim)
+    columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
+    trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     mine = trial.log_evidence(_standing(trial, claim, linear, k, wider, effect))
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
@@ -63,10 +65,12 @@ def judge(
         if best is None or log > best[1]:
             found[one.claim.key] = (one.claim, log)
     places_of = (Claim(physics=physics, place=place, values=()) for physics, place in _possible(model, claim))
-    possible = {(one.physics.name, one.place.gear) for one in (claim, *places_of) if same_place(one, claim)}
-    explanations = [Explanation(claim=one, log_evidence=log, weight=1.0 / len(possible)) for one, log in found.values()]
-    columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
-    explanations += trial.unknown(claim, size=ordinary_rms(claim, columns, effect))
+    weights = share_of_causes(claim, (claim, *places_of))
+    explanations = [
+        Explanation(claim=one, log_evidence=log, weight=weights.get((one.physics.name, one.place.gear), LEAST_SHARE))
+        for one, log in found.values()
+    ]
+    explanations += trial.explanations(without_cause)
     share = unknown_share(claim, model.scope)
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,18 @@ from gearpoly.units import FloatArray
 
 KNOTS = 12
 """Places along a tooth's contact between which its form may differ from what a physics draws."""
+
+
+SAME = 0.3
+"""Part of a located wave's power that the waves of a place hold, from which on it is there."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unexplained:
+    """White columns without a cause, and the ``weight`` that they have among those of their place."""
+
+    sized: Sized
+    weight: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,17 +59,33 @@ class Trial:
         effect = self.others.change(self.scenes, claim, claim.values)
         return self.log_evidence(self.sized(claim, columns, effect))
 
-    def unknown(self, claim: Claim, *, size: float) -> list[Explanation]:
-        """The explanations without a cause at the place of a claim, of which an ordinary one has the rms ``size`` in
-        mm."""
-        out = []
-        for one in unknowns(claim, self.scenes, order=order_of(claim)):
+    def at(self, claim: Claim, *, size: float, effect: Sequence[FloatArray]) -> tuple[Trial, list[Unexplained]]:
+        """This trial at the place of a claim with this ``effect`` (n_k,) in mm, of which an ordinary one has the rms
+        ``size`` in mm, and the explanations without a cause there.
+
+        A wave that was located there and that nobody had named is one of them, and stands beside no other.
+        """
+        found = []
+        for one in unknowns(claim, self.scenes, order=order_of(claim), effect=effect):
             usual = rms(one.columns, one.std)
-            if usual <= 0.0:
-                continue
-            sized = Sized(columns=self.white(one.columns), std=one.std * (size / usual), scaled=one.std.size)
-            out.append(Explanation(claim=None, log_evidence=self.log_evidence(sized), weight=one.weight))
-        return out
+            if usual > 0.0:
+                sized = Sized(columns=self.white(one.columns), std=one.std * (size / usual), scaled=one.std.size)
+                found.append(Unexplained(sized=sized, weight=one.weight))
+        start, taken = self.linear.layout.foreign.start, []
+        for wave in self.others.strangers:
+            columns = [start + column for column in wave]
+            mine = [white[:, columns] for white in self.plain.white]
+            if found and _held(mine, found) > SAME:
+                taken += columns
+                std = np.full(len(columns), math.sqrt(2.0 / len(columns)) * size)
+                found.append(Unexplained(sized=Sized(columns=mine, std=std, scaled=std.size), weight=1.0))
+        whole = sum(one.weight for one in found)
+        even = [replace(one, weight=one.weight / whole) for one in found]
+        return replace(self, plain=self.plain.without(taken)), even
+
+    def explanations(self, found: Sequence[Unexplained]) -> list[Explanation]:
+        """The explanations without a cause, each weighed."""
+        return [Explanation(claim=None, log_evidence=self.log_evidence(one.sized), weight=one.weight) for one in found]
 
     def sized(self, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> Sized:
         """A claim by its derivatives (n_k, q) in mm, the size's first, with the doubt about its form: a part of its
@@ -114,3 +142,15 @@ def ordinary_rms(claim: Claim, columns: Sequence[FloatArray], effect: Sequence[F
     if physics.mean_tooth:
         own = [one - np.mean(one, axis=0) for one in own]
     return rms(own, np.array(amplitude_std(physics)))
+
+
+def _held(columns: Sequence[FloatArray], found: Sequence[Unexplained]) -> float:
+    """Part of the power of white columns (n_k, q) that the best of some explanations holds."""
+    mine = np.concatenate(list(columns))
+    power = float(np.sum(mine**2))
+    most = 0.0
+    for one in found if power > 0.0 else ():
+        theirs = np.concatenate(one.sized.columns)
+        left = mine - theirs @ np.linalg.lstsq(theirs, mine)[0]
+        most = max(most, 1.0 - float(np.sum(left**2)) / power)
+    return most

@@ -6,6 +6,7 @@ These are judgements. They are stated here once, so that everybody can see and d
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
 import numpy as np
@@ -91,6 +92,17 @@ def same_place(one: Claim, other: Claim) -> bool:
     if kind_of(one) not in ("tooth", "wave"):
         return True
     return (one.place.gear, one.place.tooth, order_of(one)) == (other.place.gear, other.place.tooth, order_of(other))
+
+
+LEAST_SHARE = 0.01
+"""Share of a physics that is of another kind of place and fits as well all the same."""
+
+
+def share_of_causes(claim: Claim, possible: Iterable[Claim]) -> dict[tuple[str, int | None], float]:
+    """Shares, by physics and gear, of the causes at the place of a ``claim`` that the catalogue holds; they add up to
+    1, ``possible`` claims in whatever form or shape counted once."""
+    found = {(one.physics.name, one.place.gear): one.physics.common for one in possible if same_place(one, claim)}
+    return {key: common / sum(found.values()) for key, common in found.items()}
 
 
 def unknown_share(claim: Claim, scope: Scope) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,12 @@ KNOTS = 12
 
 REACH = (0.12, 0.4)
 """Parts of the contact of a tooth over which such a curve forgets itself: a pit's edge, a lean."""
+
+IMAGES = 4
+"""Mesh orders about which images of a flank's wave are looked for."""
+
+SEEN = 0.1
+"""Part of the strongest image's power from which another counts."""
 
 TERMS = 6
 """Legendre polynomials of a slow course of no cause."""
@@ -98,14 +104,49 @@ def _repeated(
     return [Unknown(name=one.name, columns=one.columns, std=one.std, weight=1.0 / len(out)) for one in out]
 
 
-def waves(scenes: Sequence[Scene], gear: int, order: float) -> list[Unknown]:
-    """A wave of an ``order`` per turn of a shaft, drawn at the angle as it was estimated."""
-    parts = []
-    for scene in scenes:
-        angle = order * (scene.samples.reading_1 if gear == 0 else scene.samples.reading_2)
-        parts.append(np.column_stack((np.cos(angle), np.sin(angle))))
+def waves(scenes: Sequence[Scene], gear: int, orders: Sequence[float]) -> list[Unknown]:
+    """Waves of these ``orders`` per turn of a shaft together, drawn at each of its ``angles``: nobody knows which is
+    the true one."""
     ways = (("", _same), (" by flank", _flank), (" by recording", _number))
-    return _repeated("wave", scenes, parts, np.ones(2), ways)
+    drawn, drawn_at = [], list(zip(*(angles_of(scene, gear) for scene in scenes), strict=True))
+    for angles in drawn_at:
+        parts = [np.column_stack([f(order * x) for order in orders for f in (np.cos, np.sin)]) for x in angles]
+        drawn += _repeated("wave", scenes, parts, np.repeat(orders[0] / np.asarray(orders), 2), ways)
+    return [replace(one, weight=one.weight / len(drawn_at)) for one in drawn]
+
+
+def harmonics_of(order: int) -> list[int]:
+    """An order with its next harmonics: what comes so often per turn, as the teeth of another gear do, is seldom a pure
+    wave."""
+    return [order * k for k in (1, 2, 3)]
+
+
+def angles_of(scene: Scene, gear: int) -> tuple[FloatArray, FloatArray]:
+    """Angles (n,) in rad of a shaft: as its reading was estimated, and as the mate's teeth turn it. They are not the
+    same where one shaft's angle is nothing but time, or is made of the other's and of the error itself."""
+    samples, ratio = scene.samples, scene.gear(0).z / scene.gear(1).z
+    if gear == 0:
+        return samples.reading_1, samples.theta_2 / ratio
+    return samples.reading_2, samples.theta_1 * ratio
+
+
+def flank_waves(scenes: Sequence[Scene], gear: int, order: int, effect: Sequence[FloatArray]) -> list[Unknown]:
+    """Waves where a wave of the flanks shows: at its own order, and at its images about the mesh orders, each of them
+    alone and those that its ``effect`` (n_k,) in mm has together. One pair carries after the other, and a wave that
+    does not fit a whole number of times between them looks like slower ones."""
+    z = scenes[0].gear(gear).z
+    images = sorted({abs(order + j * z) for j in range(-IMAGES, IMAGES + 1)} - {0})
+    power = np.zeros(len(images))
+    for scene, one in zip(scenes, effect, strict=True):
+        angle = angles_of(scene, gear)[1]
+        for k, image in enumerate(images):
+            power[k] += abs(complex(np.exp(-1j * image * angle) @ one)) ** 2 / max(1, one.size)
+    most = float(np.max(power, initial=0.0))
+    seen = [image for image, p in zip(images, power.tolist(), strict=True) if image == order or p > SEEN * most]
+    groups: list[list[int]] = [[image] for image in seen]
+    groups += [seen] if len(seen) > 1 else []
+    groups.append(harmonics_of(order))
+    return [replace(one, weight=one.weight / len(groups)) for group in groups for one in waves(scenes, gear, group)]
 
 
 def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
@@ -168,15 +209,23 @@ def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unk
     return halved + one_step
 
 
-def unknowns(claim: Claim, scenes: Sequence[Scene], *, order: int | None) -> list[Unknown]:
-    """The explanations without a cause at the place of a ``claim``; ``order`` of the wave that it is, if any."""
+def unknowns(
+    claim: Claim, scenes: Sequence[Scene], *, order: int | None, effect: Sequence[FloatArray]
+) -> list[Unknown]:
+    """The explanations without a cause at the place of a ``claim`` that has this ``effect`` (n_k,) in mm; ``order`` of
+    the wave that it is, if any."""
     place, physics = claim.place, claim.physics
     if physics.slow:
         return slow_courses(scenes, place.recordings)
     if place.tooth is not None:
         return tooth_curves(scenes, place.gear or 0, place.tooth)
     if order is not None:
-        return waves(scenes, place.gear or 0, order)
+        gear = place.gear or 0
+        turning = physics.measures or place.order is None
+        if not turning:
+            return flank_waves(scenes, gear, order, effect)
+        both = ([order], harmonics_of(order))
+        return [replace(one, weight=one.weight / len(both)) for orders in both for one in waves(scenes, gear, orders)]
     return mesh_curves(scenes, means=physics.whole_gear or not physics.mean_tooth)
 
 
@@ -186,7 +235,9 @@ def rms(columns: Sequence[FloatArray], std: FloatArray) -> float:
     return math.sqrt(power / max(1, sum(part.shape[0] for part in columns)))
 
 
-def at_place(claim: Claim, scenes: Sequence[Scene], *, order: int | None) -> list[FloatArray]:
+def at_place(
+    claim: Claim, scenes: Sequence[Scene], *, order: int | None, effect: Sequence[FloatArray]
+) -> list[FloatArray]:
     """Columns (n_k, q) of the richest of them, for a fit that leaves a place without a cause."""
-    found = [one for one in unknowns(claim, scenes, order=order) if one.columns[0].shape[1] > 1]
+    found = [one for one in unknowns(claim, scenes, order=order, effect=effect) if one.columns[0].shape[1] > 1]
     return max(found, key=lambda one: one.columns[0].shape[1]).columns

@@ -170,6 +170,9 @@ class Physics:
     """Amplitudes of an ordinary fault of ordinary gears, in the units of the pair file: one that a bench meets, neither
     beneath every noise nor a wreck. A plan lays faults of this size side by side."""
 
+    common: float = 1.0
+    """How often it is met among the causes that the catalogue holds at its kind of place, to others there."""
+
     effect: Callable[[Scene, Place, Values], FloatArray] | None = None
     ordinary_orders: Callable[[Gear], tuple[int, ...]] = lambda gear: ()
     """Of a physics that has an order per turn of its gear: those at which it is met most."""

@@ -54,6 +54,7 @@ PHYSICS = Physics(
     ),
     amplitudes=2,
     ordinary=(5.0, 0.0),
+    common=5.0,
     places=_places,
     effect=_effect,
     write=_write,

@@ -50,6 +50,7 @@ PHYSICS = Physics(
     ),
     amplitudes=2,
     ordinary=(100.0, 0.0),
+    common=4.0,
     places=_places,
     effect=_effect,
     measures=True,
