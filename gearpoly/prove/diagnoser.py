@@ -10,6 +10,10 @@ from typing import Any
 from gearpoly.files.models import PairFile
 from gearpoly.physics.base import changed, on_gear
 
+WITHIN = 35.0
+"""Processor seconds after which no more is looked for, as ``--within`` has it: weighing and telling what was found takes
+half as long again, and a case has 60 s in all."""
+
 WRONG = 1.05
 """Factor by which known parameters are wrong in the control that asks what then happens."""
 
@@ -48,7 +52,7 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     if how.wrong:
         file = wrong(file)
     method = Method(without=frozenset(how.without), whiten=how.whiten, exact=how.exact)
-    return verdict_json(diagnose(file, read, path=pair, method=method))
+    return verdict_json(diagnose(file, read, path=pair, method=method, within=WITHIN))
 
 
 def wrong(file: PairFile) -> PairFile:
