@@ -73,16 +73,19 @@ def findings() -> tuple[Finding, ...]:
         Finding(
             claim=off, parameters={"amplitude_um": (6.0048, 0.0312), "angle_deg": (40.02, 0.31)}, tooth=None,
             encoder_deg=None, gain=12345.6, probability=0.93, unknown_probability=0.004, without=without, with_=with_,
-            rivals=(Rival(claim=rival, parameters={"amplitude_urad": (128.06, 0.0)}, probability=0.066),), separation=decides,
+            rivals=(Rival(claim=rival, parameters={"amplitude_urad": (128.06, 0.0)}, probability=0.066),),
+            separation=decides,
         ),
         Finding(
             claim=tooth, parameters={"deviation_um": (3.5, 0.21)}, tooth=None, encoder_deg=203.14, gain=271.8,
-            probability=0.71, unknown_probability=0.03, without=Rms(seen=0.7 * UM, unseen=0.71 * UM), with_=with_, separation=None,
+            probability=0.71, unknown_probability=0.03, without=Rms(seen=0.7 * UM, unseen=0.71 * UM), with_=with_,
+            separation=None,
             rivals=(Rival(claim=mate, parameters={"deviation_um": (-3.4, 0.0)}, probability=0.26, encoder_deg=17.2),),
         ),
         Finding(
             claim=chain, parameters={"amplitude_urad": (12.8, 1.4)}, tooth=None, encoder_deg=None, gain=31.0,
-            probability=0.98, unknown_probability=0.02, without=Rms(seen=0.4 * UM, unseen=0.41 * UM), with_=with_, rivals=(), separation=None,
+            probability=0.98, unknown_probability=0.02, without=Rms(seen=0.4 * UM, unseen=0.41 * UM), with_=with_,
+            rivals=(), separation=None,
         ),
     )  # fmt: skip
 

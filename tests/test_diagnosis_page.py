@@ -17,8 +17,7 @@ from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import filled, page
-from gearpoly.report.diagnosis_report import verdict_json
-from gearpoly.report.diagnosis_report import chance_words, how_sure
+from gearpoly.report.diagnosis_report import chance_words, how_sure, verdict_json
 from gearpoly.report.diagnosis_words import MINUS, chance, measured, number, parameter, typeset
 from gearpoly.units import DEG, UM, FloatArray
 from gearpoly.view.pack import unpacked
@@ -442,7 +441,7 @@ def test_where_the_numbering_is_open_no_rival_has_a_number(diagnosis: Diagnosis,
     (rival,) = verdict_json(diagnosis)["missing"][1]["indistinguishable_from"]
     assert rival == {
         "physics": "tooth_pitch", "gear": "driving", "tooth": None, "encoder_deg": 17.2, "flank": "coast",
-        "parameters": {"deviation_um": {"value": -3.4}},
+        "parameters": {"deviation_um": {"value": -3.4}}, "probability": 0.26,
     }  # fmt: skip
     assert "(driving, coast flank)" in text
     assert not re.search(r"[Tt]ooth 4\b", text)

@@ -1,0 +1,100 @@
+"""A name is earned against causes that nobody knows, and the verdict says how probable each is."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.infer.prior import LINE_COUNTS, ONCE_PER_TURN, same_place, share_of_causes
+from gearpoly.infer.unknown import KNOTS, harmonics_of, mesh_std
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim, Place
+from gearpoly.prove.diagnoser import How, gearpoly
+from gearpoly.recording.recording import Recording
+from gearpoly.report.diagnosis_report import verdict_json
+from gearpoly.units import UM
+from tests.at_hand import SHIPPED
+from tests.physics_cases import Condition, claim_of, recorded, rough
+
+TO = 0.011
+"""What is below 0.01 is left out of the verdict."""
+
+
+def shipped(name: str) -> dict[str, Any]:
+    folder = SHIPPED / name
+    return gearpoly(folder / "pair.toml", sorted(folder.glob("rec_*")), How())
+
+
+def claim(name: str, **place: Any) -> Claim:
+    return Claim(physics=catalogue()[name], place=Place(**place), values=())
+
+
+def test_probabilities_of_a_name_its_look_alikes_and_the_unknown_add_up_to_one() -> None:
+    (one,) = shipped("encoder_off_centre")["missing"]
+    assert one["physics"] == "encoder_eccentricity"
+    alike = sum(rival["probability"] for rival in one["indistinguishable_from"])
+    assert one["probability"] + alike + one["unknown_probability"] == pytest.approx(1.0, abs=TO)
+    # A wave of no cause predicts the same to the last figure, so the share of such causes is all that decides.
+    assert 0.0 < one["unknown_probability"] < ONCE_PER_TURN / 0.4
+
+
+def with_wave(order: float, size_um: float, *, seed: int = 2) -> dict[str, Any]:
+    """The verdict on a pair as declared whose rig adds a wave per turn of the driving shaft."""
+    file, path = rough(points=300), Path("pair.toml")
+    (one,) = recorded(file, (Condition(torque_nm=20.0),), np.random.default_rng(seed), per_mesh=24)
+    assert one.driving_angle_rad is not None and one.driven_angle_rad is not None
+    r_b2 = 0.5 * 16 * file.driven.module_mm * math.cos(math.radians(20.0))
+    wave = size_um * UM / r_b2 * np.cos(order * one.driving_angle_rad + 0.7)
+    changed = Recording(**{**vars(one), "driven_angle_rad": one.driven_angle_rad + wave})
+    return verdict_json(diagnose(file, [changed], path=path))
+
+
+def test_a_wave_five_times_per_turn_is_located_and_not_named() -> None:
+    """Worms, couplings and poles of a motor make whole low orders; an encoder may, and is told as one of them."""
+    found = with_wave(5.0, 1.5)
+    assert not found["missing"]
+    (one,) = [e for e in found["unexplained"] if e["kind"] == "shaft_order" and e.get("order") == 5]
+    assert one["amplitude_um"] == pytest.approx(1.5, rel=0.1)
+    assert one["probability"] > 0.99
+    named = {cause["physics"]: cause["probability"] for cause in one["could_be"]}
+    assert 0.05 < named["encoder_interpolation"] < 0.95
+
+
+def test_a_pitch_wave_is_told_by_its_steps() -> None:
+    """The same order, made by the index deviations of all teeth: its steps are seen, so it has its name."""
+    known, claimed = rough(points=300), claim_of("cumulative_pitch")
+    recordings = recorded(claimed.written(known), (Condition(torque_nm=20.0),), np.random.default_rng(3), per_mesh=24)
+    found = verdict_json(diagnose(known, recordings, path=Path("pair.toml")))
+    assert [one["physics"] for one in found["missing"]] == ["cumulative_pitch"]
+    assert found["missing"][0]["unknown_probability"] < 0.01
+
+
+def test_shares_of_causes_at_a_place_add_up_to_one() -> None:
+    ones = [
+        claim("eccentricity", gear=0),
+        claim("encoder_eccentricity", gear=0),
+        claim("cumulative_pitch", gear=0, order=1),
+    ]
+    shares = share_of_causes(ones[0], [*ones, claim("cumulative_pitch", gear=0, order=1, flank="coast")])
+    assert sum(shares.values()) == pytest.approx(1.0)
+    assert shares["eccentricity", 0] > shares["encoder_eccentricity", 0] > shares["cumulative_pitch", 0]
+    others = [claim("eccentricity", gear=1), claim("cumulative_pitch", gear=0, order=2), claim("wear", gear=0)]
+    assert not any(same_place(ones[0], other) for other in others)
+
+
+def test_encoders_have_as_many_lines_as_encoders_on_sale() -> None:
+    assert {1024, 2048, 2500, 3600, 360} <= LINE_COUNTS
+    assert not {2, 3, 5, 7, 12, 25, 31, 47} & LINE_COUNTS
+
+
+def test_a_curve_of_no_cause_has_the_harmonics_of_a_corner() -> None:
+    """A step's harmonics fall off as 1/h (Fourier series of a sawtooth)."""
+    std = mesh_std()
+    assert std[0] / std[6] == pytest.approx(4.0)
+    assert harmonics_of(12) == [12, 24, 36]
+    assert KNOTS >= 8
