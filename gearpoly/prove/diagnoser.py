@@ -11,7 +11,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.physics.base import changed, on_gear
 
 WITHIN = 35.0
-"""Processor seconds after which no more is looked for, as ``--within`` has it: weighing and telling what was found takes
+"""Processor seconds after which no more is looked for, as ``--within`` has it: weighing and telling what was found take
 half as long again, and a case has 60 s in all."""
 
 WRONG = 1.05
