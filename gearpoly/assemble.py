@@ -35,8 +35,10 @@ from gearpoly.gear.rack import Rack, usual_round
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
 from gearpoly.inspected import measured
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
+from gearpoly.mesh.meshing import Meshing, compliance_under
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.recording.chain import EncoderErrors, encoder_errors
@@ -60,6 +62,17 @@ class Assembled:
     deviations: tuple[Deviations, Deviations]
     shafts: Shafts = field(default_factory=Shafts)
     encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
+
+    def under(self, condition: Condition) -> Meshing:
+        """The pair as it meshes under ``condition``. Raises ``GeometryError`` for teeth without a width that are to
+        bend, ``OutOfRangeError`` for a material or law that is none."""
+        return Meshing(
+            pair=self.pair,
+            condition=condition,
+            compliance=compliance_under(self.pair, self.elasticity, condition),
+            sharing=self.sharing,
+            shafts=self.shafts,
+        )
 
 
 def nominal_gears(file: PairFile) -> tuple[Gear, Gear]:

@@ -67,7 +67,7 @@ def test_what_load_bends_swings_along(at_speed: tuple[Assembled, Samples, Scene]
     softer = replace(assembled.elasticity or Elasticity(), scale=1.1)
     exact = settled(stage(replace(assembled, elasticity=softer), samples).te - scene.te)
     again = scene.with_load_of(replace(assembled, elasticity=softer)) - scene.with_load_of(assembled)
-    for found in (scene.under(softer) - scene.te, again):
+    for found in (scene.bending(softer) - scene.te, again):
         off = np.abs(settled(found) - exact)
         assert np.quantile(off, 0.95) < ALLOWED * float(np.ptp(exact))
 

@@ -322,7 +322,7 @@ class Fit:
                 if not claim.physics.mean_tooth:
                     self.of_teeth = max(self.of_teeth, claim.physics.law_doubt * size)
         self.deflections = tuple(
-            abs(float(np.mean(scene.under(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
+            abs(float(np.mean(scene.bending(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
         )
 
     @property

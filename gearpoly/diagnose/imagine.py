@@ -172,5 +172,5 @@ class Imagined:
             shared, own = self.laws.under(scene)
         elif (alone := law_modes([scene], law_changes([scene]))) is not None:
             own = alone.parts[0]
-        offset = OFFSET * float(np.mean(scene.under(None) - scene.te))
+        offset = OFFSET * float(np.mean(scene.bending(None) - scene.te))
         return shared, np.column_stack((own, np.full(scene.samples.size, offset)))
