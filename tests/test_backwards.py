@@ -21,10 +21,10 @@ from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair
 from gearpoly.mesh.condition import Condition as Under
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.physics.scene import stage
 from gearpoly.recording.clean import clean
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
+from gearpoly.scene import stage
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import SPEED, ZEROS, Condition, claim_of, recorded, rough, samples_at

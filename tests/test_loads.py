@@ -18,8 +18,8 @@ from gearpoly.files.pairfile import dump_pair
 from gearpoly.mesh.condition import Condition as Under
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.varied import Giving
-from gearpoly.physics.scene import stage
 from gearpoly.recording.load import relative_load
+from gearpoly.scene import stage
 from gearpoly.units import NM, UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import Condition, recorded, rough, samples_at

@@ -10,9 +10,9 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.nuisance import TURNED, law_changes, make_nuisance
 from gearpoly.diagnose.prepare import prepare
-from gearpoly.files.models import Eccentricity
 from gearpoly.mesh.loaded import SMALL
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.eccentricity import Eccentricity
+from gearpoly.scene import Scene
 from gearpoly.units import UM
 from tests.physics_cases import Condition, recorded, rough
 

@@ -14,7 +14,7 @@ from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.shafts import Shafts, runs_up, swings_along
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.physics import catalogue
-from gearpoly.physics.scene import stage
+from gearpoly.scene import stage
 from gearpoly.simulate import simulate
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made, pair_file

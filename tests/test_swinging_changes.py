@@ -12,7 +12,7 @@ from gearpoly.diagnose.nuisance import slope_of
 from gearpoly.files.models import PairFile, PairSection
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
+from gearpoly.scene import Scene, stage
 from gearpoly.units import FloatArray
 from tests.pair_files import made
 from tests.physics_cases import Condition, claim_of, rough, samples_at, sized

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gears, stated_limits
+from gearpoly.assemble import Assembled, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
@@ -27,6 +27,7 @@ from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
+from gearpoly.gear.nominal import nominal_gears
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up

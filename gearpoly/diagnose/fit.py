@@ -18,7 +18,7 @@ from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
 
 CLEARLY = 30.0

@@ -14,7 +14,7 @@ from gearpoly.diagnose.nuisance import OFFSET, LawModes, law_changes, law_modes
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
+from gearpoly.scene import Scene, stage
 from gearpoly.units import NM, RPM, FloatArray
 
 PER_MESH = 12

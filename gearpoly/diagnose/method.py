@@ -11,10 +11,11 @@ import numpy as np
 from gearpoly.assemble import assemble
 from gearpoly.compare.noise import Noise
 from gearpoly.files.models import GearSection, PairFile
+from gearpoly.keys.edit import changed, on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Physics, changed, on_gear
+from gearpoly.physics.base import Physics
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
+from gearpoly.scene import Scene, stage
 from gearpoly.threads import each
 
 FEW = 64.0

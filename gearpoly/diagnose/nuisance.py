@@ -16,7 +16,7 @@ import numpy as np
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance import law_names
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import UM, FloatArray
 

@@ -11,8 +11,9 @@ from gearpoly.diagnose.contest import Refitted
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, columns_of, polished, scan
-from gearpoly.physics.base import Claim, Physics, Place
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
 
 CLOSE = 9.0
 """Difference in misfit within which two explanations are not told apart: three standard deviations."""

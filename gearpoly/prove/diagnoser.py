@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import changed, on_gear
+from gearpoly.keys.edit import changed, on_gear
 
 WRONG = 1.05
 """Factor by which known parameters are wrong in the control that asks what then happens."""

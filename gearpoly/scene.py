@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from gearpoly.assemble import Assembled
-from gearpoly.gear.deviations import Index, Span
+from gearpoly.gear.deviations import Deviations, Index, Span
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance
 from gearpoly.mesh.loaded import LoadedContacts, levers
@@ -25,6 +25,7 @@ from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import swings_at
 from gearpoly.mesh.transmission import NEAR, FlankContacts
 from gearpoly.physics.samples import Samples
+from gearpoly.physics.shown import DeviationOf
 from gearpoly.units import UM, FloatArray, IntArray
 
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
@@ -33,9 +34,6 @@ second search."""
 
 Held = tuple[IntArray, FloatArray, FloatArray]
 """Samples, roll lengths in mm and weights of one tooth's contacts, (k,) each."""
-
-DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
-"""Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +70,11 @@ class Scene:
     def pair(self) -> GearPair:
         """The simulated pair."""
         return self.mesh.pair
+
+    @property
+    def deviations(self) -> tuple[Deviations, Deviations]:
+        """What both gears deviate by."""
+        return self.assembled.deviations
 
     @property
     def bends(self) -> bool:
