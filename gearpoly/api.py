@@ -28,6 +28,7 @@ from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.gear.deviations import Deviations, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
 from gearpoly.positions import POINTS_PER_MESH, cycle_positions
@@ -158,8 +159,7 @@ class Pair:
         return simulate(
             self.assembled,
             cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
-            torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM,
-            flank=flank,
+            Condition(flank=flank, torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM),
             seed=self.seed,
             evenly=True,
             fast=fast,

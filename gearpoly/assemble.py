@@ -6,7 +6,8 @@ there is not, and are zero otherwise. Nothing is drawn for an inspected gear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import reduce
 from pathlib import Path
 from typing import Literal
 
@@ -19,28 +20,29 @@ from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
-    Pit,
     Shape,
     Slope,
     Traces,
-    Wave,
-    Wear,
     pitch_and_thickness,
-    tip_relief,
 )
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks, points_for
 from gearpoly.gear.gear import Gear
-from gearpoly.gear.rack import Rack, usual_round
+from gearpoly.gear.nominal import nominal_gear, nominal_gears
+from gearpoly.gear.rack import Rack
 from gearpoly.gear.root import form_point
 from gearpoly.gear.tolerances import LIMIT_KEYS, Limits, default_thickness, limits_for, tolerances
 from gearpoly.inspected import measured
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
+from gearpoly.mesh.meshing import Meshing, compliance_under
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.recording.chain import EncoderErrors, encoder_errors
-from gearpoly.units import DEG, GPA, NM, UM, URAD, FloatArray, read_only
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Physics
+from gearpoly.physics.parts import EncoderErrors, Parts
+from gearpoly.units import GPA, UM, FloatArray, read_only
 
 NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 
@@ -61,29 +63,16 @@ class Assembled:
     shafts: Shafts = field(default_factory=Shafts)
     encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
 
-
-def nominal_gears(file: PairFile) -> tuple[Gear, Gear]:
-    """Both deviation-free gears of a pair file. Raises ``GeometryError`` where one cannot be cut."""
-    return nominal_gear(file.driving, file.driven), nominal_gear(file.driven, file.driving)
-
-
-def nominal_gear(section: GearSection, mate: GearSection | None = None) -> Gear:
-    """The deviation-free gear of one gear section, with a root that leaves the tip of its ``mate`` free where none is
-    stated. Raises ``GeometryError`` where it cannot be cut."""
-    alpha, round_ = section.pressure_angle_deg * DEG, section.root_radius
-    # The default means the same where a file writes it out.
-    if round_ is None or round_ == Rack.rho_fP:
-        h_aP = None if mate is None else mate.addendum
-        round_ = usual_round(alpha=alpha, h_fP=section.dedendum, h_aP=h_aP)
-    rack = Rack(alpha=alpha, h_aP=section.addendum, h_fP=section.dedendum, rho_fP=round_)
-    return Gear(
-        z=section.teeth,
-        m=section.module_mm,
-        x=section.profile_shift,
-        rack=rack,
-        b=section.face_width_mm,
-        d_bore=section.bore_mm,
-    )
+    def under(self, condition: Condition) -> Meshing:
+        """The pair as it meshes under ``condition``. Raises ``GeometryError`` for teeth without a width that are to
+        bend, ``OutOfRangeError`` for a material or law that is none."""
+        return Meshing(
+            pair=self.pair,
+            condition=condition,
+            compliance=compliance_under(self.pair, self.elasticity, condition),
+            sharing=self.sharing,
+            shafts=self.shafts,
+        )
 
 
 def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
@@ -146,52 +135,52 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
                 shapes, origin = _drawn(made, limit, streams(seed)[k], NAMES[k]), "drawn"
             else:
                 shapes, origin, limit = Deviations(), "ideal", None
-            shapes = shapes + _relief(section, gear) + _damage(section, gear, k)
+            shapes = shapes + brought_shapes(section, gear, k)
             flanks.append(draw_flanks(gear, shapes, l_start=made.l_start, points=made.points))
         made_of.append(shapes)
         origins.append(origin)
         limits.append(limit)
-    eccentricities = [
-        (s.eccentricity.amplitude_um * UM, s.eccentricity.angle_deg * DEG) if s.eccentricity else (0.0, 0.0)
-        for s in sections
-    ]
+    parts = brought_parts(file)
     with blamed(path, "pair"):
         pair = mount(
             flanks[0],
             flanks[1],
             a=file.pair.centre_distance_mm,
-            eccentricity_1=eccentricities[0],
-            eccentricity_2=eccentricities[1],
-        )
-    bends = Elasticity(
-        E=file.material.youngs_modulus_gpa * GPA,
-        nu=file.material.poisson_ratio,
-        law=file.model.compliance,
-        contact=file.model.contact,
-        scale=file.model.compliance_scale,
-        cracks=tuple((k, c.tooth, c.compliance_factor) for k, s in enumerate(sections) for c in s.crack),
-        friction=file.pair.friction_coefficient,
-        misalignment=file.pair.misalignment_um * UM,
-    )
-    resonance = file.pair.resonance
-    shafts = Shafts(windup=file.pair.windup_urad_per_nm * URAD / NM)
-    if resonance is not None:
-        shafts = replace(
-            shafts,
-            frequency=resonance.frequency_hz,
-            damping=resonance.damping_ratio,
-            in_mesh=resonance.damped_in_mesh,
+            eccentricity_1=parts.eccentricity[0],
+            eccentricity_2=parts.eccentricity[1],
         )
     return Assembled(
         pair=pair,
         deviations=(made_of[0], made_of[1]),
         origin=(origins[0], origins[1]),
         limits=(limits[0], limits[1]),
-        elasticity=bends if file.model.tooth_deflection else None,
+        elasticity=parts.elasticity if file.model.tooth_deflection else None,
         sharing=file.model.load_sharing,
-        shafts=shafts,
-        encoders=(encoder_errors(file.driving.encoder), encoder_errors(file.driven.encoder)),
+        shafts=parts.shafts,
+        encoders=parts.encoders,
     )
+
+
+def _in_order() -> list[Physics]:
+    """The catalogue in the order in which its physics come in the life of a pair."""
+    return sorted(catalogue().values(), key=lambda one: (one.rank, one.name))
+
+
+def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
+    """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven."""
+    return sum((one.shapes(section, gear, which) for one in _in_order()), start=Deviations())
+
+
+def brought_parts(file: PairFile) -> Parts:
+    """What every physics in the file makes of the pair beside its flanks."""
+    bends = Elasticity(
+        E=file.material.youngs_modulus_gpa * GPA,
+        nu=file.material.poisson_ratio,
+        law=file.model.compliance,
+        contact=file.model.contact,
+        scale=file.model.compliance_scale,
+    )
+    return reduce(lambda parts, one: one.build(file, parts), _in_order(), Parts(elasticity=bends))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -281,53 +270,3 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
             ),
         )
     return where + Deviations(drive=sides["drive"], coast=sides["coast"])
-
-
-def _relief(section: GearSection, gear: Gear) -> Deviations:
-    """The tip relief that the design asks for."""
-    relief = section.tip_relief
-    if relief is None:
-        return Deviations()
-    shape: tuple[Shape, ...] = (
-        tip_relief(gear, amount=relief.amount_um * UM, length=relief.length_mm, shape=relief.shape),
-    )
-    return Deviations(
-        drive=shape if relief.flank != "coast" else (),
-        coast=shape if relief.flank != "drive" else (),
-    )
-
-
-def _damage(section: GearSection, gear: Gear, which: int) -> Deviations:
-    """What work and machine left on the flanks: wear, undulation, spalls. ``which`` is 0 for the driving gear."""
-    drive: list[Shape] = []
-    coast: list[Shape] = []
-    if section.wear_um:
-        drive.append(Wear(section.wear_um * UM, gear.l_pitch))
-        coast.append(Wear(section.wear_um * UM, gear.l_pitch))
-    for wave in section.undulation:
-        for side, name, turn in ((drive, "drive", 1.0), (coast, "coast", -1.0)):
-            if wave.flank in (name, "both"):
-                side.append(
-                    Wave(
-                        a=wave.amplitude_um * UM,
-                        order=wave.order,
-                        phase=wave.angle_deg * DEG,
-                        tau=gear.tau,
-                        r_b=gear.r_b,
-                        l_pitch=gear.l_pitch,
-                        sense=turn * (1.0 if which == 0 else -1.0),
-                    )
-                )
-    for spall in section.spall:
-        drive.append(
-            Pit(
-                spall.depth_um * UM,
-                spall.tooth,
-                gear.z,
-                gear.r_b,
-                spall.from_mm,
-                spall.to_mm,
-                spall.wall_mm,
-            )
-        )
-    return Deviations(drive=tuple(drive), coast=tuple(coast))

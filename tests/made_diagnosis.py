@@ -18,7 +18,8 @@ from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding,
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.units import NM, UM, FloatArray, read_only
 from tests.made_recordings import Rig, inspected, record
 

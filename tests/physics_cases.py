@@ -12,10 +12,11 @@ from gearpoly.assemble import Assembled
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, Scope, Values
+from gearpoly.physics.base import Claim, Scope
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import stage
 from gearpoly.recording.recording import Recording
+from gearpoly.scene import stage
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made, pair_file, unloaded_te
 
@@ -23,30 +24,11 @@ TURN = 2.0 * math.pi
 ZEROS = 1.1, 2.3
 SPEED = 600.0
 
-# One claim that is well above 0.3 um of noise, per physics: place and values, amplitudes first.
-CASES: dict[str, tuple[Place, Values]] = {
-    "centre_distance": (Place(), (40.0,)),
-    "cumulative_pitch": (Place(gear=1, order=3, flank="drive"), (4.0, -2.0)),
-    "eccentricity": (Place(gear=0), (5.0, -7.0)),
-    "encoder_eccentricity": (Place(gear=1), (120.0, 200.0)),
-    "encoder_interpolation": (Place(gear=0, order=64), (30.0, -12.0)),
-    "encoder_scale": (Place(gear=0), (4.0,)),
-    "friction": (Place(), (0.08,)),
-    "mesh_resonance": (Place(), (1.0, math.log(150.0), 0.08, 0.3)),
-    "misalignment": (Place(), (12.0,)),
-    "profile_crowning": (Place(gear=0), (6.0,)),
-    "profile_slope": (Place(gear=1), (5.0,)),
-    "shaft_windup": (Place(), (9.0,)),
-    "thermal_drift": (Place(recordings=(0,)), (2.0, -1.0, 0.4)),
-    "tip_relief": (Place(gear=0, form="linear"), (8.0, 0.6)),
-    "tooth_crack": (Place(gear=0, tooth=3), (0.6,)),
-    "tooth_deflection": (Place(), (1.2,)),
-    "tooth_pitch": (Place(gear=1, tooth=5, flank="drive"), (4.0,)),
-    "tooth_spall": (Place(gear=0, tooth=4), (6.0, 11.7, 12.5, 0.06)),
-    "tooth_thickness": (Place(gear=1), (9.0,)),
-    "undulation": (Place(gear=0, order=29, flank="drive"), (0.7, 0.5)),
-    "wear": (Place(gear=0), (10.0,)),
-}
+CASES: dict[str, tuple[Place, Values]] = {name: one.case for name, one in catalogue().items()}
+"""One claim that is well above 0.3 um of noise, per physics: place and values, amplitudes first."""
+
+CONTRACT: dict[str, set[str]] = {name: set(one.parameters) for name, one in catalogue().items()}
+"""Names and parameters. Further parameters may stand beside these."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,37 +42,11 @@ class Condition:
 
 
 NAMES = sorted(catalogue())
-
 CONDITIONS = tuple(Condition(flank=flank, torque_nm=t) for t in (20.0, 0.0) for flank in ("drive", "coast"))
 
 
 CAMPAIGNS = {"mesh_resonance": (Condition(speed_rpm=600.0), Condition(speed_rpm=300.0))}
 """A resonance shows by two speeds; all else by full and nearly no torque, and both flanks."""
-
-# The contract's table: names and parameters. Further parameters may stand beside these.
-CONTRACT = {
-    "eccentricity": {"amplitude_um", "angle_deg"},
-    "cumulative_pitch": {"amplitude_um", "order"},
-    "tooth_pitch": {"deviation_um"},
-    "profile_slope": {"slope_um"},
-    "profile_crowning": {"crowning_um"},
-    "tip_relief": {"amount_um", "length_mm"},
-    "undulation": {"order", "amplitude_um"},
-    "wear": {"depth_um"},
-    "tooth_spall": {"depth_um", "from_mm", "to_mm"},
-    "tooth_crack": {"compliance_factor"},
-    "tooth_deflection": {"compliance_um_per_n"},
-    "misalignment": {"lead_um"},
-    "friction": {"coefficient"},
-    "centre_distance": {"offset_um"},
-    "tooth_thickness": {"deviation_um"},
-    "shaft_windup": {"compliance_urad_per_nm"},
-    "mesh_resonance": {"frequency_hz", "damping_ratio"},
-    "thermal_drift": {"amplitude_um"},
-    "encoder_eccentricity": {"amplitude_urad"},
-    "encoder_interpolation": {"order", "amplitude_urad"},
-    "encoder_scale": {"ratio"},
-}
 
 
 def claim_of(name: str) -> Claim:

@@ -12,6 +12,7 @@ from gearpoly.compare.compare import lay_beside
 from gearpoly.compare.template import make_template
 from gearpoly.errors import InputFileError
 from gearpoly.files.pairfile import read_pair
+from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Flank, Recording
 from gearpoly.units import DEG, NM, UM
 from tests.made_recordings import HALF_1, HALF_2, RIG, TURN, Rig, errors, flat_pair, inspected, off_deg, record, te_of
@@ -27,7 +28,7 @@ NEEDED = 0.02
 def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, torque: float) -> None:
     side: Flank = "coast" if flank == "coast" else "drive"
     _, _, made = inspected(tmp_path, np.random.default_rng(1), bends=torque > 0.0)
-    template = make_template(made, flank=side, torque=torque * NM)
+    template = make_template(made, Condition(flank=side, torque=torque * NM))
     assert template.error <= 0.021 * UM  # what it was asked for, and the rounding of its last halving
     theta_2 = np.random.default_rng(2).uniform(-3.0, 2.0, 2000) * made.pair.cycle
     exact = te_of(made, theta_2, flank=side, torque_nm=torque) * made.pair.r_b2
@@ -40,7 +41,7 @@ def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, tor
 
 def test_template_says_which_pairs_carry(tmp_path: Path) -> None:
     _, _, made = inspected(tmp_path, np.random.default_rng(3), bends=True)
-    template = make_template(made, flank="drive", torque=100.0 * NM)
+    template = make_template(made, Condition(flank="drive", torque=100.0 * NM))
     share = template.sharing.share
     assert share is not None
     np.testing.assert_allclose(share.sum(axis=0), 1.0, atol=1e-12)  # shares of one whole, to rounding

@@ -19,12 +19,12 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair
+from gearpoly.mesh.condition import Condition as Under
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.physics.scene import stage
 from gearpoly.recording.clean import clean
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
-from gearpoly.simulate import further_te
+from gearpoly.scene import stage
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import SPEED, ZEROS, Condition, claim_of, recorded, rough, samples_at
@@ -155,10 +155,9 @@ def test_a_resonance_lags_in_time_and_so_leads_in_angle() -> None:
     expected = moved.y[0] - np.array([te(t) for t in times])
     # In the order of angles, time counting back.
     ahead = -times[::-1]
-    got = further_te(
-        swinging, rate * ahead, np.array([te(-t) for t in ahead]),
-        torque=TORQUE * NM, flank="drive", speed=speed, time=ahead, backward=True,
-    )[::-1]  # fmt: skip
+    under = Under(flank="drive", torque=TORQUE * NM, speed=speed, backward=True)
+    excited = np.array([te(-t) for t in ahead])
+    got = swinging.under(under).further_te(rate * ahead, excited, time=ahead)[::-1]
     assert np.std(expected) * pair.r_b2 > 0.3 * UM
     assert np.std(got - expected) < 0.03 * np.std(expected)
 

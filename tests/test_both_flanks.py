@@ -16,8 +16,9 @@ from gearpoly.diagnose.as_built import AsBuilt, GearPrior, chain, make_as_built
 from gearpoly.diagnose.both_flanks import SHARED, scattered, surprise, told, turns_told
 from gearpoly.diagnose.prepare import only_shaft_read, prepare
 from gearpoly.diagnose.system import System
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
 from tests.physics_cases import Condition, recorded, rough

@@ -17,8 +17,10 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.files.models import PairFile
+from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, Scope, on_gear
+from gearpoly.physics.base import Claim, Scope
+from gearpoly.physics.place import Place
 from tests.made_diagnosis import findings
 from tests.pair_files import pair_file
 from tests.physics_cases import rough, scope_of

@@ -10,12 +10,17 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
+from gearpoly.assemble import brought_parts
 from gearpoly.compare.compare import lay_beside
-from gearpoly.files.models import Encoder, Interpolation, Measurement, PairFile
-from gearpoly.recording.chain import EncoderErrors, corrected, encoder_errors
+from gearpoly.files.models import Encoder, Measurement, PairFile
+from gearpoly.keys.edit import on_gear
+from gearpoly.physics.encoder_interpolation import Interpolation
+from gearpoly.physics.parts import EncoderErrors
+from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, UM, URAD, FloatArray
 from tests.made_recordings import Rig, inspected, record
+from tests.pair_files import pair_file
 
 TURN = 2.0 * math.pi
 RATIO, R_B2 = 18 / 25, 23.5
@@ -29,6 +34,11 @@ WRONG = Encoder(
         Interpolation(order=1800, amplitude_urad=2.0, angle_deg=-130.0),
     ),
 )
+
+
+def encoder_errors(section: Encoder | None) -> EncoderErrors:
+    """The errors that a pair file with this section states."""
+    return brought_parts(on_gear(pair_file(), 0, encoder=section)).encoders[0]
 
 
 def error_of(section: Encoder, reading: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.template import make_template
+from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM
 from tests.made_recordings import TURN, inspected
@@ -26,7 +27,7 @@ def test_a_million_samples_take_ten_times_their_numbers(tmp_path: Path) -> None:
     70 MB) is in it. numpy reports every array to tracemalloc."""
     rng = np.random.default_rng(1)
     file, path, made = inspected(tmp_path, rng, gauge=0.2)
-    template = make_template(made, flank="drive", torque=0.0)
+    template = make_template(made, Condition(flank="drive", torque=0.0))
     pair, n, per_mesh = made.pair, 1_000_000, 200
     theta_2 = 3.0 + (np.arange(n) + rng.uniform(-0.3, 0.3, n)) * (TURN / pair.driven.gear.z / per_mesh)
     theta_1 = (theta_2 - (template.at(theta_2) + rng.normal(0.0, 0.3 * UM, n)) / pair.r_b2) / pair.ratio

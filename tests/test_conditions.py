@@ -14,8 +14,10 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
+from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, on_gear
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.units import NM, UM, FloatArray
 from tests.physics_cases import CONDITIONS, Condition, recorded, rough, scope_of

@@ -21,7 +21,8 @@ from gearpoly.diagnose.way import misfit_at
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from tests.physics_cases import Condition, recorded, rough
 from tests.test_fit_places import UNLOADED, made_gears

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
-from gearpoly.physics.scene import stage
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
+from gearpoly.scene import stage
 from tests.pair_files import made
 from tests.physics_cases import Condition, rough, samples_at
 

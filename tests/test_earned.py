@@ -13,7 +13,8 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.infer.prior import LINE_COUNTS, ONCE_PER_TURN, same_place, share_of_causes
 from gearpoly.infer.unknown import KNOTS, harmonics_of, mesh_std
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.prove.diagnoser import How, gearpoly
 from gearpoly.recording.recording import Recording
 from gearpoly.report.diagnosis_report import verdict_json

@@ -12,7 +12,7 @@ import pytest
 from gearpoly.compare.clock import found, turned
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import WormSection
-from gearpoly.physics.base import Place
+from gearpoly.physics.place import Place
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import ARCSEC, DEG, FloatArray

@@ -17,7 +17,8 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from tests.pair_files import pair_file
 from tests.physics_cases import ZEROS, Condition, declared, recorded, scope_of
 

@@ -14,16 +14,20 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "gearpoly"
 
-# Each line imports only from lines above it. What a gear is, what two gears do, what was measured, how both compare,
-# why they differ, how that is shown, and what a user calls.
+# Each line imports only from lines above it. What a gear is, what two gears do, what a simulation may leave out, what
+# is known of a pair, what was measured, how both compare, why they differ, how that is shown, and what a user calls.
 ORDER = (
     "errors threads units",
-    "files gear",
-    "mesh recording inspected",
+    "keys",
+    "gear",
+    "mesh",
+    "physics",
+    "files",
+    "recording inspected",
     "assemble positions",
-    "simulate",
+    "simulate scene",
     "export compare",
-    "physics api",
+    "api",
     "diagnose view",
     "studies",
     "report",

@@ -13,8 +13,9 @@ from gearpoly.diagnose.imagine import LIGHT, Imagined, NextRecording, effects, i
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.separate import Separation, would_separate
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
 from gearpoly.units import NM, FloatArray
 from tests.physics_cases import Condition, recorded, rough
 

@@ -21,9 +21,10 @@ from gearpoly.diagnose.search import GROWN
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
-from gearpoly.physics.scene import stage
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
+from gearpoly.scene import stage
 from tests.pair_files import made
 from tests.physics_cases import Condition, recorded, samples_at
 

@@ -19,7 +19,8 @@ from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.tolerances import tolerances
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.report.diagnosis_report import _built_json
 from gearpoly.units import UM, FloatArray
 

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 
 from gearpoly.errors import OutOfRangeError
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts
 from gearpoly.mesh.pair import Flank, GearPair
@@ -300,7 +301,13 @@ def test_wind_up_moves_te_in_step_with_torque(flank: Flank, rigid: bool) -> None
     for torque in (0.0, 7.0, 30.0):
         a, b = (
             simulate(
-                one, theta, torque=torque * NM, flank=flank, seed=0, evenly=False, fast=True, progress=lambda *_: None
+                one,
+                theta,
+                Condition(flank=flank, torque=torque * NM),
+                seed=0,
+                evenly=False,
+                fast=True,
+                progress=lambda *_: None,
             )
             for one in (stiff, soft)
         )

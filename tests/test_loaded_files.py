@@ -15,6 +15,7 @@ from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.compliance import law_names
 from gearpoly.mesh.compliance.contact import LAWS
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import SMALL, loaded
 from gearpoly.mesh.pair import GearPair, mount
@@ -130,8 +131,7 @@ def run(path: Path, *, torque_nm: float) -> Simulation:
     return simulate(
         assembled,
         one_pitch(assembled.pair, 40),
-        torque=torque_nm * NM,
-        flank="drive",
+        Condition(flank="drive", torque=torque_nm * NM),
         seed=0,
         evenly=False,
         progress=lambda done: None,

@@ -15,10 +15,11 @@ from gearpoly.compare.template import make_template
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.nuisance import softened
 from gearpoly.files.pairfile import dump_pair
+from gearpoly.mesh.condition import Condition as Under
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.varied import Giving
-from gearpoly.physics.scene import stage
 from gearpoly.recording.load import relative_load
+from gearpoly.scene import stage
 from gearpoly.units import NM, UM, FloatArray
 from tests.pair_files import made
 from tests.physics_cases import Condition, recorded, rough, samples_at
@@ -64,8 +65,8 @@ def test_a_template_is_followed_from_its_mean_torque_to_others(flank: Flank, lev
     where second pairs come to carry; as a part of the deflection it would be 0.10 to 0.22."""
     assembled = made(rough())
     at = np.linspace(0.0, assembled.pair.cycle, 997, endpoint=False)
-    mean = make_template(assembled, flank=flank, torque=TORQUE * NM, varies=0.5)
-    there = make_template(assembled, flank=flank, torque=(1.0 + level) * TORQUE * NM)
+    mean = make_template(assembled, Under(flank=flank, torque=TORQUE * NM, varies=0.5))
+    there = make_template(assembled, Under(flank=flank, torque=(1.0 + level) * TORQUE * NM))
     changes = there.at(at) - mean.at(at)
     assert np.std(mean.varied(at, np.full(at.size, level)) - changes) < 0.09 * np.sqrt(np.mean(changes**2))
 

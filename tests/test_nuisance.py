@@ -10,9 +10,9 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.nuisance import TURNED, law_changes, make_nuisance
 from gearpoly.diagnose.prepare import prepare
-from gearpoly.files.models import Eccentricity
 from gearpoly.mesh.loaded import SMALL
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.eccentricity import Eccentricity
+from gearpoly.scene import Scene
 from gearpoly.units import UM
 from tests.physics_cases import Condition, recorded, rough
 
@@ -42,7 +42,7 @@ def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> Non
     made = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
     assert columns_beside(scenes) == 4
     for k, scene in enumerate(scenes):
-        bent = float(np.mean(scene.under(None) - scene.te))
+        bent = float(np.mean(scene.bending(None) - scene.te))
         size = TURNED * OFF * UM / scene.pair.driving.gear.p_b * bent
         mine, other = made.columns[k][:, -4 + 2 * k :][:, :2], made.columns[k][:, -2 - 2 * k :][:, :2]
         waves = size * np.column_stack((np.cos(scene.samples.theta_1), np.sin(scene.samples.theta_1)))
@@ -64,7 +64,7 @@ def test_laws_are_compared_where_some_would_bend_the_teeth_too_far(tmp_path: Pat
     light = scenes_of(tmp_path, off_um=0.0, torque_nm=torque)
     usual, scenes = law_changes(light), light
     for _ in range(3):
-        bent = max(float(np.max(np.abs(scene.under(None) - scene.te))) for scene in scenes)
+        bent = max(float(np.max(np.abs(scene.bending(None) - scene.te))) for scene in scenes)
         torque *= 0.95 * SMALL * scenes[0].pair.driving.gear.m / bent
         scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=torque)
     changes = law_changes(scenes)

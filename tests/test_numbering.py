@@ -9,8 +9,10 @@ from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.compare.zeros import Alignment, Zeros
 from gearpoly.diagnose.diagnose import _numbered
 from gearpoly.files.models import PairFile
+from gearpoly.keys.edit import GEARS, changed, on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import GEARS, Claim, Place, changed, on_gear
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import alignment_json
 from gearpoly.units import DEG

@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.forms import in_doubt
-from gearpoly.files.models import TipRelief
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
-from gearpoly.physics.tip_relief import AS_CURVE
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
+from gearpoly.physics.tip_relief import AS_CURVE, TipRelief
 from tests.physics_cases import Condition, claim_of, declared, recorded, rough, scope_of
 
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearpoly.assemble import nominal_gear
 from gearpoly.errors import GeometryError, InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, effective_defaults, moved, profile_csv_path, read_pair
+from gearpoly.gear.nominal import nominal_gear
 from tests.at_hand import BENCH, SHIPPED, here
 from tests.made_pairfile import CONTRACT, PITCH, ROOT, SMALLEST, write
 

@@ -6,7 +6,6 @@ read back, and the parameters are the contract's.
 
 from __future__ import annotations
 
-import importlib
 import math
 import sys
 from dataclasses import replace
@@ -16,22 +15,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearpoly import physics as package
 from gearpoly.assemble import Assembled
 from gearpoly.diagnose.ordinary import ordinary_claims
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, Values
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
+from gearpoly.scene import Scene, stage
 from gearpoly.units import UM, FloatArray
+from proving.physics import PHYSICS as BENCH
 from tests.pair_files import made
 from tests.physics_cases import (
     CAMPAIGNS,
-    CASES,
     CONDITIONS,
     CONTRACT,
     NAMES,
@@ -43,14 +42,6 @@ from tests.physics_cases import (
     scope_of,
     sized,
 )
-
-ON_A_GEAR = {
-    "eccentricity", "cumulative_pitch", "tooth_pitch", "profile_slope", "profile_crowning", "tip_relief", "undulation",
-    "wear", "tooth_spall", "tooth_crack", "tooth_thickness", "encoder_eccentricity", "encoder_interpolation",
-    "encoder_scale",
-}  # fmt: skip
-ON_A_TOOTH = {"tooth_pitch", "tooth_spall", "tooth_crack"}
-
 
 # Per-mesh places of the comparison: enough that each state of contact is seen on every pair of teeth.
 PER_MESH = 12
@@ -90,11 +81,6 @@ EVERY = [pytest.param(name, k, id=f"{name}-{k}") for name in NAMES for k in rang
 # (e) and what goes with it.
 
 
-def test_names_and_parameters_are_the_contracts() -> None:
-    assert set(NAMES) == set(CONTRACT)
-    assert set(CASES) == set(CONTRACT)
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_a_physics_says_what_it_is(name: str) -> None:
     one = catalogue()[name]
@@ -103,8 +89,12 @@ def test_a_physics_says_what_it_is(name: str) -> None:
     assert one.equation and (sys.modules[f"gearpoly.physics.{name}"].__doc__ or "").strip()
     assert all(q.step > 0.0 for q in one.coordinates)
     claim = claim_of(name)
-    assert (claim.place.gear is not None) == (name in ON_A_GEAR)
-    assert (claim.place.tooth is not None) == (name in ON_A_TOOTH)
+    assert one.source and one.stands
+    # The bench, which knows nothing of this file, says the same of where it sits and of what its size is called.
+    twin = BENCH[one.twin]
+    assert (claim.place.gear is not None) == twin.gear
+    assert (claim.place.tooth is not None) == (twin.place == "tooth")
+    assert one.parameters[0] == twin.size
     assert claim.says.endswith(".") and "nan" not in claim.says
     if claim.place.gear is not None:
         assert ("driving", "driven")[claim.place.gear] in claim.says
@@ -430,43 +420,3 @@ def test_angles_and_amplitudes_have_the_errors_of_their_coordinates() -> None:
         assert amplitude == pytest.approx((5.0, 0.1), rel=1e-12)
         angle = math.degrees(math.atan2(sign * 4.0, 3.0)) % 360.0
         assert found["angle_deg"] == pytest.approx((angle, math.degrees(0.02)), rel=1e-12)
-
-
-# (f) A new file is all it takes.
-
-NEW = '''
-"""A physics that nobody registered."""
-
-from gearpoly.physics.base import Physics, Place, Quantity, plain
-
-PHYSICS = Physics(
-    name="newcomer",
-    coordinates=(Quantity(name="size_um", unit="um", most=lambda scope, place: 1.0, why="so it is said"),),
-    amplitudes=1,
-    ordinary=(1.0,),
-    places=lambda scope: [Place()],
-    write=lambda file, place, values: file,
-    report=plain("size_um"),
-    says=lambda place, values: "New.",
-    equation="x = 0",
-)
-'''
-
-
-def test_a_new_file_is_found_without_registration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "newcomer.py").write_text(NEW, encoding="utf-8")
-    (tmp_path / "helper.py").write_text('"""No physics here."""\nPHYSICS = "nothing"\n', encoding="utf-8")
-    before = dict(catalogue())
-    monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    catalogue.cache_clear()
-    importlib.invalidate_caches()
-    try:
-        found = catalogue()
-        assert set(found) == {*before, "newcomer"}
-        assert "New." in found["newcomer"].says(Place(), (1.0,))
-    finally:
-        catalogue.cache_clear()
-        for name in ("newcomer", "helper"):
-            sys.modules.pop(f"gearpoly.physics.{name}", None)
-            if hasattr(package, name):
-                delattr(package, name)

@@ -15,7 +15,8 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.search import Search
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, Values
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place, Values
 from gearpoly.units import FloatArray
 from tests.physics_cases import Condition, recorded, scope_of
 

@@ -13,7 +13,8 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relieved import pitch_point_compliance, relieved
-from gearpoly.files.models import PairFile, TipRelief
+from gearpoly.files.models import PairFile
+from gearpoly.physics.tip_relief import TipRelief
 from gearpoly.units import NM, UM
 from tests.physics_cases import Condition, recorded, rough
 

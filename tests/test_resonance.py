@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from gearpoly.mesh.condition import Condition as Under
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.shafts import Shafts, runs_up, swings_along
+from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.physics import catalogue
-from gearpoly.physics.scene import stage
-from gearpoly.simulate import SWINGS_PER_MESH, cycle_te, simulate, swings_at
+from gearpoly.scene import stage
+from gearpoly.simulate import simulate
 from gearpoly.units import NM, RPM, UM, FloatArray
 from tests.pair_files import made, pair_file
 from tests.physics_cases import Condition, rough, samples_at, scope_of
@@ -94,7 +96,13 @@ def test_resonance_through_the_simulation(flank: Flank) -> None:
     theta = np.arange(n) * (rests.pair.cycle / n)
     runs = [
         simulate(
-            one, theta, torque=torque * NM, flank=flank, seed=0, evenly=False, fast=True, speed=s, progress=lambda *_: 0
+            one,
+            theta,
+            Under(flank=flank, torque=torque * NM, speed=s),
+            seed=0,
+            evenly=False,
+            fast=True,
+            progress=lambda *_: 0,
         )
         for one, s in ((rests, speed * RPM), (swings, speed * RPM), (swings, None))
     ]
@@ -110,9 +118,8 @@ def test_cycle_te_is_the_mesh_alone() -> None:
     """Neither wind-up nor resonance are in what excites the resonance."""
     file = pair_file((12, 12), pair={"windup_urad_per_nm": 3.0, "resonance": {"frequency_hz": 100.0}})
     shaken, plain = made(file), made(pair_file((12, 12)))
-    np.testing.assert_array_equal(
-        cycle_te(shaken, torque=9.0 * NM, flank="drive"), cycle_te(plain, torque=9.0 * NM, flank="drive")
-    )
+    under = Under(flank="drive", torque=9.0 * NM)
+    np.testing.assert_array_equal(shaken.under(under).cycle_te, plain.under(under).cycle_te)
     assert not shaken.shafts.rigid
     assert replace(shaken.shafts, windup=0.0, frequency=None).rigid
 

@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 
 import gearpoly
-from gearpoly.assemble import nominal_gears, root_remarks
+from gearpoly.assemble import root_remarks
 from gearpoly.errors import GeometryError, InputFileError, JammedError
 from gearpoly.files.models import PairFile
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.nominal import nominal_gears
 from gearpoly.gear.rack import Rack, usual_round
 from gearpoly.gear.root import form_point
 from gearpoly.mesh.pair import active_start

@@ -18,7 +18,7 @@ from gearpoly.compare.noise import spacing_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.files.pairfile import read_pair
-from gearpoly.physics.base import Place
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.rounding import reading_step
 from gearpoly.units import DEG, UM, FloatArray

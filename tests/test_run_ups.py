@@ -13,8 +13,8 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.files.models import PairFile
+from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Recording
-from gearpoly.simulate import further_te
 from gearpoly.units import UM, FloatArray
 from tests.made_recordings import te_of
 from tests.physics_cases import rough
@@ -47,7 +47,7 @@ def recorded_at(true: PairFile, theta_1: FloatArray, time: FloatArray, rng: np.r
     theta_2 = made.pair.ratio * theta_1
     speed = float(np.ptp(theta_1) / np.ptp(time))
     te = te_of(made, theta_2, flank="drive", torque_nm=0.0)
-    te = te + further_te(made, theta_2, te, torque=0.0, flank="drive", speed=speed, time=time)
+    te = te + made.under(Condition(flank="drive", torque=0.0, speed=speed)).further_te(theta_2, te, time=time)
     te = te + rng.normal(0.0, NOISE_UM * UM, time.size) / made.pair.r_b2
     return Recording(
         source=Path(f"{speed:.0f}.csv"), time_s=time, driving_angle_rad=(theta_2 - te) / made.pair.ratio,

@@ -12,7 +12,8 @@ from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.scan import Candidate, _enlarged
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.units import UM, FloatArray
 from tests.physics_cases import rough, scope_of
 

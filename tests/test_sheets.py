@@ -9,7 +9,7 @@ import pytest
 
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import on_gear
+from gearpoly.keys.edit import on_gear
 from gearpoly.units import UM
 from tests.physics_cases import Condition, recorded, rough
 

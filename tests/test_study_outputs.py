@@ -15,6 +15,7 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
 from gearpoly.gear.tolerances import tolerances
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair
 from gearpoly.positions import cycle_positions
 from gearpoly.simulate import simulate
@@ -158,8 +159,8 @@ def test_a_row_is_what_simulate_gives_with_its_seed(tmp_path: Path) -> None:
         file = read_pair(tmp_path / "pair.toml")
         assembled = assemble(file, path=tmp_path / "pair.toml", seed=row.seed)
         ran = simulate(
-            assembled, cycle_positions(assembled.pair, points_per_mesh=5), torque=0.0, flank="drive", seed=row.seed,
-            evenly=False, fast=True, progress=lambda done: None,
+            assembled, cycle_positions(assembled.pair, points_per_mesh=5), Condition(flank="drive", torque=0.0),
+            seed=row.seed, evenly=False, fast=True, progress=lambda done: None,
         ).summary()  # fmt: skip
         for name, value in zip(names, row.outputs, strict=True):
             assert value == pytest.approx(
@@ -176,9 +177,9 @@ def test_a_loaded_row_is_what_simulate_gives(tmp_path: Path, flank: str) -> None
     row = make_row(plan, 0)
     found = dict(zip(names, row.outputs, strict=True))
     assembled = assemble(read_pair(tmp_path / "pair.toml"), path=tmp_path / "pair.toml", seed=row.seed)
+    condition = Condition(flank="drive" if flank == "drive" else "coast", torque=20.0 * NM)
     ran = simulate(
-        assembled, cycle_positions(assembled.pair, points_per_mesh=5), torque=20.0 * NM,
-        flank="drive" if flank == "drive" else "coast", seed=row.seed, evenly=True, fast=True,
+        assembled, cycle_positions(assembled.pair, points_per_mesh=5), condition, seed=row.seed, evenly=True, fast=True,
         progress=lambda done: None,
     ).summary()  # fmt: skip
     for mine, theirs in (("te_pp_um", "te_pp_um"), ("te_mean_um", "te_mean_um"), ("load_share_peak", "share_largest"),

@@ -12,7 +12,7 @@ from gearpoly.diagnose.nuisance import slope_of
 from gearpoly.files.models import PairFile, PairSection
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
+from gearpoly.scene import Scene, stage
 from gearpoly.units import FloatArray
 from tests.pair_files import made
 from tests.physics_cases import Condition, claim_of, rough, samples_at, sized
@@ -67,7 +67,7 @@ def test_what_load_bends_swings_along(at_speed: tuple[Assembled, Samples, Scene]
     softer = replace(assembled.elasticity or Elasticity(), scale=1.1)
     exact = settled(stage(replace(assembled, elasticity=softer), samples).te - scene.te)
     again = scene.with_load_of(replace(assembled, elasticity=softer)) - scene.with_load_of(assembled)
-    for found in (scene.under(softer) - scene.te, again):
+    for found in (scene.bending(softer) - scene.te, again):
         off = np.abs(settled(found) - exact)
         assert np.quantile(off, 0.95) < ALLOWED * float(np.ptp(exact))
 

@@ -11,9 +11,10 @@ import pytest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.files.models import Measurement
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.report.diagnosis_report import verdict_json
+from gearpoly.scene import Scene
 from gearpoly.units import UM
 from tests.physics_cases import Condition, claim_of, recorded, rough, scope_of
 from tests.test_physics import base

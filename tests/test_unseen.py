@@ -20,7 +20,8 @@ from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unseen import Blocks, _idle, gained, repeats
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray, IntArray
 from tests.made_recordings import te_of

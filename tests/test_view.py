@@ -16,6 +16,7 @@ from gearpoly.assemble import Assembled, assemble
 from gearpoly.cli import app
 from gearpoly.errors import GearpolyError, OutOfRangeError
 from gearpoly.files.pairfile import read_pair
+from gearpoly.mesh.condition import Condition
 from gearpoly.units import DEG, NM, UM
 from gearpoly.view.document import document
 from gearpoly.view.html import page_text
@@ -24,6 +25,8 @@ from gearpoly.view.scene import LEAST_PER_MESH, opening_angle, points_per_mesh, 
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "data" / "pairs" / "paper_18_25.toml"
+
+UNLOADED, LOADED = (Condition(flank="drive", torque=torque * NM) for torque in (0.0, 8.0))
 
 
 def quiet(done: int) -> None:
@@ -69,7 +72,7 @@ def test_a_number_that_does_not_fit_is_refused_rather_than_wrapped() -> None:
 def test_the_page_holds_the_very_polygons_that_were_simulated() -> None:
     """Also of the roughest flanks: rebuilt vertices lie within 0.001 nm, a tenth of a pixel of a view 10 nm wide."""
     assembled = made(PAPER)
-    scene = scene_of(assembled, name="paper", path=PAPER, torque=0.0, progress=quiet)
+    scene = scene_of(assembled, name="paper", path=PAPER, condition=UNLOADED, progress=quiet)
     for raw, mounted in zip(document(scene)["gears"], (assembled.pair.driving, assembled.pair.driven), strict=True):
         flanks = mounted.flanks
         for side, psi in (("drive", flanks.psi_drive), ("coast", flanks.psi_coast)):
@@ -90,7 +93,7 @@ def test_deviations_in_the_page_are_normal_and_in_um(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     assembled = made(path)
-    scene = scene_of(assembled, name="pair", path=path, torque=0.0, progress=quiet)
+    scene = scene_of(assembled, name="pair", path=path, condition=UNLOADED, progress=quiet)
     raw = document(scene)["gears"][0]
     d = {s: unpacked(raw[s]["level"])[:, None] + unpacked(raw[s]["rest"])[:, raw["root"] :] for s in ("drive", "coast")}
     index = 1.5 * np.arange(11)[:, None]
@@ -101,7 +104,7 @@ def test_deviations_in_the_page_are_normal_and_in_um(tmp_path: Path) -> None:
 
 def test_a_page_of_18_25_teeth_at_2000_points_stays_small() -> None:
     assembled = made(PAPER)
-    scene = scene_of(assembled, name="paper", path=PAPER, torque=0.0, progress=quiet)
+    scene = scene_of(assembled, name="paper", path=PAPER, condition=UNLOADED, progress=quiet)
     assert assembled.pair.driving.flanks.r.size > 2000
     assert len(page_text(document(scene)).encode()) < 15e6  # promised
 
@@ -109,7 +112,7 @@ def test_a_page_of_18_25_teeth_at_2000_points_stays_small() -> None:
 def test_forces_in_the_page_balance_the_torque(tmp_path: Path) -> None:
     """At every sample the carried forces times their levers about the driven axis make the torque."""
     path = small(tmp_path, torque_nm=8.0)
-    scene = scene_of(made(path), name="pair", path=path, torque=8.0 * NM, progress=quiet)
+    scene = scene_of(made(path), name="pair", path=path, condition=LOADED, progress=quiet)
     samples = document(scene)["samples"]
     force, carrying = unpacked(samples["force_n"]).astype(float), unpacked(samples["carrying"]).astype(np.int64)
     assert int(np.sum(carrying)) == force.size
@@ -143,7 +146,7 @@ def test_the_longest_cycles_are_sampled_less_densely_but_never_past_a_hand_over(
 @pytest.mark.parametrize("name", ["</script><script>boom()</script>", "{{DATA}} & {{STYLE}}", "<!--<script>"])
 def test_a_pair_may_have_any_name(tmp_path: Path, name: str) -> None:
     path = small(tmp_path, name=name)
-    scene = scene_of(made(path), name=name, path=path, torque=0.0, progress=quiet)
+    scene = scene_of(made(path), name=name, path=path, condition=UNLOADED, progress=quiet)
     html = page_text(document(scene))
     assert page_data(html)["name"] == name
     assert html.count("</script>") == 2

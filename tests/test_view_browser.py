@@ -16,6 +16,7 @@ import pytest
 
 from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.simulate import Simulation, simulate
 from gearpoly.units import DEG, NM, UM, FloatArray
@@ -112,8 +113,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Shown]:
             assemble(file, path=path, seed=1),
             name=file.name,
             path=path,
-            torque=file.torque_nm * NM,
-            flank=flank,
+            condition=Condition(flank=flank, torque=file.torque_nm * NM),
             seed=1,
             progress=quiet,
         )
@@ -127,7 +127,7 @@ def at_angles(scene: Scene, theta_2: FloatArray) -> Simulation:
     """``simulate`` at angles of its own, certified by the polygon kernel, not those that the page was given."""
     one = scene.simulation
     return simulate(
-        one.assembled, theta_2, torque=one.torque, flank=one.flank, seed=one.seed, evenly=False, fast=False,
+        one.assembled, theta_2, one.mesh.condition, seed=one.seed, evenly=False, fast=False,
         progress=quiet,
     )  # fmt: skip
 

@@ -16,7 +16,8 @@ from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.units import UM, FloatArray
 
 N = 4000

@@ -56,6 +56,7 @@ def simulate(
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
+    from gearpoly.mesh.condition import Condition
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
     from gearpoly.report.terminal import Terminal
@@ -104,21 +105,24 @@ def simulate(
         theta_2 = positions.cycle_positions(
             assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
         )
+    condition = Condition(
+        flank="coast" if side == "coast" else "drive",
+        torque=torque * NM,
+        speed=None if speed is None else speed * RPM,
+        backward=backward,
+    )
     to_stdout = any(str(target) == "-" for target in outputs)
     console = Terminal(stderr=to_stdout)
     with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,
             theta_2,
-            torque=torque * NM,
-            flank="coast" if side == "coast" else "drive",
+            condition,
             seed=seed,
             evenly=at is None,
             fast=fast,
-            speed=None if speed is None else speed * RPM,
             time=time,
             off=off,
-            backward=backward,
             progress=progress,
         )
     remarks += root_remarks(file) + strength_remarks(simulation)

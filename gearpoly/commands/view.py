@@ -33,6 +33,7 @@ def view(
     from gearpoly.errors import OutOfRangeError
     from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.files.pairfile import read_pair
+    from gearpoly.mesh.condition import Condition
     from gearpoly.report.progress import steps, watched
     from gearpoly.report.terminal import Terminal
     from gearpoly.units import NM
@@ -67,9 +68,10 @@ def view(
                 assembled,
                 name=file.name,
                 path=pair,
-                torque=file.torque_nm * NM,
+                condition=Condition(
+                    flank="coast" if flank == FlankChoice.coast else "drive", torque=file.torque_nm * NM
+                ),
                 at_deg=at,
-                flank="coast" if flank == FlankChoice.coast else "drive",
                 seed=seed or 0,
                 progress=progress,
             )

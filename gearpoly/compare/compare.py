@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, nominal_gears, stated_limits
+from gearpoly.assemble import Assembled, stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
@@ -22,20 +22,22 @@ from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.stated import refuse_twins
-from gearpoly.compare.template import Condition, Template, templates_of
+from gearpoly.compare.template import Template, templates_of
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
+from gearpoly.gear.nominal import nominal_gears
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
+from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.load import most_off, relative_load
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.rounding import reading_step
-from gearpoly.simulate import SWINGS_PER_MESH, swings_at
 from gearpoly.units import NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gearpoly.assemble import Assembled, assemble, nominal_gears, stated_limits
+from gearpoly.assemble import Assembled, assemble, stated_limits
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.nominal import nominal_gears
 from gearpoly.mesh.pair import tight_centre_distance
 from gearpoly.units import UM
 

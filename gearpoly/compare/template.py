@@ -15,12 +15,13 @@ import numpy as np
 
 from gearpoly.assemble import Assembled
 from gearpoly.compare.sharing import Sharing, sharing_from_rows
-from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance, pair_compliance
-from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
+from gearpoly.mesh.condition import Condition
+from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
+from gearpoly.mesh.loaded import LoadedContacts
 from gearpoly.mesh.pair import Flank, GearPair
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.swings import swings_at
+from gearpoly.mesh.transmission import FlankContacts, contacts
 from gearpoly.mesh.varied import Giving, giving
-from gearpoly.simulate import swings_at
 from gearpoly.units import UM, FloatArray, read_only
 
 PER_MESH = 32
@@ -104,72 +105,51 @@ class Template:
         return twisted + self.giving.interpolated(np.mod(theta_2, self.cycle), self.theta_2).by(load)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Condition:
-    """What a recording was made under: ``flank``, ``torque`` in N.mm, ``speed`` of the driving shaft in rad/s, which
-    makes a mesh resonance swing (None: it does not); ``backward``: the pair runs backwards; ``varies``: the most by
-    which the torque is off its mean, as a part of it."""
-
-    flank: Flank
-    torque: float
-    speed: float | None = None
-    backward: bool = False
-    varies: float = 0.0
-
-
-Found = dict[tuple[Flank, str, int], FlankContacts]
-"""Contacts of a pair at the places that all its templates begin with: flank, which places, and how many."""
+Found = dict[tuple[GearPair, Flank, str, int], FlankContacts]
+"""Contacts at the places that all templates of a pair begin with: the pair as it stands, flank, which places, and how
+many."""
 
 
 def make_template(
     assembled: Assembled,
+    condition: Condition,
     *,
-    flank: Flank,
-    torque: float,
     error: float = ERROR,
     per_mesh: int | None = None,
-    speed: float | None = None,
-    backward: bool = False,
-    varies: float = 0.0,
     found: Found | None = None,
 ) -> Template:
-    """Simulate ``assembled`` over one hunting cycle on ``flank`` under ``torque`` (N.mm), lines true to ``error`` (mm).
+    """Simulate ``assembled`` over one hunting cycle under ``condition``, lines true to ``error`` (mm).
 
-    Teeth bend where the pair's file says so and the torque is above 0. ``speed`` of the driving shaft in rad/s makes a
-    mesh resonance swing; ``backward``: flanks slide the other way, and hand-overs swing before them. ``varies``: the
-    most by which the torque is off, as a part of it. ``found`` keeps contacts that templates of several torques, the
-    largest first, share. Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the certified
-    kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
+    Teeth bend where the pair's file says so and the torque is above 0. A speed makes a mesh resonance swing; backward,
+    flanks slide the other way, and hand-overs swing before them. ``found`` keeps contacts that templates of several
+    torques, the largest first, share. Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the
+    certified kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
     """
-    pair = assembled.pair
+    mesh = assembled.under(condition)
+    pair, flank, compliance = mesh.pair, condition.flank, mesh.compliance
     meshes = pair.meshes_per_cycle
     per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
-    bends = assembled.elasticity if torque > 0.0 else None
-    compliance = pair_compliance(pair, bends.running(backward=backward), flank=flank) if bends is not None else None
-    near = 0.0 if compliance is None else NEAR + load_reach(compliance, (1.0 + varies) * torque)
+    near = 0.0 if compliance is None else mesh.near
 
     found = {} if found is None else found
 
     def searched(theta_2: FloatArray, places: str) -> FlankContacts:
         """Contacts that any torque may ask for, found once."""
-        key = (flank, places, theta_2.size)
+        key = (pair, flank, places, theta_2.size)
         if key not in found or found[key].near < near:
             found[key] = contacts(pair, theta_2, flank=flank, near=max(near, SHARERS), fast=True)
         return found[key]
 
     def curves(theta_2: FloatArray, *, places: str = "") -> tuple[FloatArray, FloatArray]:
         """Transmission error (n,) in mm with and without load."""
-        rows = searched(theta_2, places) if places else contacts(pair, theta_2, flank=flank, near=near, fast=True)
-        free = rows.te * pair.r_b2
-        if compliance is None:
-            return free, free
-        return loaded(rows, compliance, torque=torque, sharing=assembled.sharing).te * pair.r_b2, free
+        met = mesh.met(searched(theta_2, places)) if places else mesh.at(theta_2, near=near, fast=True)
+        return met.te * pair.r_b2, met.contacts.te * pair.r_b2
 
     size = meshes * per_mesh
     theta_2 = np.linspace(0.0, pair.cycle, size + 1)
-    rows = searched(theta_2[:-1], "even")
-    load = None if compliance is None else loaded(rows, compliance, torque=torque, sharing=assembled.sharing)
-    even = (rows.te if load is None else load.te) * pair.r_b2
+    met = mesh.met(searched(theta_2[:-1], "even"))
+    rows, load = met.contacts, met.load
+    even = met.te * pair.r_b2
     te, free = np.append(even, even[0]), np.append(rows.te, rows.te[0]) * pair.r_b2
     low = np.arange(size)
     missed = 0.0
@@ -197,16 +177,19 @@ def make_template(
         low = np.sort(np.concatenate((first, first + 1)))
     else:
         missed = max(missed, 2.0 * float(np.max(off)))
-    give, twist, shafts = None, 0.0, assembled.shafts
-    if varies and compliance is not None:
+    give, twist, shafts = None, 0.0, mesh.shafts
+    if condition.varies and compliance is not None:
         # At the places that the curve bends at; how teeth give bends where it does.
         there = contacts(pair, theta_2, flank=flank, near=near, fast=True)
-        by = giving(there, compliance, te / pair.r_b2, torque=torque, most=varies, sharing=assembled.sharing)
+        by = giving(
+            there, compliance, te / pair.r_b2, torque=condition.torque, most=condition.varies, sharing=mesh.sharing
+        )
         give = by.times(pair.r_b2)
     if not shafts.rigid:
-        twist = shafts.twist(torque=torque, coast=flank == "coast") * pair.r_b2
+        twist = mesh.twist * pair.r_b2
         places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
-        if speed and shafts.frequency is not None:
+        if condition.speed and shafts.frequency is not None:
+            speed, backward = condition.speed, condition.backward
             te, even = (
                 here + swings_at(shafts, even, pair, at, here, speed=speed, time=None, backward=backward)
                 for at, here in ((theta_2, te), (places, even))
@@ -214,7 +197,7 @@ def make_template(
         te, even = te + twist, even + twist
     return Template(
         flank=flank,
-        torque=torque,
+        torque=condition.torque,
         theta_2=read_only(theta_2),
         te=read_only(te),
         even=read_only(even),
@@ -272,14 +255,6 @@ def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[
     made: dict[Condition, Template] = {}
     found: Found = {}
     # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
-    for key in sorted(dict.fromkeys(keys), key=lambda one: -one.torque * (1.0 + one.varies)):
-        made[key] = make_template(
-            assembled,
-            flank=key.flank,
-            torque=key.torque,
-            speed=key.speed,
-            backward=key.backward,
-            varies=key.varies,
-            found=found,
-        )
+    for key in sorted(dict.fromkeys(keys), key=lambda one: -one.heaviest):
+        made[key] = make_template(assembled, key, found=found)
     return [made[key] for key in keys]

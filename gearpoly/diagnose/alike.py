@@ -13,7 +13,7 @@ from gearpoly.diagnose.imagine import effects
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import SCALE_STD, law_changes, law_modes, softened
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
 
 NOISE = 0.5 * UM

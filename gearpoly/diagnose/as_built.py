@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.files.models import Inspection, PairFile
+from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.mesh.pair import Flank
-from gearpoly.physics.base import changed, gear_section, on_gear
-from gearpoly.physics.scene import Scene
 from gearpoly.physics.sheet import column
+from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray, read_only
 
 IDEAL = 0.01

@@ -18,9 +18,10 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.mesh.pair import Flank
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
 
 SHARED = (0.5, 0.8, 0.95, 0.99, 0.999, 0.9999)
 """Parts of its variance that a flank may share with the other: from half, which is what nothing is known of, to nearly

@@ -11,7 +11,7 @@ from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import gear_section
+from gearpoly.keys.edit import gear_section
 from gearpoly.units import read_only
 
 FAR = 4.0

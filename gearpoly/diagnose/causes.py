@@ -12,7 +12,8 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.trial import Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
 from gearpoly.infer.prior import kind_of, order_of, same_place, share_of_causes, unknown_share
-from gearpoly.physics.base import Claim, Physics, Place
+from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.place import Place
 
 MANY = 12
 """Places that are asked for their causes, the foremost first: each takes a look at every physics there."""

@@ -15,7 +15,7 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Scope
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 
 Recordings = Sequence[int]
 

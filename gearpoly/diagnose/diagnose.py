@@ -49,7 +49,8 @@ from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import Posterior
-from gearpoly.physics.base import Claim, Reported
+from gearpoly.physics.base import Claim
+from gearpoly.physics.words import Reported
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
 

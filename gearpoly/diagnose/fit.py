@@ -18,7 +18,7 @@ from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
 
 CLEARLY = 30.0
@@ -322,7 +322,7 @@ class Fit:
                 if not claim.physics.mean_tooth:
                     self.of_teeth = max(self.of_teeth, claim.physics.law_doubt * size)
         self.deflections = tuple(
-            abs(float(np.mean(scene.under(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
+            abs(float(np.mean(scene.bending(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
         )
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gearpoly.diagnose.model import Model
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import changed, gear_section, on_gear
+from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.physics.sheet import DIGITS
 
 UNCERTAINTY = 0.05

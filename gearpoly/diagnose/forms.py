@@ -10,7 +10,9 @@ from gearpoly.diagnose.contest import Key, rest
 from gearpoly.diagnose.linear import out_of_mesh
 from gearpoly.diagnose.search import Search
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Claim, Reported, Values
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Values
+from gearpoly.physics.words import Reported
 
 DEEPER, STAYS, AS_WELL = 3.0, 1.3, 9.0
 """Times the size of a shaped claim about a single tooth that is tried in its stead, times that size beyond which it has

@@ -10,7 +10,7 @@ import numpy as np
 from gearpoly.diagnose.heldout import cross_validated
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding, Rival
-from gearpoly.physics.base import Reported
+from gearpoly.physics.words import Reported
 
 
 def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, hold: list[int]) -> tuple[Finding, ...]:

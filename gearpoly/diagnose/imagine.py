@@ -14,7 +14,7 @@ from gearpoly.diagnose.nuisance import OFFSET, LawModes, law_changes, law_modes
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
+from gearpoly.scene import Scene, stage
 from gearpoly.units import NM, RPM, FloatArray
 
 PER_MESH = 12
@@ -172,5 +172,5 @@ class Imagined:
             shared, own = self.laws.under(scene)
         elif (alone := law_modes([scene], law_changes([scene]))) is not None:
             own = alone.parts[0]
-        offset = OFFSET * float(np.mean(scene.under(None) - scene.te))
+        offset = OFFSET * float(np.mean(scene.bending(None) - scene.te))
         return shared, np.column_stack((own, np.full(scene.samples.size, offset)))

@@ -16,8 +16,9 @@ from gearpoly.diagnose.system import System
 from gearpoly.diagnose.trial import Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import LEAST_SHARE, share_of_causes, unknown_share
-from gearpoly.physics.base import Claim, Physics, Place
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 POSSIBLE = 0.5

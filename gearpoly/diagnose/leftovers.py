@@ -13,7 +13,7 @@ from gearpoly.compare.entries import Cause, Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.template import Condition, templates_of
+from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.earned import Unearned
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
@@ -42,10 +42,9 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     residuals = []
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
     # touch all at once.
-    conditions = [scene.samples for scene in search.scenes]
     fitted = templates_of(
         model.assembled(),
-        [Condition(flank=s.flank, torque=s.torque, speed=s.speed, backward=s.backward) for s in conditions],
+        [replace(scene.samples.condition, varies=0.0) for scene in search.scenes],
     )
     left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
     for one, scene, rest, template in zip(comparison.aligned, search.scenes, left, fitted, strict=True):

@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import norm
 
-from gearpoly.assemble import nominal_gear
 from gearpoly.diagnose.running import Running
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import GearSection
+from gearpoly.gear.nominal import nominal_gear
 from gearpoly.gear.tolerances import tolerances
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import UM, FloatArray, IntArray

@@ -12,8 +12,9 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
-from gearpoly.physics.base import Claim, Scope, Values
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim, Scope
+from gearpoly.physics.place import Values
+from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray, IntArray
 

@@ -11,11 +11,11 @@ import numpy as np
 from gearpoly.assemble import assemble
 from gearpoly.compare.noise import Noise
 from gearpoly.files.models import GearSection, PairFile
+from gearpoly.keys.edit import changed, on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Physics, changed, on_gear
+from gearpoly.physics.base import Physics
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene, stage
-from gearpoly.simulate import cycle_te
+from gearpoly.scene import Scene, stage
 from gearpoly.threads import each
 
 FEW = 64.0
@@ -48,8 +48,8 @@ class Method:
             assembled = assemble(file, path=path, seed=0)
             if assembled.shafts.frequency is not None:
                 # Recordings under the same load share the curve that swings.
-                loads = {(one.torque, one.flank) for one in samples}
-                each(lambda load: cycle_te(assembled, torque=load[0], flank=load[1]), sorted(loads))
+                conditions = dict.fromkeys(replace(one.condition, speed=None, varies=0.0) for one in samples)
+                each(lambda condition: assembled.under(condition).cycle_te, list(conditions))
             return each(lambda one: stage(assembled, one), samples)
         none, few = (assemble(_eccentric(file, part), path=path, seed=0) for part in (0.0, 1.0 / FEW))
         out = []

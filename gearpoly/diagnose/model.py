@@ -15,10 +15,12 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.method import Method
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Claim, Scope, Values, changed
+from gearpoly.keys.edit import changed
+from gearpoly.physics.base import Claim, Scope
+from gearpoly.physics.place import Values
 from gearpoly.physics.samples import Samples
-from gearpoly.physics.scene import Scene
 from gearpoly.physics.tooth_deflection import PHYSICS as TOOTH_DEFLECTION
+from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance import law_names
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import UM, FloatArray
 
@@ -98,7 +98,7 @@ def make_nuisance(
         if scene.bends:
             for j, mine in enumerate(columns):
                 mine.append(np.full(sizes[j], 1.0 if j == k else 0.0))
-            std.append(OFFSET * abs(float(np.mean(scene.under(None) - scene.te))))
+            std.append(OFFSET * abs(float(np.mean(scene.bending(None) - scene.te))))
     for turning in _turned(scenes):
         for mine, one in zip(columns, turning, strict=True):
             mine.append(one)
@@ -123,7 +123,7 @@ def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
             for wave in (np.cos, np.sin):
                 out.append(
                     [
-                        TURNED * off * float(np.mean(scene.under(None) - scene.te)) * wave(_turn(scene, gear))
+                        TURNED * off * float(np.mean(scene.bending(None) - scene.te)) * wave(_turn(scene, gear))
                         if scene.bends and scene.samples.flank == flank
                         else np.zeros(scene.samples.size)
                         for scene in scenes
@@ -153,7 +153,7 @@ def softened(scene: Scene) -> FloatArray:
     if elasticity is None or not scene.bends:
         return np.zeros(scene.samples.size)
     softer = replace(elasticity, scale=elasticity.scale * (1.0 + SCALE_STEP))
-    return (scene.under(softer) - scene.te) / SCALE_STEP
+    return (scene.bending(softer) - scene.te) / SCALE_STEP
 
 
 Law = tuple[str, str]
@@ -179,7 +179,7 @@ def law_changes(scenes: list[Scene], *, only: Law | None = None) -> dict[Law, La
     loaded = [scene for scene in scenes if scene.bends]
     if not loaded:
         return out
-    rigid = [scene.under(None) for scene in loaded]
+    rigid = [scene.bending(None) for scene in loaded]
     # Load holds the driven gear back on the drive flank and pushes it ahead on the coast flank: both give alike.
     senses = [scene.samples.sense for scene in loaded]
     bent = _given(senses, [scene.te for scene in loaded], rigid)
@@ -219,7 +219,7 @@ def _under(scene: Scene, *, law: str, contact: str, ratio: float) -> FloatArray:
     elasticity = scene.assembled.elasticity
     if elasticity is None or not scene.bends:
         return scene.te
-    return scene.under(replace(elasticity, law=law, contact=contact, scale=elasticity.scale * ratio))
+    return scene.bending(replace(elasticity, law=law, contact=contact, scale=elasticity.scale * ratio))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import reaches
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Physics, Place, Scope
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim, Physics, Scope
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
 
 
 def scope_of(model: Model, scenes: Sequence[Scene]) -> Scope:

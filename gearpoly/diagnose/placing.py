@@ -16,8 +16,9 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Claim, Place
+from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
+from gearpoly.physics.place import Place
 from gearpoly.units import FloatArray
 
 Begun = TypeVar("Begun", bound=Fit)

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gears, stated_limits
+from gearpoly.assemble import stated_limits
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
@@ -17,6 +17,7 @@ from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.nominal import nominal_gears
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
 from gearpoly.physics.base import Scope

@@ -9,8 +9,9 @@ import numpy as np
 from gearpoly.assemble import assemble
 from gearpoly.diagnose.model import Model
 from gearpoly.errors import GearpolyError
+from gearpoly.keys.edit import changed
 from gearpoly.mesh.deflection import pair_compliance
-from gearpoly.physics.base import Claim, changed
+from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
 

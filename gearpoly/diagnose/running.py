@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.diagnose.search import Search
+from gearpoly.keys.edit import gear_section
 from gearpoly.mesh.pair import Flank
-from gearpoly.physics.base import Claim, gear_section
+from gearpoly.physics.base import Claim
 from gearpoly.physics.sheet import column
 from gearpoly.units import FloatArray
 

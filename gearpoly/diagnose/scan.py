@@ -16,8 +16,9 @@ from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
-from gearpoly.physics.base import Claim, Physics, Place, Scope, Values
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.base import Claim, Physics, Scope
+from gearpoly.physics.place import Place, Values
+from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 

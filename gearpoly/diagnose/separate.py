@@ -15,7 +15,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance, slope_of, softened
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 LEAST = 0.02

@@ -15,7 +15,7 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import changed, gear_section, on_gear
+from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.physics.sheet import column
 from gearpoly.units import IntArray
 

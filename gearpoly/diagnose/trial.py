@@ -15,7 +15,7 @@ from gearpoly.infer.posterior import Explanation, Sized
 from gearpoly.infer.prior import FORM, order_of
 from gearpoly.infer.unknown import mesh_harmonics, mesh_std, rms, tooth_hats, unknowns
 from gearpoly.physics.base import Claim, Physics, Scope
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 KNOTS = 12

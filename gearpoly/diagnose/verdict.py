@@ -12,7 +12,8 @@ from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.separate import Separation
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import Flank
-from gearpoly.physics.base import Claim, Reported
+from gearpoly.physics.base import Claim
+from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
 Status = Literal["nothing_missing", "explained", "partly_explained", "unexplained"]

@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from gearpoly.errors import InputFileError, shown, shown_value
-from gearpoly.files.kinds import LIST, NUMBER
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.toml import OverLimitError, load
 from gearpoly.files.traces import nearest
+from gearpoly.keys.kinds import LIST, NUMBER
 
 
 def parse(file: Path, text: str) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def _sections(
 
 
 _SECTIONS = dict(_sections())
-_LISTS = {"undulation", "spall", "crack", "interpolation"}
+_LISTS = {path for path in _SECTIONS if path and "tuple" in str(_SECTIONS[path[:-1]].model_fields[path[-1]].annotation)}
 _WANT = {
     "int_type": "a whole number",
     "float_type": "a number",
@@ -143,7 +143,7 @@ def _place_for(loc: tuple[int | str, ...]) -> str:
     own = _SECTIONS[path].model_fields
     for other in others:
         # A table of a list (a spall, a crack) is asked for only where nothing nearer is meant.
-        listed = bool(other) and other[-1] in _LISTS and nearest(name, own, cutoff=0.6)
+        listed = other in _LISTS and nearest(name, own, cutoff=0.6)
         if name in _SECTIONS[other].model_fields and not listed:
             return f"there is none {here}, it belongs {called(other)}"
     if close := nearest(name, own, cutoff=0.6):  # difflib's own idea of a close match

@@ -10,7 +10,6 @@ from typing import Any, cast
 
 from gearpoly.errors import InputFileError, MissingExtraError, shown
 from gearpoly.files.gde import GEOMETRY, REQUIRED, ROOT, TOLERANCES, UNITS, GearInspection, Profile, Side, Turn
-from gearpoly.files.kinds import NAME_SHOWN
 from gearpoly.files.paths import unreadable
 from gearpoly.files.traces import (
     DEVIATION_LIMIT_UM,
@@ -19,6 +18,7 @@ from gearpoly.files.traces import (
     nearest,
     parse_number,
 )
+from gearpoly.keys.kinds import NAME_SHOWN
 
 
 def read_gde(path: Path | str) -> GearInspection:

@@ -1,310 +1,65 @@
-"""The keys of a pair file: names, units, bounds, defaults and which contradict one another.
+"""The models of a pair file: its tables with the keys that each physics brings.
 
-The models hold the file's own keys in the file's own units (um, deg, N.m); geometry converts them. A section that is
-absent is ``None`` where its absence means something (no limits, not inspected, no relief, no eccentricity).
+What is said of any pair stands in ``keys.sections``; what a physics adds stands in that physics' own file. The models
+hold the file's own keys in the file's own units (um, deg, N.m); geometry converts them.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterable
+from copy import copy
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, Strict, model_validator
+from pydantic import create_model
+from pydantic.fields import FieldInfo
 
-from gearpoly.files.inspection_model import FOR_THE_GEAR
-from gearpoly.files.inspection_model import Inspection as Inspection
-from gearpoly.files.kinds import ONE_FAULT, Length, Name, Um, UmSize, broken, field
-from gearpoly.files.kinds import Section as Section
+from gearpoly.keys import sections
+from gearpoly.keys.kinds import Section as Section
+from gearpoly.keys.kinds import field
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Physics
 
-
-class Resonance(Section):
-    """A torsional resonance of the mesh: harmonics of the static transmission error near it are magnified."""
-
-    frequency_hz: float = Field(gt=0.0, le=1e6, description="natural frequency in Hz, above 0")
-    damping_ratio: float = field("damping over its critical value, above 0 to 1", 0.05, gt=0.0, le=1.0)
-    damped_in_mesh: float = field(
-        "part of the damping that acts between the teeth, 0 (all in bearings and shafts) to 1",
-        0.0,
-        ge=0.0,
-        le=1.0,
-    )
-
-
-class PairSection(Section):
-    """How the two gears are mounted and run."""
-
-    centre_distance_mm: Length | None = field(
-        "centre distance in mm, above 0; default: tight mesh of the deviation-free gears"
-    )
-    torque_nm: float = field(
-        "torque on the driven shaft in N.m, 0 or more; its flank says which way it acts",
-        0.0,
-        ge=0.0,
-        le=1e9,
-    )
-    torque_driving_nm: float | None = field(
-        "torque on the driving (input) shaft in N.m, 0 or more, instead of torque_nm: times z_2/z_1", ge=0.0, le=1e9
-    )
-    speed_rpm: float | None = field("speed of the driving shaft in rpm, above 0; default: quasi-static", gt=0.0, le=1e6)
-    friction_coefficient: float = field("coefficient of friction between the teeth, 0 to 1", 0.0, ge=0.0, le=1.0)
-    misalignment_um: UmSize = field("gap in um that a lead error opens across the face width, 0 or more", 0.0)
-    windup_urad_per_nm: float = field(
-        "twist of the shafts between the encoders in urad per N.m of driven torque", 0.0, ge=-1e6, le=1e6
-    )
-    resonance: Resonance | None = field("torsional resonance of the mesh, a table")
-
-    @model_validator(mode="after")
-    def _one_torque(self) -> Self:
-        if self.torque_driving_nm is not None and "torque_nm" in self.model_fields_set:
-            found = f"{self.torque_driving_nm}, and torque_nm = {self.torque_nm} too"
-            broken("torque_driving_nm", found, "want one of the two, the torque on the input or on the driven shaft")
-        return self
+if TYPE_CHECKING:
+    from gearpoly.keys.sections import Encoder as Encoder
+    from gearpoly.keys.sections import GearSection as GearSection
+    from gearpoly.keys.sections import Inspection as Inspection
+    from gearpoly.keys.sections import Measurement as Measurement
+    from gearpoly.keys.sections import PairFile as PairFile
+    from gearpoly.keys.sections import PairSection as PairSection
 
 
-class ModelSection(Section):
-    """What the simulation takes into account."""
-
-    tooth_deflection: bool = field("true: teeth bend under load, false: rigid teeth", True)
-    compliance: Literal["cantilever", "cantilever_published", "weber_banaschek", "potential_energy", "iso6336"] = field(
-        "law by which a tooth bends, see docs/compliance.md", "cantilever"
-    )
-    contact: Literal["palmgren", "linear", "weber_banaschek"] = field("law by which two flanks flatten", "palmgren")
-    compliance_scale: float = field(
-        "factor on the compliance of every pair, contact included, 0.01 to 100", 1.0, ge=0.01, le=100.0
-    )
-    load_sharing: Literal["equilibrium", "paper"] = field(
-        "equilibrium: only pressed pairs carry; paper: pairs join one by one and none leaves", "equilibrium"
-    )
+def _with(plain: FieldInfo, annotation: Any, **changes: Any) -> tuple[Any, FieldInfo]:
+    """A key of a table as it was, of another kind."""
+    key = copy(plain)
+    key.annotation = annotation
+    for name, value in changes.items():
+        setattr(key, name, value)
+    return annotation, key
 
 
-class MaterialSection(Section):
-    """The material of both gears; default: steel."""
+def completed(known: Iterable[Physics]) -> dict[str, type[Section]]:
+    """The tables of a pair file with the keys of these physics, in their order, by the names of their classes."""
+    known = sorted(known, key=lambda one: (one.rank, one.name))
 
-    youngs_modulus_gpa: float = field("Young's modulus in GPa, above 0 to 10000", 206.0, gt=0.0, le=1e4)
-    poisson_ratio: float = field("Poisson's ratio, between -1 and 0.5", 0.3, gt=-1.0, lt=0.5)
+    def whole(table: str, plain: type[Section], **fields: Any) -> Any:
+        brought = [one.keys[table] for one in known if table in one.keys]
+        # Pydantic takes the keys of the last base first.
+        bases = (*reversed(brought), plain)
+        return create_model(plain.__name__, __base__=bases, __module__=__name__, __doc__=plain.__doc__, **fields)
 
-
-class Limits(Section):
-    """Limits instead of, or over, those of the grade, in um."""
-
-    f_pt_um: UmSize | None = field("single pitch limit in um, 0 or more")
-    F_p_um: UmSize | None = field("total cumulative pitch limit in um, 0 or more")
-    F_alpha_um: UmSize | None = field("total profile limit in um, 0 or more")
-    f_Halpha_um: UmSize | None = field("profile slope limit in um, 0 or more")
-    f_falpha_um: UmSize | None = field("profile form limit in um, 0 or more")
-    E_sns_um: Um | None = field("upper tooth thickness deviation in um, along the reference circle; negative thins")
-    E_sni_um: Um | None = field("lower tooth thickness deviation in um, along the reference circle; negative thins")
-    W_kns_um: Um | None = field("upper base tangent length deviation in um; a drawn gear above it is drawn again")
-    W_kni_um: Um | None = field("lower base tangent length deviation in um; a drawn gear below it is drawn again")
-
-    @model_validator(mode="after")
-    def _upper_above_lower(self) -> Self:
-        for symbol in ("E_sn", "W_kn"):
-            upper, lower = getattr(self, f"{symbol}s_um"), getattr(self, f"{symbol}i_um")
-            if upper is not None and lower is not None and upper < lower:
-                found = f"{upper}, below {symbol}i_um = {lower}"
-                broken(
-                    f"{symbol}s_um",
-                    found,
-                    f"want the upper deviation {symbol}s_um at or above the lower {symbol}i_um",
-                )
-        return self
+    pair = whole("pair", sections.PairSection)
+    encoder = whole("encoder", sections.Encoder)
+    measurement = whole("measurement", sections.Measurement)
+    about = "what this shaft's encoder reads wrong, a table"
+    gear = whole("gear", sections.GearSection, encoder=(encoder | None, field(about)))
+    top = sections.PairFile.model_fields
+    file = whole(
+        "file", sections.PairFile, pair=_with(top["pair"], pair, default=pair()), driving=_with(top["driving"], gear),
+        driven=_with(top["driven"], gear), measurement=_with(top["measurement"], measurement | None),
+    )  # fmt: skip
+    return {one.__name__: one for one in (pair, encoder, measurement, gear, file)}
 
 
-class TipRelief(Section):
-    """Material taken off towards the tip on purpose."""
-
-    amount_um: UmSize = Field(description="relief at the tip in um, 0 or more")
-    length_mm: Length = Field(description="radial length down from the tip in mm, above 0")
-    shape: Literal["linear", "parabolic"] = field("how the relief grows towards the tip", "linear")
-    flank: Literal["both", "drive", "coast"] = field("which flanks are relieved", "both")
-
-
-class Eccentricity(Section):
-    """The gear's own centre as seen from its axis of rotation."""
-
-    amplitude_um: UmSize = Field(description="distance of the gear's centre from its axis in um, 0 or more")
-    angle_deg: float = field(
-        "angle in deg from the pitch point of tooth 0's drive flank, in the order of meshing",
-        0.0,
-        ge=-1e4,
-        le=1e4,
-    )
-
-
-class Undulation(Section):
-    """A wave on the flanks that goes on from tooth to tooth, A cos(order phi + angle): a ghost order."""
-
-    order: int = Field(ge=1, le=100_000, description="waves per turn of the gear, a whole number from 1")
-    amplitude_um: UmSize = Field(description="amplitude in um, 0 or more")
-    angle_deg: float = field("phase in deg at the reference circle of tooth 0", 0.0, ge=-1e4, le=1e4)
-    flank: Literal["both", "drive", "coast"] = field("which flanks carry the wave", "drive")
-
-
-class Spall(Section):
-    """A place on one tooth's drive flank where material has broken away."""
-
-    tooth: int = Field(ge=0, description="number of the tooth, from 0")
-    depth_um: UmSize = Field(description="depth in um, 0 or more")
-    from_mm: Length = Field(description="radius in mm where it begins")
-    to_mm: Length = Field(description="radius in mm where it ends, above from_mm")
-    wall_mm: Length = field("length in mm over which its walls rise, as tanh(r/wall)", 0.05)
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if self.to_mm <= self.from_mm:
-            broken("to_mm", f"{self.to_mm}, not above from_mm = {self.from_mm}", "want the larger radius in to_mm")
-        return self
-
-
-class Crack(Section):
-    """A tooth that gives more than its neighbours when its drive flank is loaded."""
-
-    tooth: int = Field(ge=0, description="number of the tooth, from 0")
-    compliance_factor: float = Field(
-        ge=0.1, le=1000.0, description="compliance over that of the sound tooth, contact not counted"
-    )
-
-
-class Interpolation(Section):
-    """An error of reading that recurs a whole number of times per turn of a shaft: interpolation, or lines."""
-
-    order: int = Field(ge=1, le=10_000_000, description="waves per turn of the encoder, a whole number from 1")
-    amplitude_urad: float = Field(ge=0.0, le=1e6, description="amplitude in urad of the shaft, 0 or more")
-    angle_deg: float = field("phase in deg: error = amplitude cos(order reading + angle)", 0.0, ge=-1e4, le=1e4)
-
-
-class Encoder(Section):
-    """What a shaft's encoder reads wrong: reading minus truth."""
-
-    eccentricity_urad: float = field("amplitude in urad of an error once per turn, 0 or more", 0.0, ge=0.0, le=1e6)
-    eccentricity_deg: float = field("reading in deg at which that error is largest", 0.0, ge=-1e4, le=1e4)
-    scale: float = field("reading over truth, where the counts per turn are set wrong", 1.0, gt=0.5, lt=2.0)
-    interpolation: tuple[Interpolation, ...] = field("errors that recur within a turn, tables", (), strict=False)
-
-
-class GearSection(Section):
-    """One gear: its rack, its blank, its quality, and what was measured of it."""
-
-    teeth: int = Field(ge=5, le=10_000, description="number of teeth, 5 or more")
-    module_mm: float = Field(ge=0.05, le=100.0, description="module in mm, 0.05 to 100")
-    pressure_angle_deg: float = field("pressure angle in deg, 10 to 35", 20.0, ge=10.0, le=35.0)
-    addendum: float = field("addendum over the module, above 0 to 3", 1.0, gt=0.0, le=3.0)
-    dedendum: float = field("dedendum over the module, above 0 to 4", 1.25, gt=0.0, le=4.0)
-    root_radius: float | None = field(
-        "tip radius of the rack over the module, 0 to 1; "
-        "default: 0.38, or the largest that fits and leaves the mate's tip free",
-        ge=0.0,
-        le=1.0,
-    )
-    profile_shift: float = field("profile shift coefficient, -5 to 5", 0.0, ge=-5.0, le=5.0)
-    face_width_mm: Length | None = field("face width in mm, above 0")
-    bore_mm: Length | None = field("diameter of the bore in mm, above 0; default: half the root diameter")
-    grade: int | None = field("ISO 1328-1 grade; default: ideal gear", ge=0, le=12)
-    grade_edition: Literal[1995, 2013] = field("edition of ISO 1328-1, 1995 or 2013", 2013)
-    points_per_flank: int | None = field(
-        "points on each involute flank, 8 to 200000; default: from chord_error_um", ge=8, le=200_000
-    )
-    chord_error_um: float = field(
-        "largest distance of a chord from its flank in um, 0.000001 to 10", 0.001, ge=1e-6, le=10.0
-    )
-    profile_errors: Literal["smooth", "scatter"] = field(
-        "how drawn profile errors vary: in smooth waves, or (the paper's) each point on its own",
-        "smooth",
-    )
-    thickness_errors: Literal["graded", "independent"] = field(
-        "drawn thickness: the coast flank keeps the grade's pitch limits too, or (the paper's) "
-        "each tooth's E_s on its own",
-        "graded",
-    )
-    limits: Limits | None = field("limits over the grade's, a table")
-    inspection: Inspection | None = field("what was measured, a table")
-    tip_relief: TipRelief | None = field("tip relief, a table")
-    eccentricity: Eccentricity | None = field("eccentricity, a table")
-    wear_um: UmSize = field("wear in um at the tip, none at the reference circle, 0 or more", 0.0)
-    undulation: tuple[Undulation, ...] = field("waves on the flanks, tables", (), strict=False, fail_fast=True)
-    spall: tuple[Spall, ...] = field("spalls, tables", (), strict=False, fail_fast=True)
-    crack: tuple[Crack, ...] = field("cracked teeth, tables", (), strict=False, fail_fast=True)
-    encoder: Encoder | None = field("what this shaft's encoder reads wrong, a table")
-
-    @model_validator(mode="after")
-    def _keys_agree(self) -> Self:
-        if self.grade is not None and self.grade_edition == 2013 and not 1 <= self.grade <= 11:
-            wish = "want 1 to 11, which the 2013 edition defines, or grade_edition = 1995 for 0 to 12"
-            broken("grade", f"{self.grade}, outside the 2013 edition", wish)
-        if self.points_per_flank is not None and "chord_error_um" in self.model_fields_set:
-            found = f"{self.points_per_flank}, and chord_error_um = {self.chord_error_um} too"
-            broken(
-                "points_per_flank",
-                found,
-                "want one of the two, since each sets the number of points",
-            )
-        for key, values in self.inspection or ():
-            if isinstance(values, tuple) and key not in FOR_THE_GEAR and len(values) != self.teeth:
-                wish = f"want {self.teeth}, one per tooth, or one number for all teeth"
-                broken(f"inspection.{key}", f"a list of {len(values)} values", wish)
-        for name, faults in (("spall", self.spall), ("crack", self.crack)):
-            for fault in faults:
-                if fault.tooth >= self.teeth:
-                    wish = f"want a tooth from 0 to {self.teeth - 1}"
-                    broken(f"{name}.tooth", f"{fault.tooth}, of a gear with {self.teeth} teeth", wish)
-        return self
-
-
-class Measurement(Section):
-    """What the rig itself did to recordings of this pair, apart from its encoders."""
-
-    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], ...] = field(
-        "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
-        (),
-        strict=False,
-    )
-
-
-class WormSection(Section):
-    """The worm that the driven gear turns, and the wheel on a telescope's axis: what a guide log is read with."""
-
-    wheel_teeth: int = Field(ge=10, le=10_000, description="teeth of the worm wheel, 10 or more")
-    period_s: float | None = field(
-        "seconds per turn of the worm, above 0; default: a sidereal day over wheel_teeth", gt=0.0, le=1e6
-    )
-
-
-class PairFile(Section):
-    """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
-
-    name: Name = field("name of the pair in quotes", "unnamed pair")
-    pair: PairSection = field("how the gears are mounted and run, a table", PairSection())
-    model: ModelSection = field("what is taken into account, a table", ModelSection())
-    material: MaterialSection = field("material of both gears, a table", MaterialSection())
-    driving: GearSection = Field(description="the driving gear, a table")
-    driven: GearSection = Field(description="the driven gear, a table")
-    measurement: Measurement | None = field("what the rig did to the recordings, a table")
-    worm: WormSection | None = field("the worm that the driven gear turns, a table; for guide logs of telescopes")
-
-    @property
-    def torque_nm(self) -> float:
-        """Torque on the driven shaft in N.m, whichever shaft the file states it for."""
-        driving = self.pair.torque_driving_nm
-        return self.pair.torque_nm if driving is None else driving * self.driven.teeth / self.driving.teeth
-
-    @model_validator(mode="after")
-    def _gears_agree(self) -> Self:
-        for key, called in (("module_mm", "module"), ("pressure_angle_deg", "pressure angle")):
-            mine, mate = getattr(self.driven, key), getattr(self.driving, key)
-            if mine != mate:
-                default = "" if key in self.driven.model_fields_set else " by default"
-                mate_default = "" if key in self.driving.model_fields_set else " by default"
-                found = f"{mine}{default}, but driving.{key} = {mate}{mate_default}"
-                broken(
-                    f"driven.{key}",
-                    found,
-                    f"want the same {called} in both gears, or they do not mesh",
-                )
-        if self.model.tooth_deflection and self.torque_nm > 0.0:
-            for gear in ("driving", "driven"):
-                if getattr(self, gear).face_width_mm is None:
-                    key = "torque_nm" if self.pair.torque_driving_nm is None else "torque_driving_nm"
-                    torque = f"pair.{key} = {getattr(self.pair, key)} bends the teeth"
-                    wish = f"want a face width in mm, since {torque} (or tooth_deflection = false)"
-                    broken(f"{gear}.face_width_mm", "missing", wish)
-        return self
+if not TYPE_CHECKING:
+    Inspection = sections.Inspection
+    globals().update(completed(catalogue().values()))

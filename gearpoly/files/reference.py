@@ -46,10 +46,10 @@ to 0 but for rounding, or are refused. `span_mm` and `over_pins_mm` give E_s, th
 COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")
 
 
-def pair_file_reference() -> str:
+def pair_file_reference(file: type[Section] = PairFile) -> str:
     """The page: a table of keys, their meaning with unit and bounds, and their default, for every table of the file."""
     parts = [HEAD]
-    for path, many, model in _tables(PairFile, ""):
+    for path, many, model in _tables(file, ""):
         title = f"`[[{path}]]`, any number of them" if many else f"`[{path}]`" if path else "Top of the file"
         rows = [_row(name, field) for name, field in model.model_fields.items() if _nested(field) is None]
         about = (model.__doc__ or "").partition("; made by")[0].rstrip(".")

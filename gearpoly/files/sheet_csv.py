@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.errors import InputFileError, shown
-from gearpoly.files.inspection_model import Inspection
 from gearpoly.files.paths import is_file
 from gearpoly.files.traces import DEVIATION_LIMIT_UM, check_header, parse_number, read_text, split_row
+from gearpoly.keys.inspection import Inspection
 
 GEARS = ("driving", "driven")
 

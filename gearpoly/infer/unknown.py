@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.physics.base import Claim
-from gearpoly.physics.scene import Scene
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 HARMONICS = 8

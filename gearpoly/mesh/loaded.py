@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import NotConvergedError, OutOfRangeError
+from gearpoly.mesh.condition import check_torque
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
 from gearpoly.mesh.transmission import FlankContacts
 from gearpoly.units import NM, UM, FloatArray, IntArray
@@ -84,10 +85,7 @@ def loaded(
     The contacts must hold every pair that closes within ``load_reach``. Raises ``OutOfRangeError`` for a negative
     torque or deflections that are no longer small, ``NotConvergedError`` where forces do not settle.
     """
-    if not 0.0 <= torque < np.inf:
-        raise OutOfRangeError(
-            f"torque {torque / NM:g} N.m: a torque is a finite magnitude, 0 or more; the flank says which way"
-        )
+    check_torque(torque)
     pair = compliance.pair
     point = contacts.point
     lever_1, lever_2 = levers(contacts, compliance)

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
-import numpy as np
-
-from gearpoly.files.models import GearSection, PairFile, Section
+from gearpoly.gear.deviations import Deviations
 from gearpoly.gear.gear import Gear
+from gearpoly.keys.sections import GearSection, PairFile, Section
 from gearpoly.mesh.shafts import UNEVEN
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.parts import Parts
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
-
-GEARS = ("driving", "driven")
-
-Values = tuple[float, ...]
-"""Amplitudes first, then shape, in the units of the pair file."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,28 +99,6 @@ class Scope:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where a physics might be: ``gear`` 0 (driving) or 1, ``tooth``, ``order``, ``flank``, ``recordings`` (none: in
-    all), ``form`` (none: as declared, or the plainest); ``shape`` the values of its shape to start from; ``probe`` the
-    amplitudes at which its effect is looked at (0: by steps of one unit).
-    """
-
-    gear: int | None = None
-    tooth: int | None = None
-    order: int | None = None
-    flank: str | None = None
-    recordings: tuple[int, ...] = ()
-    form: str | None = None
-    shape: Values = ()
-    probe: Values = ()
-
-    @property
-    def gear_name(self) -> str | None:
-        """ "driving" or "driven"."""
-        return None if self.gear is None else GEARS[self.gear]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Quantity:
     """One coordinate of a physics in its ``unit``, that of the pair file. ``most`` is the largest that it may be for a
     pair and a place, and ``why``; ``low`` the least that means anything (default: as much, of the other sign).
@@ -136,6 +110,8 @@ class Quantity:
     why: str
     low: float = -math.inf
     step: float = 1.0
+    switch: bool = False
+    """Whether it only says that something is there (1) or not (0)."""
 
     def bounds(self, scope: Scope, place: Place) -> tuple[float, float]:
         """The least and the largest that it may be."""
@@ -143,8 +119,9 @@ class Quantity:
         return max(self.low, -most), most
 
 
-Reported = dict[str, tuple[float, float]]
-"""Parameter name: value and standard error."""
+MADE, MOUNTED, WORN, RUN, READ = 10, 20, 30, 40, 50
+"""Ranks from which on a physics comes with the making of a gear, with its mounting, with wear and damage, with load and
+shafts, and with the reading."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,9 +133,20 @@ class Physics:
     error of a scene, (n,) in mm, to first order; None: simulate the written file. ``report`` turns values and
     covariance into the contract's parameters; ``says`` into a sentence. ``family`` groups places that stand for one
     question, of which only the best is kept; ``equation`` is the model in a line for the reader.
+
+    ``rank`` says when it comes in the life of a pair, and so its place among the keys of the pair file and in the
+    building of the pair: ``MADE``, ``MOUNTED``, ``WORN``, ``RUN`` or ``READ`` and on. ``keys`` are those that it adds
+    to the tables of a pair file ("pair", "gear", "encoder", "measurement"); ``stands`` tells a reader which keys say
+    that it is there. ``parameters`` are the contract's names, its size first. ``case`` is a typical case, well above a
+    noise of 0.3 um: place and values. ``source`` says where the equation is from.
     """
 
     name: str
+    rank: int
+    source: str
+    stands: str
+    parameters: tuple[str, ...]
+    case: tuple[Place, Values]
     coordinates: tuple[Quantity, ...]
     amplitudes: int
     places: Callable[[Scope], Iterable[Place]]
@@ -173,6 +161,13 @@ class Physics:
     common: float = 1.0
     """How often it is met among the causes that the catalogue holds at its kind of place, to others there."""
 
+    keys: Mapping[str, type[Section]] = field(default_factory=dict)
+    shapes: Callable[[GearSection, Gear, int], Deviations] = lambda section, gear, which: Deviations()
+    """What its keys make of the flanks of a gear, the driving one (0) or the driven."""
+
+    build: Callable[[PairFile, Parts], Parts] = lambda file, parts: parts
+    """What its keys change of the pair beside the flanks."""
+
     effect: Callable[[Scene, Place, Values], FloatArray] | None = None
     ordinary_orders: Callable[[Gear], tuple[int, ...]] = lambda gear: ()
     """Of a physics that has an order per turn of its gear: those at which it is met most."""
@@ -185,12 +180,6 @@ class Physics:
 
     sensible: Callable[[Scope, Place, Values], bool] = lambda scope, place, values: True
     """Whether it is still itself with such values, and not the nearest it has to something else."""
-
-    reloads: bool = False
-    """Only load and shafts change, so the contacts found stay."""
-
-    measures: bool = False
-    """It is in the measuring chain: recordings show it, the gears do not."""
 
     slow: bool = False
     """It goes on over a whole recording and never repeats."""
@@ -207,8 +196,25 @@ class Physics:
     law_doubt: float = 0.0
     """Relative standard error of its size, one sigma, for what compliance laws differ by."""
 
-    fixed_amplitudes: bool = field(default=False)
-    """The amplitudes only say whether it is there (1) or not (0)."""
+    @property
+    def twin(self) -> str:
+        """The name of the same physics in the bench that knows nothing of this simulation."""
+        return self.name
+
+    @property
+    def measures(self) -> bool:
+        """Whether it is in the measuring chain: recordings show it, the gears do not."""
+        return self.rank >= READ
+
+    @property
+    def reloads(self) -> bool:
+        """Whether only load and shafts change, so that the contacts found stay."""
+        return RUN <= self.rank < READ
+
+    @property
+    def fixed_amplitudes(self) -> bool:
+        """Whether the amplitudes only say that it is there (1) or not (0)."""
+        return all(one.switch for one in self.coordinates[: self.amplitudes])
 
     @property
     def shaped(self) -> bool:
@@ -257,84 +263,3 @@ class Claim:
     def says(self) -> str:
         """The claim as a sentence."""
         return self.physics.says(self.place, self.values)
-
-
-def changed(section: Any, **keys: object) -> Any:
-    """A copy of a section of the pair file with other ``keys``, as if they had been stated."""
-    assert isinstance(section, Section)
-    return section.model_copy(update=keys)
-
-
-def on_gear(file: PairFile, gear: int | None, **keys: object) -> PairFile:
-    """The pair file with other keys of one gear."""
-    name = GEARS[gear or 0]
-    copy: PairFile = changed(file, **{name: changed(getattr(file, name), **keys)})
-    return copy
-
-
-def on_pair(file: PairFile, **keys: object) -> PairFile:
-    """The pair file with other keys of [pair]."""
-    copy: PairFile = changed(file, pair=changed(file.pair, **keys))
-    return copy
-
-
-def gear_section(file: PairFile, gear: int | None) -> GearSection:
-    """The section of gear 0 (driving) or 1."""
-    return file.driving if gear in (0, None) else file.driven
-
-
-def polar(x: float, y: float, covariance: FloatArray) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Length and direction in deg (0 to 360) of a vector with its covariance (2, 2), each with its standard error."""
-    length = math.hypot(x, y)
-    along = np.array([x, y]) / max(length, 1e-300)
-    across = np.array([-along[1], along[0]])
-    std = math.sqrt(max(float(along @ covariance @ along), 0.0))
-    turn = math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(length, 1e-300)
-    return (length, std), (math.degrees(math.atan2(y, x)) % 360.0, min(math.degrees(turn), 180.0))
-
-
-def plain(*names: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
-    """A report of the coordinates as they are, under ``names``."""
-
-    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-        return {name: (float(values[k]), math.sqrt(max(float(covariance[k, k]), 0.0))) for k, name in enumerate(names)}
-
-    return report
-
-
-def vector(amplitude: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
-    """A report of x and y as ``amplitude`` (its name with the unit) and ``angle_deg``."""
-
-    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-        length, angle = polar(float(values[0]), float(values[1]), covariance)
-        return {amplitude: length, "angle_deg": angle}
-
-    return report
-
-
-def phased(amplitude: str) -> Callable[[Place, FloatArray, FloatArray], Reported]:
-    """A report of cosine and sine parts as ``order``, ``amplitude`` (its name with the unit) and ``angle_deg``, the
-    phase of amplitude cos(. + angle)."""
-
-    def report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
-        mirrored = covariance * np.array([[1, -1], [-1, 1]])
-        length, angle = polar(float(values[0]), -float(values[1]), mirrored)
-        return {"order": (float(place.order or 1), 0.0), amplitude: length, "angle_deg": angle}
-
-    return report
-
-
-def wave(x: float, y: float) -> tuple[float, float]:
-    """Amplitude and phase in deg of x cos + y sin = A cos(. + phase)."""
-    return math.hypot(x, y), math.degrees(math.atan2(-y, x))
-
-
-def own_of(place: Place) -> str:
-    """ "driving gear" or "driven gear"."""
-    return f"{place.gear_name} gear"
-
-
-def tooth_of(place: Place) -> str:
-    """ "Tooth 7 of the driven gear", or "A tooth ..." where the numbering is open."""
-    number = "A tooth" if place.tooth is None else f"Tooth {place.tooth}"
-    return f"{number} of the {own_of(place)}"

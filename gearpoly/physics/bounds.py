@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from gearpoly.physics.base import Place, Scope
+from gearpoly.physics.base import Scope
+from gearpoly.physics.place import Place
 from gearpoly.units import UM, URAD
 
 Bound = Callable[[Scope, Place], float]

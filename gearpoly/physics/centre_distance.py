@@ -6,12 +6,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.assemble import nominal_gears
-from gearpoly.files.models import PairFile
+from gearpoly.gear.nominal import nominal_gears
+from gearpoly.keys.edit import on_pair
+from gearpoly.keys.sections import PairFile
 from gearpoly.mesh.pair import tight_centre_distance
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.physics.base import MOUNTED, Physics, Quantity, Scope
 from gearpoly.physics.bounds import module
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import plain
 from gearpoly.units import UM, FloatArray
 
 
@@ -33,6 +36,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="centre_distance",
+    rank=MOUNTED + 2,
+    source="ISO 21771:2007, working pressure angle and backlash",
+    stands="pair.centre_distance_mm",
+    parameters=("offset_um",),
+    case=(Place(), (40.0,)),
     coordinates=(
         Quantity(
             name="offset_um",

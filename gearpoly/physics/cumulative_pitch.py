@@ -7,11 +7,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, own_of, polar
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported, own_of, polar
 from gearpoly.units import UM, FloatArray
 
 HIGHEST = 8
@@ -49,6 +51,11 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="cumulative_pitch",
+    rank=MADE + 6,
+    source="ISO 1328-1:2013, index deviations; a wave of them, derived here",
+    stands="[driving.inspection]: pitch_um",
+    parameters=("amplitude_um", "order"),
+    case=(Place(gear=1, order=3, flank="drive"), (4.0, -2.0)),
     coordinates=tuple(
         Quantity(name=name, unit="um", most=half_tooth, why="a tooth farther off stands in its neighbour's gap")
         for name in ("x_um", "y_um")

@@ -4,14 +4,47 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
+from pydantic import Field
 
-from gearpoly.files.models import Eccentricity, PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, vector
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.kinds import Section, UmSize, field
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import MOUNTED, Physics, Quantity, Scope
 from gearpoly.physics.bounds import module
-from gearpoly.physics.scene import Scene
-from gearpoly.units import UM, FloatArray
+from gearpoly.physics.parts import Parts
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, vector
+from gearpoly.units import DEG, UM, FloatArray
+
+
+class Eccentricity(Section):
+    """The gear's own centre as seen from its axis of rotation."""
+
+    amplitude_um: UmSize = Field(description="distance of the gear's centre from its axis in um, 0 or more")
+    angle_deg: float = field(
+        "angle in deg from the pitch point of tooth 0's drive flank, in the order of meshing",
+        0.0,
+        ge=-1e4,
+        le=1e4,
+    )
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    eccentricity: Eccentricity | None = field("eccentricity, a table")
+
+
+def _build(file: PairFile, parts: Parts) -> Parts:
+    off = [
+        (one.amplitude_um * UM, one.angle_deg * DEG) if one is not None else (0.0, 0.0)
+        for one in (file.driving.eccentricity, file.driven.eccentricity)
+    ]
+    return replace(parts, eccentricity=(off[0], off[1]))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -43,6 +76,13 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="eccentricity",
+    rank=MOUNTED + 1,
+    source="geometry of a centre off its axis, derived here; the contact kernel turns it exactly",
+    stands="[driving.eccentricity]",
+    parameters=("amplitude_um", "angle_deg"),
+    case=(Place(gear=0), (5.0, -7.0)),
+    keys={"gear": GearKeys},
+    build=_build,
     coordinates=tuple(
         Quantity(
             name=name,

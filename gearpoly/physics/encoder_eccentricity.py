@@ -4,24 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
-from gearpoly.files.models import Encoder, PairFile
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Scope,
-    Values,
-    changed,
-    gear_section,
-    on_gear,
-    own_of,
-    vector,
-)
+from gearpoly.keys.edit import changed, gear_section, on_gear, table
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import Encoder, PairFile
+from gearpoly.physics.base import READ, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_pitch
-from gearpoly.physics.encoder import misread
-from gearpoly.physics.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.physics.encoder import misread, misreading
+from gearpoly.physics.parts import EncoderErrors
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, vector
+from gearpoly.units import DEG, URAD, FloatArray
+
+
+class EncoderKeys(Section):
+    """What an encoder says of it."""
+
+    eccentricity_urad: float = field("amplitude in urad of an error once per turn, 0 or more", 0.0, ge=0.0, le=1e6)
+    eccentricity_deg: float = field("reading in deg at which that error is largest", 0.0, ge=-1e4, le=1e4)
+
+
+def _errors(stated: Encoder, errors: EncoderErrors) -> EncoderErrors:
+    if not stated.eccentricity_urad:
+        return errors
+    wave = (1, stated.eccentricity_urad * URAD, -stated.eccentricity_deg * DEG)
+    return replace(errors, waves=(*errors.waves, wave))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -35,15 +44,22 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
-    held = gear_section(file, place.gear).encoder or Encoder()
+    held = table(gear_section(file, place.gear), "encoder")
     x = values[0] + held.eccentricity_urad * math.cos(math.radians(held.eccentricity_deg))
     y = values[1] + held.eccentricity_urad * math.sin(math.radians(held.eccentricity_deg))
-    table = changed(held, eccentricity_urad=math.hypot(x, y), eccentricity_deg=math.degrees(math.atan2(y, x)) % 360.0)
-    return on_gear(file, place.gear, encoder=table)
+    told = changed(held, eccentricity_urad=math.hypot(x, y), eccentricity_deg=math.degrees(math.atan2(y, x)) % 360.0)
+    return on_gear(file, place.gear, encoder=told)
 
 
 PHYSICS = Physics(
     name="encoder_eccentricity",
+    rank=READ + 1,
+    source="a disc off its axis, to first order in its offset; derived here",
+    stands="[driving.encoder]: eccentricity_urad, eccentricity_deg",
+    parameters=("amplitude_urad",),
+    case=(Place(gear=1), (120.0, 200.0)),
+    keys={"encoder": EncoderKeys},
+    build=misreading(_errors),
     coordinates=tuple(
         Quantity(name=name, unit="urad", most=half_pitch, why="an encoder that is wrong by more counts the teeth wrong")
         for name in ("cos_urad", "sin_urad")
@@ -53,7 +69,6 @@ PHYSICS = Physics(
     common=4.0,
     places=_places,
     effect=_effect,
-    measures=True,
     write=_write,
     report=vector("amplitude_urad"),
     says=lambda place, v: (

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
-from gearpoly.files.models import Encoder, Interpolation, PairFile
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Scope,
-    Values,
-    changed,
-    gear_section,
-    on_gear,
-    own_of,
-    phased,
-    wave,
-)
-from gearpoly.physics.encoder import misread
-from gearpoly.physics.scene import Scene
-from gearpoly.units import URAD, FloatArray
+from pydantic import Field
+
+from gearpoly.keys.edit import changed, gear_section, on_gear, table
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import Encoder, PairFile
+from gearpoly.physics.base import READ, Physics, Quantity, Scope
+from gearpoly.physics.encoder import misread, misreading
+from gearpoly.physics.parts import EncoderErrors
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, phased, wave
+from gearpoly.units import DEG, URAD, FloatArray
 
 LOWEST = 2
 """Errors per turn: once is eccentricity; a disc out of round errs twice, a marred one a few times, lines hundreds of
@@ -36,6 +32,25 @@ FEW = 32
 MESH_ORDERS = 7
 """Mesh orders up to which mean teeth have a say. At those from 4 to 24, 34 healthy pairs of another bench, loaded or
 not, left no line that is more than the noise's highest of so many; what laws of compliance leave is weighed apart."""
+
+
+class Interpolation(Section):
+    """An error of reading that recurs a whole number of times per turn of a shaft: interpolation, or lines."""
+
+    order: int = Field(ge=1, le=10_000_000, description="waves per turn of the encoder, a whole number from 1")
+    amplitude_urad: float = Field(ge=0.0, le=1e6, description="amplitude in urad of the shaft, 0 or more")
+    angle_deg: float = field("phase in deg: error = amplitude cos(order reading + angle)", 0.0, ge=-1e4, le=1e4)
+
+
+class EncoderKeys(Section):
+    """What an encoder says of it."""
+
+    interpolation: tuple[Interpolation, ...] = field("errors that recur within a turn, tables", (), strict=False)
+
+
+def _errors(stated: Encoder, errors: EncoderErrors) -> EncoderErrors:
+    waves = ((one.order, one.amplitude_urad * URAD, one.angle_deg * DEG) for one in stated.interpolation)
+    return replace(errors, waves=(*errors.waves, *waves))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -58,7 +73,7 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
-    held = gear_section(file, place.gear).encoder or Encoder()
+    held = table(gear_section(file, place.gear), "encoder")
     amplitude, angle = wave(values[0], values[1])
     one = Interpolation.model_construct(order=place.order or 1, amplitude_urad=amplitude, angle_deg=angle % 360.0)
     return on_gear(file, place.gear, encoder=changed(held, interpolation=(*held.interpolation, one)))
@@ -72,6 +87,13 @@ def _reason(place: Place) -> str:
 
 PHYSICS = Physics(
     name="encoder_interpolation",
+    rank=READ + 3,
+    source="errors fixed to the reading, as a Fourier series of it; derived here",
+    stands="[[driving.encoder.interpolation]]: order, amplitude_urad, angle_deg",
+    parameters=("amplitude_urad", "order"),
+    case=(Place(gear=0, order=64), (30.0, -12.0)),
+    keys={"encoder": EncoderKeys},
+    build=misreading(_errors),
     coordinates=tuple(
         Quantity(
             name=name,
@@ -88,7 +110,6 @@ PHYSICS = Physics(
     places=_places,
     effect=_effect,
     wavelike=True,
-    measures=True,
     write=_write,
     report=phased("amplitude_urad"),
     says=lambda place, v: (

@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.files.models import Encoder, PairFile
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Reported,
-    Scope,
-    Values,
-    changed,
-    gear_section,
-    on_gear,
-    own_of,
-)
+from gearpoly.keys.edit import changed, gear_section, on_gear, table
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import Encoder, PairFile
+from gearpoly.physics.base import READ, Physics, Quantity, Scope
 from gearpoly.physics.bounds import recorded
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.encoder import misreading
+from gearpoly.physics.parts import EncoderErrors
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported, own_of
 from gearpoly.units import UM, FloatArray
 
 PPM = 1e-6
+
+
+class EncoderKeys(Section):
+    """What an encoder says of it."""
+
+    scale: float = field("reading over truth, where the counts per turn are set wrong", 1.0, gt=0.5, lt=2.0)
+
+
+def _errors(stated: Encoder, errors: EncoderErrors) -> EncoderErrors:
+    return replace(errors, scale=errors.scale * stated.scale)
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -49,7 +55,7 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
-    held = gear_section(file, place.gear).encoder or Encoder()
+    held = table(gear_section(file, place.gear), "encoder")
     return on_gear(file, place.gear, encoder=changed(held, scale=held.scale * (1.0 + values[0] * PPM)))
 
 
@@ -59,6 +65,13 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="encoder_scale",
+    rank=READ + 2,
+    source="counts per turn stated wrong, or slip in step with the turns; derived here",
+    stands="[driving.encoder]: scale",
+    parameters=("ratio",),
+    case=(Place(gear=0), (4.0,)),
+    keys={"encoder": EncoderKeys},
+    build=misreading(_errors),
     coordinates=(
         Quantity(
             name="ppm",
@@ -71,7 +84,6 @@ PHYSICS = Physics(
     ordinary=(5.0,),
     places=_places,
     effect=_effect,
-    measures=True,
     slow=True,
     write=_write,
     report=_report,

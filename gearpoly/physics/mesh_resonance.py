@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
+from pydantic import Field
 
-from gearpoly.files.models import PairFile, Resonance
+from gearpoly.keys.edit import on_pair
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import PairFile
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, on_pair
+from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.parts import Parts
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
 LOWEST, HIGHEST, TRIED = 0.4, 40.0, 60
@@ -25,6 +32,35 @@ HALF = 0.5
 
 HIGHEST_DAMPING = 0.3
 """Shafts and gears of steel hardly reach a tenth; more is no resonance."""
+
+
+class Resonance(Section):
+    """A torsional resonance of the mesh: harmonics of the static transmission error near it are magnified."""
+
+    frequency_hz: float = Field(gt=0.0, le=1e6, description="natural frequency in Hz, above 0")
+    damping_ratio: float = field("damping over its critical value, above 0 to 1", 0.05, gt=0.0, le=1.0)
+    damped_in_mesh: float = field(
+        "part of the damping that acts between the teeth, 0 (all in bearings and shafts) to 1",
+        0.0,
+        ge=0.0,
+        le=1.0,
+    )
+
+
+class PairKeys(Section):
+    """What a pair says of it."""
+
+    resonance: Resonance | None = field("torsional resonance of the mesh, a table")
+
+
+def _build(file: PairFile, parts: Parts) -> Parts:
+    stated: Resonance | None = file.pair.resonance
+    if stated is None:
+        return parts
+    shafts = replace(
+        parts.shafts, frequency=stated.frequency_hz, damping=stated.damping_ratio, in_mesh=stated.damped_in_mesh
+    )
+    return replace(parts, shafts=shafts)
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -68,8 +104,15 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="mesh_resonance",
+    rank=RUN + 4,
+    source="Tuplin 1953; Ozguven and Houser 1988",
+    stands="[pair.resonance]: frequency_hz, damping_ratio, damped_in_mesh",
+    parameters=("frequency_hz", "damping_ratio"),
+    case=(Place(), (1.0, math.log(150.0), 0.08, 0.3)),
+    keys={"pair": PairKeys},
+    build=_build,
     coordinates=(
-        Quantity(name="present", unit="1", low=0.0, most=always(1.0), why="it is there, or it is not"),
+        Quantity(name="present", unit="1", low=0.0, most=always(1.0), why="it is there, or it is not", switch=True),
         Quantity(
             name="ln_frequency",
             unit="ln(Hz)",
@@ -90,13 +133,11 @@ PHYSICS = Physics(
     ),
     amplitudes=1,
     ordinary=(1.0,),
-    fixed_amplitudes=True,
     places=_places,
     mean_tooth=True,
     effect=_effect,
     write=_write,
     report=_report,
-    reloads=True,
     says=lambda place, v: (
         f"The mesh swings at {math.exp(v[1]):.0f} Hz (damping {v[2]:.3f}) and magnifies what comes near it."
     ),

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_gear, own_of, plain
+from gearpoly.keys.edit import on_gear
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import added_on_both
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
 
 
@@ -27,6 +30,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="profile_slope",
+    rank=MADE + 2,
+    source="ISO 1328-1:2013, profile slope deviation",
+    stands="[driving.inspection]: profile_slope_um",
+    parameters=("slope_um",),
+    case=(Place(gear=1), (5.0,)),
     coordinates=(
         Quantity(
             name="slope_um", unit="um", most=half_tooth, why="more than half a tooth is not there to be taken off"

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import FloatArray, IntArray
 
@@ -39,6 +40,12 @@ class Samples:
     counted: bool
     backward: bool = False
     load: FloatArray | None = None
+
+    @cached_property
+    def condition(self) -> Condition:
+        """What the recording was made under."""
+        varies = 0.0 if self.load is None else float(np.max(np.abs(self.load)))
+        return Condition(flank=self.flank, torque=self.torque, speed=self.speed, backward=self.backward, varies=varies)
 
     @property
     def size(self) -> int:

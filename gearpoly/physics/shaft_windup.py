@@ -3,14 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, on_pair, plain
+from gearpoly.keys.edit import on_pair
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_pitch
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.parts import Parts
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import plain
 from gearpoly.units import NM, URAD, FloatArray
+
+
+class PairKeys(Section):
+    """What a pair says of it."""
+
+    windup_urad_per_nm: float = field(
+        "twist of the shafts between the encoders in urad per N.m of driven torque", 0.0, ge=-1e6, le=1e6
+    )
+
+
+def _build(file: PairFile, parts: Parts) -> Parts:
+    windup = parts.shafts.windup + file.pair.windup_urad_per_nm * URAD / NM
+    return replace(parts, shafts=replace(parts.shafts, windup=windup))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -36,6 +55,13 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="shaft_windup",
+    rank=RUN + 3,
+    source="Hooke's law of a shaft in torsion",
+    stands="pair.windup_urad_per_nm",
+    parameters=("compliance_urad_per_nm",),
+    case=(Place(), (9.0,)),
+    keys={"pair": PairKeys},
+    build=_build,
     coordinates=(
         Quantity(
             name="compliance_urad_per_nm",
@@ -52,7 +78,6 @@ PHYSICS = Physics(
     effect=_effect,
     write=_write,
     report=plain("compliance_urad_per_nm"),
-    reloads=True,
     says=lambda place, v: f"The shafts between the encoders twist by {v[0]:.2f} urad per N.m of driven torque.",
     equation="x falls by r_b2 c T on the drive flank and rises on the coast flank",
 )

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
-from gearpoly.files.models import GearSection, Inspection, PairFile
-from gearpoly.physics.base import Place, Scope, changed, gear_section, on_gear
-from gearpoly.physics.scene import Scene
+from gearpoly.keys.edit import changed, gear_section, on_gear
+from gearpoly.keys.sections import GearSection, Inspection, PairFile
+from gearpoly.physics.base import Scope
+from gearpoly.physics.place import Place
+from gearpoly.physics.shown import Scene
 from gearpoly.units import FloatArray
 
 DIGITS = 6

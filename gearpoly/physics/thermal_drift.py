@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import combinations
+from typing import Annotated
 
 import numpy as np
+from pydantic import Strict
 
-from gearpoly.files.models import Measurement, PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.keys.edit import changed, table
+from gearpoly.keys.kinds import ONE_FAULT, Section, Um, field
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import READ, Physics, Quantity, Scope
 from gearpoly.physics.bounds import recorded
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported
 from gearpoly.units import UM, FloatArray
 
 MANY = 4
@@ -18,6 +24,16 @@ MANY = 4
 
 TERMS = 3
 """Legendre polynomials over a recording: a ramp, a bow, an S. What is faster is no warming."""
+
+
+class MeasurementKeys(Section):
+    """What a measurement says of it."""
+
+    thermal_drift_um: tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], ...] = field(
+        "slow drift in um of each recording in the order given: factors of Legendre's polynomials 1, 2, ... over time",
+        (),
+        strict=False,
+    )
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -39,14 +55,14 @@ def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
 
 
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
-    held = list(file.measurement.thermal_drift_um) if file.measurement is not None else []
+    measured = table(file, "measurement")
+    held = list(measured.thermal_drift_um)
     held += [()] * (max(place.recordings) + 1 - len(held))
     for k in place.recordings:
         stated = np.array([*held[k], *(0.0,) * TERMS])[: max(TERMS, len(held[k]))]
         stated[:TERMS] += values
         held[k] = tuple(round(v, 6) for v in stated.tolist())
-    measurement = Measurement.model_construct(thermal_drift_um=tuple(held))
-    copy: PairFile = changed(file, measurement=measurement)
+    copy: PairFile = changed(file, measurement=changed(measured, thermal_drift_um=tuple(held)))
     return copy
 
 
@@ -75,6 +91,12 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="thermal_drift",
+    rank=READ + 4,
+    source="no law: the slowest curves over time, Legendre polynomials",
+    stands="measurement.thermal_drift_um",
+    parameters=("amplitude_um",),
+    case=(Place(recordings=(0,)), (2.0, -1.0, 0.4)),
+    keys={"measurement": MeasurementKeys},
     coordinates=tuple(
         Quantity(name=f"legendre_{k}_um", unit="um", most=recorded, why="no drift is larger than all that was recorded")
         for k in range(1, TERMS + 1)
@@ -84,7 +106,6 @@ PHYSICS = Physics(
     places=_places,
     effect=_effect,
     sensible=_sensible,
-    measures=True,
     slow=True,
     write=_write,
     report=_report,

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
-from gearpoly.files.models import PairFile, TipRelief
-from gearpoly.gear.deviations import Relief
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Reported,
-    Scope,
-    Values,
-    changed,
-    gear_section,
-    on_gear,
-    own_of,
-    plain,
-)
+from gearpoly.gear.deviations import Deviations, Relief, tip_relief
+from gearpoly.gear.gear import Gear
+from gearpoly.keys.edit import changed, gear_section, on_gear
+from gearpoly.keys.kinds import Length, Section, UmSize, field
+from gearpoly.keys.sections import GearSection, PairFile
+from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported, own_of, plain
 from gearpoly.units import UM, FloatArray
 
 POWERS = {None: 1, "linear": 1, "parabolic": 2}
@@ -38,6 +33,29 @@ LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 SHORTEST = 0.05
 """Modules. What is taken off less of a tip is a chamfer, a burr or a smaller tip circle: only where teeth take over
 would it show, as all that a simulation lacks about corners does."""
+
+
+class TipRelief(Section):
+    """Material taken off towards the tip on purpose."""
+
+    amount_um: UmSize = Field(description="relief at the tip in um, 0 or more")
+    length_mm: Length = Field(description="radial length down from the tip in mm, above 0")
+    shape: Literal["linear", "parabolic"] = field("how the relief grows towards the tip", "linear")
+    flank: Literal["both", "drive", "coast"] = field("which flanks are relieved", "both")
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    tip_relief: TipRelief | None = field("tip relief, a table")
+
+
+def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
+    relief: TipRelief | None = section.tip_relief
+    if relief is None:
+        return Deviations()
+    shape = (tip_relief(gear, amount=relief.amount_um * UM, length=relief.length_mm, shape=relief.shape),)
+    return Deviations(drive=shape if relief.flank != "coast" else (), coast=shape if relief.flank != "drive" else ())
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -62,7 +80,7 @@ def _whole_flank(scope: Scope, place: Place) -> float:
 def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     ideal = scene.gear(gear)
-    made = scene.assembled.deviations[gear]
+    made = scene.deviations[gear]
     mine, other = (made.coast, made.drive) if scene.samples.coast else (made.drive, made.coast)
     # What the drawing says of the flank stays; without a drawing both flanks are relieved.
     held = next((shape for shape in mine if isinstance(shape, Relief)), None)
@@ -108,6 +126,13 @@ def _sensible(scope: Scope, place: Place, values: Values) -> bool:
 
 PHYSICS = Physics(
     name="tip_relief",
+    rank=MADE + 1,
+    source="ISO 21771:2007, tip relief; linear or parabolic in roll length",
+    stands="[driving.tip_relief]",
+    parameters=("amount_um", "length_mm"),
+    case=(Place(gear=0, form="linear"), (8.0, 0.6)),
+    keys={"gear": GearKeys},
+    shapes=_shapes,
     coordinates=(
         Quantity(
             name="amount_um",

@@ -3,14 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
+from pydantic import Field
 
-from gearpoly.files.models import Crack, PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, gear_section, on_gear, tooth_of
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.kinds import Section, field
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.parts import Parts
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported, tooth_of
 from gearpoly.units import FloatArray
+
+
+class Crack(Section):
+    """A tooth that gives more than its neighbours when its drive flank is loaded."""
+
+    tooth: int = Field(ge=0, description="number of the tooth, from 0")
+    compliance_factor: float = Field(
+        ge=0.1, le=1000.0, description="compliance over that of the sound tooth, contact not counted"
+    )
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    crack: tuple[Crack, ...] = field("cracked teeth, tables", (), strict=False, fail_fast=True)
+
+
+def _build(file: PairFile, parts: Parts) -> Parts:
+    cracks = tuple(
+        (k, one.tooth, one.compliance_factor)
+        for k, section in enumerate((file.driving, file.driven))
+        for one in section.crack
+    )
+    return replace(parts, elasticity=replace(parts.elasticity, cracks=(*parts.elasticity.cracks, *cracks)))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -45,6 +76,13 @@ pitch point of 18/25 teeth): the same loss of stiffness is a larger crack of a s
 
 PHYSICS = Physics(
     name="tooth_crack",
+    rank=WORN + 4,
+    source="a factor on the compliance of one tooth, as the pair file has it; derived here",
+    stands="[[driving.crack]]: tooth, compliance_factor",
+    parameters=("compliance_factor",),
+    case=(Place(gear=0, tooth=3), (0.6,)),
+    keys={"gear": GearKeys},
+    build=_build,
     coordinates=(
         Quantity(
             name="more",

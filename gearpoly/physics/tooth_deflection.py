@@ -7,9 +7,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Reported, Scope, Values, changed
+from gearpoly.keys.edit import changed
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
 
@@ -34,6 +37,11 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="tooth_deflection",
+    rank=RUN,
+    source="docs/compliance.md: five laws, each with its source",
+    stands="model.tooth_deflection, model.compliance_scale, model.compliance, model.contact",
+    parameters=("compliance_um_per_n",),
+    case=(Place(), (1.2,)),
     coordinates=(
         Quantity(
             name="scale",
@@ -51,7 +59,6 @@ PHYSICS = Physics(
     law_doubt=0.05,
     write=_write,
     report=_report,
-    reloads=True,
     says=lambda place, v: "The teeth bend under load.",
     equation="x = (sum k_i e_i - F)/sum k_i over the touching pairs, k_i from the outline of each tooth",
 )

@@ -6,11 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, plain, tooth_of
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import plain, tooth_of
 from gearpoly.units import UM, FloatArray
 
 
@@ -33,6 +35,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="tooth_pitch",
+    rank=MADE + 5,
+    source="ISO 1328-1:2013, index deviation of one tooth",
+    stands="[driving.inspection]: pitch_um",
+    parameters=("deviation_um",),
+    case=(Place(gear=1, tooth=5, flank="drive"), (4.0,)),
     coordinates=(
         Quantity(
             name="deviation_um", unit="um", most=half_tooth, why="a tooth farther off stands in its neighbour's gap"

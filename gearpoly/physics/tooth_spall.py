@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from gearpoly.files.models import PairFile, Spall
-from gearpoly.gear.deviations import Pit
-from gearpoly.physics.base import (
-    Physics,
-    Place,
-    Quantity,
-    Reported,
-    Scope,
-    Values,
-    gear_section,
-    on_gear,
-    plain,
-    tooth_of,
-)
+from gearpoly.gear.deviations import Deviations, Pit
+from gearpoly.gear.gear import Gear
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.kinds import Length, Section, UmSize, broken, field
+from gearpoly.keys.sections import GearSection, PairFile
+from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always, half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import Reported, plain, tooth_of
 from gearpoly.units import UM, FloatArray
 
 PARTS = 8
@@ -45,6 +41,37 @@ that rise slowly looks like a shallow pit whose walls are steep where the bowl i
 BOWL = 12.0
 """Walls that the edges of such a bowl are apart at most: at twelve its bottom is flat to 1e-5, and it is a pit,
 however little of its depth teeth see."""
+
+
+class Spall(Section):
+    """A place on one tooth's drive flank where material has broken away."""
+
+    tooth: int = Field(ge=0, description="number of the tooth, from 0")
+    depth_um: UmSize = Field(description="depth in um, 0 or more")
+    from_mm: Length = Field(description="radius in mm where it begins")
+    to_mm: Length = Field(description="radius in mm where it ends, above from_mm")
+    wall_mm: Length = field("length in mm over which its walls rise, as tanh(r/wall)", 0.05)
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.to_mm <= self.from_mm:
+            broken("to_mm", f"{self.to_mm}, not above from_mm = {self.from_mm}", "want the larger radius in to_mm")
+        return self
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    spall: tuple[Spall, ...] = field("spalls, tables", (), strict=False, fail_fast=True)
+
+
+def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
+    spalls: tuple[Spall, ...] = section.spall
+    return Deviations(
+        drive=tuple(
+            Pit(one.depth_um * UM, one.tooth, gear.z, gear.r_b, one.from_mm, one.to_mm, one.wall_mm) for one in spalls
+        )
+    )
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -114,6 +141,13 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 
 PHYSICS = Physics(
     name="tooth_spall",
+    rank=WORN + 3,
+    source="a pit with a flat bottom and walls as tanh, derived here",
+    stands="[[driving.spall]]: tooth, depth_um, from_mm, to_mm, wall_mm",
+    parameters=("depth_um", "from_mm", "to_mm"),
+    case=(Place(gear=0, tooth=4), (6.0, 11.7, 12.5, 0.06)),
+    keys={"gear": GearKeys},
+    shapes=_shapes,
     coordinates=(
         Quantity(
             name="depth_um", unit="um", low=0.0, most=half_tooth, why="more than half a tooth is not there to break off"

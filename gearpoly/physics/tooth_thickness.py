@@ -7,11 +7,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.sections import PairFile
+from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import added
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
 
 
@@ -37,6 +40,11 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="tooth_thickness",
+    rank=MADE + 4,
+    source="ISO 1328-1 and ISO 21771: deviation along the reference circle",
+    stands="[driving.inspection]: tooth_thickness_um, pitch_coast_um",
+    parameters=("deviation_um",),
+    case=(Place(gear=1), (9.0,)),
     coordinates=(
         Quantity(
             name="deviation_um",

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
-from gearpoly.files.models import PairFile, Undulation
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, phased, wave
+from gearpoly.gear.deviations import Deviations, Wave
+from gearpoly.gear.gear import Gear
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.kinds import Section, UmSize, field
+from gearpoly.keys.sections import GearSection, PairFile
+from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
-from gearpoly.units import UM, FloatArray
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, phased, wave
+from gearpoly.units import DEG, UM, FloatArray
 
 LOWEST, HIGHEST = 1.2, 8.0
 """Waves per pitch. Slower waves are pitch or eccentricity; waves shorter than an eighth of one are hardly met."""
@@ -19,6 +27,42 @@ LOWEST, HIGHEST = 1.2, 8.0
 SHORTEST = 32.0
 """Waves per pitch beyond which a wave is roughness. Up to there a wave that was found may be one of the flanks, though
 nobody would look for it."""
+
+
+class Undulation(Section):
+    """A wave on the flanks that goes on from tooth to tooth, A cos(order phi + angle): a ghost order."""
+
+    order: int = Field(ge=1, le=100_000, description="waves per turn of the gear, a whole number from 1")
+    amplitude_um: UmSize = Field(description="amplitude in um, 0 or more")
+    angle_deg: float = field("phase in deg at the reference circle of tooth 0", 0.0, ge=-1e4, le=1e4)
+    flank: Literal["both", "drive", "coast"] = field("which flanks carry the wave", "drive")
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    undulation: tuple[Undulation, ...] = field("waves on the flanks, tables", (), strict=False, fail_fast=True)
+
+
+def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
+    waves: tuple[Undulation, ...] = section.undulation
+
+    def side(name: str, turn: float) -> tuple[Wave, ...]:
+        return tuple(
+            Wave(
+                a=wave.amplitude_um * UM,
+                order=wave.order,
+                phase=wave.angle_deg * DEG,
+                tau=gear.tau,
+                r_b=gear.r_b,
+                l_pitch=gear.l_pitch,
+                sense=turn * (1.0 if which == 0 else -1.0),
+            )
+            for wave in waves
+            if wave.flank in (name, "both")
+        )
+
+    return Deviations(drive=side("drive", 1.0), coast=side("coast", -1.0))
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -61,6 +105,13 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="undulation",
+    rank=WORN + 2,
+    source="a wave of the cutting machine that goes on from tooth to tooth, derived here",
+    stands="[[driving.undulation]]: order, amplitude_um, angle_deg, flank",
+    parameters=("amplitude_um", "order"),
+    case=(Place(gear=0, order=29, flank="drive"), (0.7, 0.5)),
+    keys={"gear": GearKeys},
+    shapes=_shapes,
     coordinates=tuple(
         Quantity(name=name, unit="um", most=half_tooth, why="more than half a tooth is not there to be taken off")
         for name in ("cos_um", "sin_um")

@@ -6,11 +6,30 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.files.models import PairFile
-from gearpoly.physics.base import Physics, Place, Quantity, Scope, Values, gear_section, on_gear, own_of, plain
+from gearpoly.gear.deviations import Deviations, Wear
+from gearpoly.gear.gear import Gear
+from gearpoly.keys.edit import gear_section, on_gear
+from gearpoly.keys.kinds import Section, UmSize, field
+from gearpoly.keys.sections import GearSection, PairFile
+from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
-from gearpoly.physics.scene import Scene
+from gearpoly.physics.place import Place, Values
+from gearpoly.physics.shown import Scene
+from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
+
+
+class GearKeys(Section):
+    """What a gear says of it."""
+
+    wear_um: UmSize = field("wear in um at the tip, none at the reference circle, 0 or more", 0.0)
+
+
+def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
+    if not section.wear_um:
+        return Deviations()
+    worn = (Wear(section.wear_um * UM, gear.l_pitch),)
+    return Deviations(drive=worn, coast=worn)
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -30,6 +49,13 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 PHYSICS = Physics(
     name="wear",
+    rank=WORN + 1,
+    source="sliding in proportion to the distance from the pitch point (Archard 1953), normalised at the tip",
+    stands="driving.wear_um",
+    parameters=("depth_um",),
+    case=(Place(gear=0), (10.0,)),
+    keys={"gear": GearKeys},
+    shapes=_shapes,
     coordinates=(
         Quantity(
             name="depth_um",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.files.models import PairFile
-from gearpoly.physics.base import changed, on_gear
+from gearpoly.keys.edit import changed, on_gear
 
 WITHIN = 35.0
 """Processor seconds after which no more is looked for, as ``--within`` has it: weighing and telling what was found take

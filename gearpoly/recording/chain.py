@@ -5,45 +5,14 @@ Errors are reading minus truth in rad of the shaft; they belong to the measuring
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from gearpoly.files.models import Encoder
+from gearpoly.physics.parts import EncoderErrors
 from gearpoly.recording.recording import Recording
-from gearpoly.units import DEG, URAD, FloatArray
-
-
-@dataclass(frozen=True, kw_only=True)
-class EncoderErrors:
-    """Errors of one encoder: ``waves`` of (order per turn, amplitude in rad, phase in rad), error = amplitude
-    cos(order reading + phase); ``scale`` is reading over truth."""
-
-    waves: tuple[tuple[int, float, float], ...] = ()
-    scale: float = 1.0
-
-    @property
-    def none(self) -> bool:
-        """Whether the encoder reads true."""
-        return not self.waves and self.scale == 1.0
-
-    def at(self, reading: FloatArray) -> FloatArray:
-        """Error (n,) in rad at encoder ``reading`` (n,) in rad, the scale apart."""
-        out = np.zeros(reading.shape)
-        for order, amplitude, phase in self.waves:
-            out += amplitude * np.cos(order * reading + phase)
-        return out
-
-
-def encoder_errors(section: Encoder | None) -> EncoderErrors:
-    """The errors that a pair file states of one encoder."""
-    if section is None:
-        return EncoderErrors()
-    waves = [(one.order, one.amplitude_urad * URAD, one.angle_deg * DEG) for one in section.interpolation]
-    if section.eccentricity_urad:
-        waves.insert(0, (1, section.eccentricity_urad * URAD, -section.eccentricity_deg * DEG))
-    return EncoderErrors(waves=tuple(waves), scale=section.scale)
+from gearpoly.units import FloatArray
 
 
 def corrected(

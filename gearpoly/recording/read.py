@@ -9,8 +9,8 @@ from pathlib import Path
 
 from gearpoly import recording as package
 from gearpoly.errors import InputFileError
-from gearpoly.files.models import WormSection
 from gearpoly.files.traces import check_file, unreadable
+from gearpoly.keys.sections import WormSection
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording

@@ -18,9 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
-from gearpoly.files.models import WormSection
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
+from gearpoly.keys.sections import WormSection
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.models import WormSection
+from gearpoly.keys.sections import WormSection
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
 
 SIDEREAL_DAY_S = 86164.0905

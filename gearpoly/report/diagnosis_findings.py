@@ -8,7 +8,7 @@ from html import escape
 
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
-from gearpoly.physics.base import Reported
+from gearpoly.physics.words import Reported
 from gearpoly.report.diagnosis_report import STATUS, chance_words, how_sure
 from gearpoly.report.diagnosis_words import MINUS, capital, number, parameter, physics_words, typeset
 from gearpoly.units import UM

@@ -15,7 +15,7 @@ from gearpoly.compare.entries import says
 from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
-from gearpoly.physics.base import Reported
+from gearpoly.physics.words import Reported
 from gearpoly.report.compare_report import alignment_json
 from gearpoly.units import UM
 

@@ -6,22 +6,21 @@ of the time where nothing but a draw sets it apart, which is what most of a stud
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import NAMES, Assembled, assemble, stated_limits
+from gearpoly.assemble import NAMES, Assembled, assemble, brought_parts, brought_shapes, stated_limits
 from gearpoly.errors import GeometryError, NotConvergedError, blamed
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.gear.deviations import Deviations, Form, Index, Relief, Shape, Slope, tip_relief
+from gearpoly.gear.deviations import Form, Index, Relief, Shape, Slope
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import SPACING, Flanks, draw_flanks, root_angles
 from gearpoly.gear.tolerances import Limits
 from gearpoly.mesh.pair import mount
-from gearpoly.units import UM, FloatArray, read_only
+from gearpoly.units import FloatArray, read_only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,15 +53,11 @@ class Maker:
             name = NAMES[k]
             with blamed(self.path, name):
                 flanks.append(blank.flanks if blank.limits is None else _drawn(blank, blank.limits, seed, k, name))
-        sections = self.file.driving, self.file.driven
-        eccentricities = [
-            (s.eccentricity.amplitude_um * UM, math.radians(s.eccentricity.angle_deg)) if s.eccentricity else (0.0, 0.0)
-            for s in sections
-        ]
+        off = brought_parts(self.file).eccentricity
         with blamed(self.path, "pair"):
             pair = mount(
                 flanks[0], flanks[1], a=self.file.pair.centre_distance_mm,
-                eccentricity_1=eccentricities[0], eccentricity_2=eccentricities[1],
+                eccentricity_1=off[0], eccentricity_2=off[1],
             )  # fmt: skip
         return replace(self.bare, pair=pair)
 
@@ -97,7 +92,7 @@ def _drawn(blank: _Blank, limits: Limits, seed: int, k: int, which: Literal["dri
         thickness_errors=section.thickness_errors,
         roll_lengths=np.linspace(span.l_start, gear.l_a, blank.points),
     ).deviations
-    shapes = shapes + _relief(section, flanks)
+    shapes = shapes + brought_shapes(section, gear, k)
     sides = [_side(side) for side in (shapes.drive, shapes.coast)]
     if sides[0] is None or sides[1] is None:
         return draw_flanks(gear, shapes, l_start=span.l_start, points=blank.points)
@@ -110,16 +105,6 @@ def _drawn(blank: _Blank, limits: Limits, seed: int, k: int, which: Literal["dri
             "the deviations leave nothing of a tooth: both flanks cross; check their size and unit (um)"
         )
     return replace(flanks, psi_drive=read_only(psi[0]), psi_coast=read_only(psi[1]))
-
-
-def _relief(section: GearSection, flanks: Flanks) -> Deviations:
-    relief = section.tip_relief
-    if relief is None:
-        return Deviations()
-    shape: tuple[Shape, ...] = (
-        tip_relief(flanks.gear, amount=relief.amount_um * UM, length=relief.length_mm, shape=relief.shape),
-    )
-    return Deviations(drive=shape if relief.flank != "coast" else (), coast=shape if relief.flank != "drive" else ())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, NoReturn, Self
 from pydantic import Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from gearpoly.files.kinds import ONE_FAULT, Name
 from gearpoly.files.models import Section
+from gearpoly.keys.kinds import ONE_FAULT, Name
 
 Value = bool | int | float | str
 Row = Annotated[tuple[Value, ...], Strict(False), ONE_FAULT]

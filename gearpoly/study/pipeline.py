@@ -18,14 +18,13 @@ import numpy as np
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.errors import GearpolyError, InputFileError, JammedError, NoContactError
 from gearpoly.files.models import PairFile
+from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.contact import Closings
-from gearpoly.mesh.deflection import pair_compliance
-from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
+from gearpoly.mesh.meshing import Met
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast
 from gearpoly.mesh.transmission import (
     JAM,
-    NEAR,
     FlankContacts,
     certify_some,
     expected_closing,
@@ -137,32 +136,22 @@ def make_row(plan: Plan, index: int) -> Made:
 
 def run_pair(assembled: Assembled, file: PairFile, plan: Plan, *, certify: bool) -> Curves:
     """The curves of one pair that the outputs of ``plan`` need. Raises ``JammedError`` and what contacts raise."""
-    pair, flank = assembled.pair, plan.file.flank
+    flank = plan.file.flank
+    mesh = assembled.under(Condition(flank=flank, torque=file.torque_nm * NM))
+    pair = mesh.pair
     needs = needs_of(plan.file.outputs)
     theta_2 = cycle_positions(pair, turns=plan.file.turns, points_per_mesh=plan.file.positions_per_mesh)
-    torque = file.torque_nm * NM
-    bends = assembled.elasticity if torque > 0.0 else None
-    load, ratio = None, None
-    if bends is not None:
-        compliance = pair_compliance(pair, bends, flank=flank)
-        near = NEAR + load_reach(compliance, torque)
+    near, load, ratio = mesh.near, None, None
 
-        def carried(theta: FloatArray, *, certify: bool = False) -> LoadedContacts:
-            found = _contacts(pair, theta, flank=flank, near=near, certify=certify)
-            return loaded(found, compliance, torque=torque, sharing=assembled.sharing)
+    def met(theta: FloatArray, *, certify: bool = False) -> Met:
+        return mesh.met(_contacts(pair, theta, flank=flank, near=near, certify=certify))
 
-        load = carried(theta_2, certify=certify)
-        unloaded, te = load.contacts.te, load.te
+    if mesh.compliance is not None or "count" in needs:
+        found = met(theta_2, certify=certify)
+        load, unloaded, te = found.load, found.contacts.te, found.te
         if "count" in needs:
-            ratio = mean_count(pair, theta_2, load.pairs, lambda at: carried(at).pairs, resolution=LOADED_CHANGE)
-    elif "count" in needs:
-
-        def touching(theta: FloatArray, *, certify: bool = False) -> FlankContacts:
-            return _contacts(pair, theta, flank=flank, near=NEAR, certify=certify)
-
-        found = touching(theta_2, certify=certify)
-        unloaded = te = found.te
-        ratio = mean_count(pair, theta_2, found.pairs, lambda at: touching(at).pairs, resolution=CHANGE)
+            fine = CHANGE if load is None else LOADED_CHANGE
+            ratio = mean_count(pair, theta_2, found.pairs, lambda at: met(at).pairs, resolution=fine)
     else:
         unloaded = te = first_touch(pair, theta_2, flank=flank, certify=certify)
     j_bn = None

@@ -10,7 +10,8 @@ import numpy as np
 from gearpoly.assemble import Assembled
 from gearpoly.compare.beside import Comparison
 from gearpoly.errors import OutOfRangeError, blamed
-from gearpoly.mesh.pair import Flank, GearPair
+from gearpoly.mesh.condition import Condition
+from gearpoly.mesh.pair import GearPair
 from gearpoly.mesh.transmission import Progress
 from gearpoly.positions import POINTS_PER_MESH, cycle_positions
 from gearpoly.simulate import Simulation, simulate, strength_remarks
@@ -66,18 +67,17 @@ def scene_of(
     *,
     name: str,
     path: Path | str,
-    torque: float,
+    condition: Condition,
     at_deg: float = 0.0,
-    flank: Flank = "drive",
     seed: int = 0,
     progress: Progress,
 ) -> Scene:
-    """``assembled`` (of the file at ``path``, with ``seed``) over its hunting cycle under ``torque`` in N.mm.
+    """``assembled`` (of the file at ``path``, with ``seed``) over its hunting cycle under ``condition``.
 
     Raises what ``simulate`` does, and ``OutOfRangeError`` for an angle ``at_deg`` that is none.
     """
     theta_2 = opening_angle(assembled.pair, at_deg)
-    simulation = _simulated(assembled, path=path, torque=torque, flank=flank, seed=seed, progress=progress)
+    simulation = _simulated(assembled, condition, path=path, seed=seed, progress=progress)
     return Scene(
         name=name,
         simulation=simulation,
@@ -97,9 +97,8 @@ def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.
     one = comparison.aligned[0]
     pair = comparison.assembled.pair
     theta_2 = opening_angle(pair, at_deg)
-    simulation = _simulated(
-        comparison.assembled, path=path, torque=one.torque, flank=one.flank, seed=0, progress=progress
-    )
+    condition = Condition(flank=one.flank, torque=one.torque)
+    simulation = _simulated(comparison.assembled, condition, path=path, seed=0, progress=progress)
     return Scene(
         name=comparison.name,
         simulation=simulation,
@@ -111,10 +110,8 @@ def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.
 
 
 def _simulated(
-    assembled: Assembled, *, path: Path | str, torque: float, flank: Flank, seed: int, progress: Progress
+    assembled: Assembled, condition: Condition, *, path: Path | str, seed: int, progress: Progress
 ) -> Simulation:
     theta_2 = cycle_positions(assembled.pair, points_per_mesh=points_per_mesh(assembled.pair))
     with blamed(path, "driving, driven, pair"):
-        return simulate(
-            assembled, theta_2, torque=torque, flank=flank, seed=seed, evenly=False, fast=True, progress=progress
-        )
+        return simulate(assembled, theta_2, condition, seed=seed, evenly=False, fast=True, progress=progress)

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-from gearpoly.files.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, UmSize, broken, field, number_or_list
+from gearpoly.keys.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, UmSize, broken, field, number_or_list
 
 Size = Annotated[float, Field(gt=0.0, le=1e5)]
 

@@ -9,21 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from gearpoly.assemble import Assembled
-from gearpoly.gear.deviations import Index, Span
+from gearpoly.gear.deviations import Deviations, Index, Span
 from gearpoly.gear.gear import Gear
-from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
-from gearpoly.mesh.loaded import LoadedContacts, levers, load_reach, loaded
-from gearpoly.mesh.pair import Flank, GearPair, active_start
+from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance
+from gearpoly.mesh.loaded import LoadedContacts, levers
+from gearpoly.mesh.meshing import Meshing, Met, kept_compliance
+from gearpoly.mesh.pair import GearPair, active_start
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.swings import swings_at
+from gearpoly.mesh.transmission import NEAR, FlankContacts
 from gearpoly.physics.samples import Samples
-from gearpoly.simulate import cycle_te, further_te, swings_at, varied_te
+from gearpoly.physics.shown import DeviationOf
 from gearpoly.units import UM, FloatArray, IntArray
 
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
@@ -32,9 +34,6 @@ second search."""
 
 Held = tuple[IntArray, FloatArray, FloatArray]
 """Samples, roll lengths in mm and weights of one tooth's contacts, (k,) each."""
-
-DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
-"""Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,10 +61,20 @@ class Scene:
     force: FloatArray
     soft: FloatArray
 
+    @cached_property
+    def mesh(self) -> Meshing:
+        """The pair as it meshes under the condition of the recording."""
+        return self.assembled.under(self.samples.condition)
+
     @property
     def pair(self) -> GearPair:
         """The simulated pair."""
-        return self.assembled.pair
+        return self.mesh.pair
+
+    @property
+    def deviations(self) -> tuple[Deviations, Deviations]:
+        """What both gears deviate by."""
+        return self.assembled.deviations
 
     @property
     def bends(self) -> bool:
@@ -158,10 +167,8 @@ class Scene:
     @cached_property
     def compliance(self) -> PairCompliance:
         """The compliance of the pair on this flank, also where the file says that nothing bends."""
-        return _compliance(self.pair, self._run(self.assembled.elasticity or Elasticity()), self.samples.flank)
-
-    def _run(self, elasticity: Elasticity) -> Elasticity:
-        return elasticity.running(backward=self.samples.backward)
+        elasticity = self.assembled.elasticity or Elasticity()
+        return kept_compliance(self.pair, elasticity.running(backward=self.samples.backward), self.samples.flank)
 
     def tooth_compliance(self, gear: int) -> FloatArray:
         """Compliance (P, n) in mm/N of the teeth of one gear at their contacts, were they sound: a crack is a factor of
@@ -172,14 +179,14 @@ class Scene:
     def _tooth_compliance(self) -> tuple[FloatArray, FloatArray]:
         out = []
         elasticity = replace(self.assembled.elasticity or Elasticity(), cracks=())
-        sound = _compliance(self.pair, elasticity, self.samples.flank)
+        sound = kept_compliance(self.pair, elasticity, self.samples.flank)
         for gear, l, r_b in ((0, self.l_1, self.pair.r_b1), (1, self.l_2, self.pair.r_b2)):
             table = sound.driving if gear == 0 else sound.driven
             tooth = self.teeth(gear)
             out.append(table.at(tooth.ravel(), np.hypot(l, r_b).ravel()).reshape(tooth.shape))
         return out[0], out[1]
 
-    def under(self, elasticity: Elasticity | None) -> FloatArray:
+    def bending(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the same gears with other ``elasticity`` (None: rigid), shafts included."""
         return self.te + self.samples.loaded * self.swung(self._loaded_te(elasticity) - self.mesh_te)
 
@@ -187,7 +194,8 @@ class Scene:
         """Transmission error (n,) in mm of these gears with what load, shafts and resonance do in another set-up."""
         s, shafts, r_b2 = self.samples, assembled.shafts, self.pair.r_b2
         te = self._loaded_te(assembled.elasticity)
-        te = te + _varied(s, te - self.rows.te * r_b2) + s.loaded * shafts.twist(torque=s.torque, coast=s.coast) * r_b2
+        twist = assembled.under(s.condition).twist
+        te = te + _varied(s, te - self.rows.te * r_b2) + s.loaded * twist * r_b2
         if shafts.frequency is not None and s.speed is not None:
             te = self.mesh_te + self.swings(shafts) * r_b2 + self._magnified(shafts, te - self.mesh_te)
         return te
@@ -226,29 +234,20 @@ class Scene:
     @cached_property
     def cycle_te(self) -> FloatArray:
         """Transmission error in rad of the mesh alone at even places of a hunting cycle."""
-        s = self.samples
-        return cycle_te(self.assembled, torque=s.torque, flank=s.flank, backward=s.backward)
+        return self.mesh.cycle_te
 
     def _loaded_te(self, elasticity: Elasticity | None) -> FloatArray:
         """Transmission error (n,) in mm of the mesh alone."""
-        if elasticity is None or self.samples.torque == 0.0:
-            return self.rows.te * self.pair.r_b2
-        rows, torque = self.rows, self.samples.torque
-        by = _compliance(self.pair, self._run(elasticity), self.samples.flank)
-        if NEAR + load_reach(by, torque) > rows.near:
-            rows = _rows(self.pair, self.samples, near=NEAR + load_reach(by, torque))
-        return loaded(rows, by, torque=torque, sharing=self.assembled.sharing).te * self.pair.r_b2
+        mesh = self.mesh.with_elasticity(elasticity)
+        # Unloaded contacts are found to any distance.
+        enough = mesh.compliance is None or mesh.near <= self.rows.near
+        met = mesh.met(self.rows) if enough else _met(mesh, self.samples, near=mesh.near)
+        return met.te * self.pair.r_b2
 
 
-@lru_cache(maxsize=64)
-def _compliance(pair: GearPair, elasticity: Elasticity, flank: Flank) -> PairCompliance:
-    """Recordings of a set share their gears, and so their compliance."""
-    return pair_compliance(pair, elasticity, flank=flank)
-
-
-def _rows(pair: GearPair, samples: Samples, *, near: float) -> FlankContacts:
+def _met(mesh: Meshing, samples: Samples, *, near: float) -> Met:
     # Within one hunting cycle: whole cycles change nothing, and small angles keep their digits.
-    return contacts(pair, np.mod(samples.theta_2, pair.cycle), flank=samples.flank, near=near, fast=True)
+    return mesh.at(np.mod(samples.theta_2, mesh.pair.cycle), near=near, fast=True)
 
 
 def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:
@@ -263,13 +262,11 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the certified kernel disagrees,
     ``OutOfRangeError`` for a load beyond small deflections.
     """
-    pair, torque = assembled.pair, samples.torque
-    bends = assembled.elasticity if torque > 0.0 else None
-    by = _compliance(pair, bends.running(backward=samples.backward), samples.flank) if bends is not None else None
-    heaviest = torque if samples.load is None else torque * (1.0 + float(np.max(np.abs(samples.load))))
-    rows = _rows(pair, samples, near=NEAR if by is None else BEYOND + SOFTER * load_reach(by, heaviest))
-    load = None if by is None else loaded(rows, by, torque=torque, sharing=assembled.sharing)
-    weight, force = _weights(rows, load, by)
+    mesh = assembled.under(samples.condition)
+    pair = mesh.pair
+    met = _met(mesh, samples, near=NEAR if mesh.compliance is None else BEYOND + SOFTER * mesh.reach)
+    rows, load = met.contacts, met.load
+    weight, force = _weights(rows, load, mesh.compliance)
     held = weight > 0.0
     position = rows.position[held]
     start = np.searchsorted(position, np.arange(samples.size))
@@ -288,28 +285,17 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
 
     r_1 = np.hypot(rows.point[:, 0], rows.point[:, 1])
     r_2 = np.hypot(rows.point[:, 0] - pair.a, rows.point[:, 1])
-    mesh_te = rows.te if load is None else load.te
-    further = further_te(
-        assembled,
-        samples.theta_2,
-        mesh_te,
-        torque=torque,
-        flank=samples.flank,
-        speed=samples.speed,
-        time=samples.time,
-        backward=samples.backward,
-    )
+    further = mesh.further_te(samples.theta_2, met.te, time=samples.time) + mesh.varied_te(met, samples.load)
     soft = np.zeros(samples.size)
     if load is not None:
         # Stiffness is stated for rotations of both shafts: moments over rotation, over both base radii.
         soft = 1.0 / load.stiffness
-    further = further + varied_te(assembled, rows, by, load, samples.load, torque=torque)
     return Scene(
         samples=samples,
         assembled=assembled,
         rows=rows,
-        te=(mesh_te + further) * pair.r_b2,
-        mesh_te=mesh_te * pair.r_b2,
+        te=(met.te + further) * pair.r_b2,
+        mesh_te=met.te * pair.r_b2,
         tooth_1=numbered(rows.driving),
         tooth_2=numbered(rows.driven),
         l_1=laid(np.sqrt(np.maximum(r_1**2 - pair.r_b1**2, 0.0))),
