@@ -18,6 +18,8 @@ from proving.life.ground import CLASSES, SHORT, make
 
 SEED = 20261125
 """Seed of the cases that are shown; no ground that judges has it."""
+SEEN = 7.0
+"""Size over the limit from which on a line is marked: so large it is to be located."""
 SHOWN = {
     "wander": 0, "coarse": 5, "train": 1, "even": 0, "large": 3, "wrong_file": 3, "outside": 3, "controls": 0,
 }  # fmt: skip
@@ -78,8 +80,8 @@ def draw(klass: str, variant: int, target: Path) -> None:
     for axes in (whole, near):
         axes.set_ylabel("TE, um")
     orders.set_ylabel("amplitude, um")
-    for place in (*case.truth["must_locate"],):
-        if place["kind"] == "shaft_order":
+    for place in (*case.truth["truth"], *case.truth["background"]):
+        if place["over_limit"] >= SEEN and place.get("order") is not None:
             pair = tomllib.loads(case.pair_text)
             ratio = pair["driven"]["teeth"] / pair["driving"]["teeth"] if place["gear"] == 1 else 1.0
             for order in (place["order"], *place.get("aliases", ())):
