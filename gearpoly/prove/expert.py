@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from gearpoly.prove.match import acceptable, at_place, names, on_tooth, reported_set
-from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import WRONG_FILE, Item, Truth
 from gearpoly.prove.wanted import to_be_located, to_be_named
@@ -57,24 +55,3 @@ def _right(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
 def _may(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
     within = any(names(one, item) and on_tooth(one, item, limits, claim=claim) for one in reported_set(claim))
     return within or acceptable(claim, item, limits)
-
-
-def by_class(experts: Sequence[tuple[str, Expert]]) -> dict[str, Any]:
-    """Figures of every class, and of all together."""
-    groups: dict[str, list[Expert]] = {}
-    for klass, one in experts:
-        groups.setdefault(klass, []).append(one)
-    groups = dict(sorted(groups.items()))
-    return {name: _figures(some) for name, some in (*groups.items(), ("all", [one for _, one in experts]))}
-
-
-def _figures(some: Sequence[Expert]) -> dict[str, Any]:
-    return {
-        "cases": len(some),
-        "false_names": share([one.false_names > 0 for one in some]).to_json(),
-        "named": share([hit for one in some for hit in one.named]).to_json(),
-        "located": share([hit for one in some for hit in one.located]).to_json(),
-        "silent": share([one.silent for one in some if one.named or one.located]).to_json(),
-        "said": share([one.said for one in some if one.said is not None]).to_json(),
-        **{key: sum(one.failure == key for one in some) for key in FAILURES},
-    }
