@@ -69,8 +69,9 @@ def _tone(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
     return _harmonics(2 * pi * hz * one.time)
 
 
-def _tooth(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
-    """Splines over the roll length at which that tooth touches, or would if it carried."""
+def _tooth(rig: Rig, one: Sight, effect: Effect, *, flank: bool = False) -> FloatArray:
+    """Splines over the roll length at which that tooth touches, or would if it carried; ``flank``: by the part of it
+    that reaches the motion, as a deviation of its flank does."""
     theta_2, gear = one.path.angle(one.time), effect.gear
     got = mesh(rig, theta_2, torque=one.condition.torque, flank=one.condition.flank, span=one.path.angles)
     tooth, roll = (got.tooth_1, got.roll_1) if gear == 1 else (got.tooth_2, got.roll_2)
@@ -80,7 +81,13 @@ def _tooth(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
     out = np.zeros((one.time.size, KNOTS + 2))
     rows, slots = np.nonzero((tooth == effect.more["tooth"]) & (roll > 0.0) & (u >= 0.0) & (u <= 1.0))
     out[rows] = BSpline.design_matrix(u[rows, slots], knots, 3).toarray()
+    if flank:
+        out[rows] *= got.weights[rows, slots, None]
     return out
+
+
+def _flank(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
+    return _tooth(rig, one, effect, flank=True)
 
 
 def _mesh(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
@@ -110,6 +117,7 @@ PLACES = {
     # What else turns with a shaft turns so under any load; what sits on its flanks is of one flank, and may bend.
     "wave": Place(columns=_wave, forms=("all", "flank", "load")),
     "tooth": Place(columns=_tooth, forms=("flank", "condition")),
+    "tooth_flank": Place(columns=_flank, forms=("flank", "condition")),
     "mesh": Place(columns=_mesh, forms=("flank", "condition")),
     "course": Place(columns=_course, forms=("all", "condition")),
     # An offset common to all recordings is the mean, and a phase in time means nothing from one to another.

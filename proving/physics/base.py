@@ -105,7 +105,7 @@ class Physics:
     for any). plain: it needs both angles, and times. tells: what else of ``Effect.more`` a truth states; told: the
     truth in full where that is not enough. place: what it is seen as by who knows no cause: a
     "wave" of a shaft, a curve of one "tooth" or of every "mesh", a slow "course", a "step" from condition to condition;
-    nearby: where else it may be seen, a "tone" in time among them. as_built: what teeth
+    nearby: as what else, a "tone" in time or a "tooth_flank" (a curve by the part that the tooth carries). as_built: what teeth
     within their grade have as well ("index", "slope" or "form").
 
     rivals: what is worth comparing it with; a dash means the other gear. one_sign: a negative size is nonsense.
