@@ -76,7 +76,7 @@ def _found(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
             limits.goal["named_first"],
         ),
         at_least(
-            "named_first_shape", "the same, of what no unknown can make whatever its freedoms cost",
+            "named_first_shape", "the same, and by what no unknown can make whatever its freedoms cost",
             [(one.name, one.items[0].first) for one in single if one.items[0].item.seen_by_shape(limits)], None,
         ),
         at_least(

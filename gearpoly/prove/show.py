@@ -79,10 +79,12 @@ def print_chances(console: Console, stated: dict[str, Any]) -> None:
     """Print how often stated chances were right, and their log score; nothing where none was stated."""
     if not stated["entries"]:
         return
-    table = _table("chances stated, and how often they were right", ("chance", "of a name", "that something is there"))
-    for name, place in zip(stated[NAME], stated[PLACE], strict=True):
-        low, high = name["chance"]
-        cells = [f"{one['stated']:.2f}: {percent(one['right'])}" if one["right"]["of"] else "" for one in (name, place)]
+    kinds = {NAME: "of a name", PLACE: "that something is there"}
+    here = [kind for kind in kinds if kind in stated]
+    table = _table("chances stated, and how often they were right", ("chance", *(kinds[kind] for kind in here)))
+    for found in zip(*(stated[kind] for kind in here), strict=True):
+        low, high = found[0]["chance"]
+        cells = [f"{one['stated']:.2f}: {percent(one['right'])}" if one["right"]["of"] else "" for one in found]
         table.add_row(f"{low:g} to {high:g}", *cells)
     console.print(table)
     score, std = stated["log_score"], number(stated["log_score_std"])
@@ -113,6 +115,14 @@ def print_real(console: Console, scores: tuple[RealScore, ...]) -> None:
         f"unseen rms rises in {found['unseen_rises']}",
         highlight=False,
     )
+    unseen, spent = found["unseen_ratio"], found["seconds"]
+    console.print(
+        f"unseen rms, after over before: median {number(unseen['median'])}, 95th percentile {number(unseen['q95'])}; "
+        f"processor seconds: median {number(spent['median'])}, 95th percentile {number(spent['q95'])}, all "
+        f"{number(spent['all'])}",
+        highlight=False,
+    )
+    print_chances(console, found["reliability"])
 
 
 def _print_controls(console: Console, controls: dict[str, Any]) -> None:

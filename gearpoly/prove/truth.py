@@ -117,10 +117,10 @@ class Item:
         return self.separable(limits) and self.unknown.separability * self.over_limit > limits.separable
 
     def seen_by_shape(self, limits: Thresholds) -> bool | None:
-        """The same, asked of nothing but what no unknown can make whatever its freedoms cost."""
+        """The same, and by what no unknown can make whatever its freedoms cost."""
         if self.unknown is None:
             return None
-        return self.separable(limits) and self.unknown.left * self.over_limit > limits.separable
+        return bool(self.earned(limits)) and self.unknown.left * self.over_limit > limits.separable
 
     def alike(self, limits: Thresholds) -> bool:
         """Whether a rival stands so near that naming this alone would be more than the recordings say."""
