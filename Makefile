@@ -65,11 +65,12 @@ $(VENV)/.test: pyproject.toml
 	touch $@
 
 # The published seed comes from the commit that is put to the proof, so nobody chose it.
+# BESIDE: scoreboards of further finished runs, laid beside it on the page.
 SEED ?= $(shell printf '%d' 0x$$(git log -1 --format=%H | cut -c1-7))
 proof: $(VENV)/.core
 	mkdir -p out
 	$(BIN)/gearpoly prove --seed $(SEED) --json out/proof.json
-	$(BIN)/python -m gearpoly.prove.page out/proof.json docs/proof.md
+	$(BIN)/python -m gearpoly.prove.page out/proof.json $(BESIDE) docs/proof.md
 
 clean:
 	rm -rf $(VENV) out .pytest_cache .mypy_cache .ruff_cache .hypothesis

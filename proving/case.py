@@ -22,6 +22,7 @@ from proving.reliefs import cancelling, mean_tooth, over_a_pitch
 from proving.rig import Rig
 from proving.rivals import rivals, whitened
 from proving.sizes import sized, smaller
+from proving.unknown import unknown
 
 UNKNOWN = 10.0
 """Standard deviation in deg of a zero that nobody stated: as far as the next tooth."""
@@ -196,6 +197,8 @@ def _items(
         item["over_limit"] = round(about.size_of(s), 3)
         item["rms_um"] = round(about.rms_um(apply(before, effect)), 5)
         item["rivals"] = [one.told() for one in rivals(before, about, effect)]
+        if "physics" in item:
+            item["unknown"] = unknown(before, about, effect)
         items.append(item)
     return items
 

@@ -22,7 +22,7 @@ from proving.chain import Chain, Condition, Motion, te
 from proving.contact import SLOTS
 from proving.disturbance import Disturbance
 from proving.gears import DEG, UM, FloatArray
-from proving.rig import Encoder, Rig, mesh
+from proving.rig import BenchError, Encoder, Rig, mesh
 
 POINTS = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
@@ -156,6 +156,17 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     return out
 
 
+def _root(gram: FloatArray) -> FloatArray:
+    """Cholesky factor of a scaled Gram matrix. Even samples can make two columns one (a wave at half their rate), and
+    rounding then leaves it short of positive: so much is added as that takes."""
+    for ridge in (0.0, 1e-8, 1e-6, 1e-4):
+        try:
+            return np.asarray(np.linalg.cholesky(gram + ridge * np.eye(gram.shape[0])))
+        except np.linalg.LinAlgError:
+            continue
+    raise BenchError("columns of a rival that no ridge makes independent")
+
+
 class Limit:
     """The limit of one set of recordings: build it once, then ask it for each effect.
 
@@ -266,10 +277,11 @@ class Limit:
         """How much of each column (n, k), between low and high (k,), comes closest to a signal, nuisances taken out of
         both."""
         gram = columns.T @ np.stack([self.perp(column) for column in columns.T], axis=1)
+        gram += (1e-9 * np.diag(np.diag(gram))) + 1e-30 * np.eye(low.size)
         # Of columns that nuisances take whole only rounding is left, of either sign.
-        whole = np.einsum("nk,nk->k", columns, columns)
-        gram = 0.5 * (gram + gram.T) + np.diag(1e-9 * np.diag(gram) + 1e-11 * whole + 1e-30)
+        rounding = 1e-11 * np.einsum("nk,nk->k", columns, columns) + 1e-30
+        np.fill_diagonal(gram, np.maximum(np.diag(gram), rounding))
         scale = 1 / np.sqrt(np.diag(gram))
-        root = np.linalg.cholesky(gram * np.outer(scale, scale))
+        root = _root(gram * np.outer(scale, scale))
         wanted = solve_triangular(root, scale * (columns.T @ self.perp(s)), lower=True)
         return np.asarray(scale * lsq_linear(root.T, wanted, bounds=(low / scale, high / scale), method="bvls").x)

@@ -24,6 +24,7 @@ PARSED = {
     "gearpoly study data/studies/grades.toml": "1500 pairs; tests of studies run small ones",
     "gearpoly study-report": "reads what the study above has made",
     "python -m benchmarks": "minutes of measuring",
+    "python -m gearpoly.prove.page": "wants scoreboards of finished runs; tests of the page make some",
     "python -m gearpoly.studies.paper": "ten minutes; its questions have tests of their own",
     "python -m tests.oracles.fem_tooth": "minutes of finite elements; the oracle is run by tests of its own",
     "python -m proving.samples": "tests of the samples make them again",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ from gearpoly.cli import app
 from gearpoly.errors import GearpolyError
 from gearpoly.prove.board import board_json
 from gearpoly.prove.diagnoser import How
-from gearpoly.prove.expert import Expert, by_class, expert
+from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.page import page
 from gearpoly.prove.run import prove_folder
-from gearpoly.prove.score import NOTHING
+from gearpoly.prove.said import by_class
+from gearpoly.prove.score import NOTHING, CaseScore, score
 from gearpoly.prove.thresholds import read_thresholds
 from gearpoly.prove.truth import Truth, read_truth
 from proving.grounds import GROUNDS
@@ -129,14 +131,19 @@ def test_refusals_tracebacks_and_time_outs_are_told_apart(tmp_path: Path, monkey
     board = board_json(proof)
     found = board["by_expert"]["wander"]
     assert (found["refused"], found["traceback"], found["time_out"], found["cases"]) == (1, 1, 1, 4)
-    assert "| wander | 4 |" in page(board)
+    assert "| wander | 4 |" in page([board])
     assert board["by_expert"]["all"] == found
 
 
-def test_figures_are_counted_by_class_and_over_all() -> None:
+def test_figures_are_counted_by_class_and_over_all(tmp_path: Path) -> None:
     one = Expert(false_names=1, named=(True, False), located=(True,), silent=False, said=None, failure="")
     two = Expert(false_names=0, named=(), located=(), silent=False, said=True, failure="refused")
-    found = by_class([("a", one), ("b", two), ("a", one)])
+
+    def case(klass: str, of: Expert) -> CaseScore:
+        plain = score("x", verdict(), truth(tmp_path, **{"class": klass}), LIMITS)
+        return replace(plain, expert=of)
+
+    found = by_class([case("a", one), case("b", two), case("a", one)], LIMITS)
     assert (found["a"]["false_names"]["hits"], found["all"]["false_names"]["of"]) == (2, 3)
     assert (found["a"]["named"]["hits"], found["a"]["named"]["of"]) == (2, 4)
     assert found["b"]["said"]["hits"] == 1

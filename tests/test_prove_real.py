@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from gearpoly.errors import InputFileError
-from gearpoly.prove.real import Span, prove_real, read_judgement, score
+from gearpoly.prove.judgement import read_judgement
+from gearpoly.prove.real import Span, prove_real, score
 from tests.made_command import Command
 from tests.test_guide_logs import LOGS, made_log
 

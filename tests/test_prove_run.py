@@ -28,7 +28,8 @@ from gearpoly.prove import run as proving_run
 from gearpoly.prove.arms import arms
 from gearpoly.prove.board import board_json
 from gearpoly.prove.diagnoser import How, wrong
-from gearpoly.prove.page import board_text, draw, page
+from gearpoly.prove.drawn import draw_sizes
+from gearpoly.prove.page import board_text, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
 from gearpoly.study import progress
 from proving.ground import plan
@@ -66,7 +67,7 @@ def test_a_folder_laid_out_like_the_bench(bench: Path, tmp_path: Path) -> None:
     assert not told["gamma"].items[0].placed
     found = board(proof)
     misses = {one["case"]: one["misses"] for one in found["failures"]}
-    assert misses["alpha"] == ["false_alarms", "false_names"]
+    assert misses["alpha"] == ["false_alarms", "false_names", "false_name_cases"]
     assert {"right_tooth", "named_first", "extras", "in_reported_set"} <= set(misses["gamma"])
     assert "beta" not in misses
 
@@ -342,17 +343,17 @@ def test_a_folder_that_is_not_laid_out_so_is_refused(bench: Path, tmp_path: Path
 def test_the_page_lists_every_failure(bench: Path, tmp_path: Path) -> None:
     found = board_json(prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet))
     assert json.loads(board_text(found)) == json.loads(json.dumps(found))
-    text = page(found, figure="figures/proof_size.png")
+    text = page([found], figures=["figures/proof_size.png"])
     assert "| gamma | missing, made | tooth_spall driven tooth 9 | tooth_spall driven tooth 10 |" in text
     assert "wrong tooth" in text
-    assert "| alpha | none, made | nothing | friction | false alarm |" in text
+    assert "| alpha | none, made | nothing | friction | false alarm, a name that may not stand |" in text
     assert found["truths_sha256"] in text
     # Every row with a goal has its cases beside it.
     assert "- false alarms: healthy, yet something named or left unexplained: 100.0 % (1 of 1; 20.7 to 100.0)" in text
     assert "goal at most 5 %, **missed**. alpha" in text
     goals = [row for row in found["rows"] if row["reached"] is not None]
     assert f"{sum(row['reached'] for row in goals)} of {len(goals)} goals are reached" in text
-    draw(found, tmp_path / "size.png")
+    draw_sizes(found, tmp_path / "size.png")
     assert (tmp_path / "size.png").stat().st_size > 5000  # an empty canvas has less
 
 

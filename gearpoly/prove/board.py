@@ -6,20 +6,21 @@ import math
 from typing import Any
 
 from gearpoly import __version__
-from gearpoly.prove.expert import by_class
 from gearpoly.prove.profile import by_key, by_size
 from gearpoly.prove.row import Row
 from gearpoly.prove.rows import rows
 from gearpoly.prove.run import Proof
+from gearpoly.prove.said import by_class, by_length, length, time_of
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
+from gearpoly.prove.wanted import unsaid
 from proving.grounds import CONCEALED
 
 
 def board_json(proof: Proof) -> dict[str, Any]:
     """Every figure of the scoreboard; only what is under ``seconds``, here and by case, differs from run to run."""
     judged = rows(proof.scores, proof.limits)
-    timed = [row for row in judged if row.key.startswith("seconds")]
+    timed = [row for row in judged if row.key in ("seconds", "seconds_95", "seconds_all")]
     return {
         "gearpoly": __version__,
         "of": proof.of,
@@ -33,13 +34,15 @@ def board_json(proof: Proof) -> dict[str, Any]:
         "thresholds": proof.limits.values,
         "code": proof.code,
         "rows": [row.to_json() for row in judged if row not in timed],
-        "seconds": {row.key: row.value for row in timed},
+        "seconds": {row.key: row.value for row in timed} | {"by_group": time_of(proof.scores, proof.limits)},
         "by_size": by_size(proof.scores),
         "by_class": {
             klass: {"concealed": CONCEALED.get(klass, ""), **found}
             for klass, found in by_key(proof.scores, lambda one: one.truth.klass).items()
         },
-        "by_expert": by_class([(one.truth.klass, one.expert) for one in proof.scores]),
+        "by_expert": by_class(proof.scores, proof.limits),
+        "by_length": by_length(proof.scores, proof.limits),
+        "without_unknown": sum(unsaid(one.truth) for one in proof.scores),
         "by_pair": by_key(proof.scores, lambda one: one.truth.pair),
         "by_physics": by_key(
             [one for one in proof.scores if one.truth.kind == "missing"],
@@ -90,6 +93,10 @@ def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
         "unexplained": one.unexplained,
         "extras": one.extras,
         "error": one.error,
+        "length": length(one, limits),
+        "false_names": one.expert.false_names,
+        "stated": [{"of": f.of, "stated": f.stated, "right": f.right} for f in one.stated.forecasts],
+        "chance_of_what_was_true": list(one.stated.true),
         "heldout_rms_um": {"before": one.before, "after": one.after},
         "noise_um": one.truth.noise_um,
         "energy_removed": one.removed,
@@ -98,6 +105,8 @@ def _case(one: CaseScore, limits: Thresholds) -> dict[str, Any]:
                 "label": i.item.label,
                 "over_limit": _finite(i.item.over_limit),
                 "separable": i.item.separable(limits),
+                "to_be_named": i.item.earned(limits),
+                "seen_by_shape": i.item.seen_by_shape(limits),
                 "within_the_evidence": len(i.item.acceptable(limits)),
                 "look_alike": i.item.alike(limits),
                 "named": i.named,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from gearpoly.prove.match import acceptable, at_place, names, on_tooth, reported_set
-from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import WRONG_FILE, Item, Truth
+from gearpoly.prove.wanted import to_be_located, to_be_named
 
 FAILURES = {"refused": "refused where it should have worked", "time_out": "time-outs", "traceback": "tracebacks"}
 """How a diagnosis can end without a verdict."""
@@ -34,16 +33,16 @@ def expert(verdict: dict[str, Any], truth: Truth, limits: Thresholds, *, error: 
     """What became of a case, asked of the verdict (empty where the diagnosis failed with an ``error``)."""
     claims = verdict["missing"]
     allowed = truth.may_name if truth.may_name is not None else tuple(i for i in truth.items if i.physics)
-    could = bool(truth.must_name or truth.must_locate)
+    must_name, must_locate = to_be_named(truth, limits), to_be_located(truth, limits)
     something = bool(claims or verdict.get("unexplained") or error)
     wrong = truth.kind == WRONG_FILE
     words = " ".join((error, *map(str, verdict.get("remarks", ())))).lower()
     refused_rightly = wrong and failure == "refused"
     return Expert(
         false_names=sum(not any(_may(claim, item, limits) for item in allowed) for claim in claims),
-        named=tuple(any(_right(claim, item, limits) for claim in claims) for item in truth.must_name),
-        located=tuple(at_place(verdict, place, truth, limits) for place in truth.must_locate),
-        silent=could and not something,
+        named=tuple(any(_right(claim, item, limits) for claim in claims) for item in must_name),
+        located=tuple(at_place(verdict, place, truth, limits) for place in must_locate),
+        silent=bool(must_name or must_locate) and not something,
         said=(failure != "traceback" and any(word in words for word in truth.says)) if truth.says else None,
         failure="" if refused_rightly else failure,
     )
@@ -56,24 +55,3 @@ def _right(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
 def _may(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
     within = any(names(one, item) and on_tooth(one, item, limits, claim=claim) for one in reported_set(claim))
     return within or acceptable(claim, item, limits)
-
-
-def by_class(experts: Sequence[tuple[str, Expert]]) -> dict[str, Any]:
-    """Figures of every class, and of all together."""
-    groups: dict[str, list[Expert]] = {}
-    for klass, one in experts:
-        groups.setdefault(klass, []).append(one)
-    groups = dict(sorted(groups.items()))
-    return {name: _figures(some) for name, some in (*groups.items(), ("all", [one for _, one in experts]))}
-
-
-def _figures(some: Sequence[Expert]) -> dict[str, Any]:
-    return {
-        "cases": len(some),
-        "false_names": share([one.false_names > 0 for one in some]).to_json(),
-        "named": share([hit for one in some for hit in one.named]).to_json(),
-        "located": share([hit for one in some for hit in one.located]).to_json(),
-        "silent": share([one.silent for one in some if one.named or one.located]).to_json(),
-        "said": share([one.said for one in some if one.said is not None]).to_json(),
-        **{key: sum(one.failure == key for one in some) for key in FAILURES},
-    }

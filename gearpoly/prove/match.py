@@ -92,18 +92,19 @@ def at_place(verdict: Entry, place: Item, truth: Truth, limits: Thresholds) -> b
     """Whether a verdict says that something is at a place, with a name or without."""
     entries = (*verdict.get("where", ()), *verdict.get("unexplained", ()))
     claims = verdict.get("missing", ())
-    if place.shape == "any":
+    if place.kind == "any":
         return bool(entries or claims)
-    if place.shape == "mesh_order":
+    if place.kind == "mesh_order":
         of_all = [one for one in claims if one.get("gear") and order_of(one) is None and "tooth" not in one]
         return bool(of_all) or any(one["kind"] in MESH for one in entries)
-    if place.shape == "tooth":
+    if place.kind == "tooth":
         there = [one for one in entries if one["kind"] in TOOTH and one.get("gear", place.gear) == place.gear]
         there += [one for one in claims if "encoder_deg" in one and one.get("gear") == place.gear]
         return any(on_tooth(one, place, limits, claim=one) for one in there)
     waves = [{"kind": "shaft_order", "gear": one.get("gear"), "order": order_of(one) or 1.0} for one in claims
-             if place.shape == "shaft_order"]  # fmt: skip
-    return any(stands_at(one, replace(place, shape="line"), truth, limits) for one in (*entries, *waves))
+             if place.kind == "shaft_order"]  # fmt: skip
+    line = replace(place, shape=place.shape or "line")  # a pulse has harmonics, a physics has its order
+    return any(stands_at(one, line, truth, limits) for one in (*entries, *waves))
 
 
 def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:

@@ -2,79 +2,43 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gearpoly.errors import GearpolyError, InputFileError, shown
+from gearpoly.errors import GearpolyError, InputFileError
 from gearpoly.files.pairfile import read_pair
-from gearpoly.files.paths import is_file, is_folder
-from gearpoly.files.traces import read_text
-from gearpoly.physics import catalogue
+from gearpoly.files.paths import is_folder
 from gearpoly.prove import diagnoser as diagnosers
-from gearpoly.prove.cases import CaseFiles
+from gearpoly.prove import reliability
 from gearpoly.prove.diagnoser import Diagnoser, How
-from gearpoly.prove.fields import Fields
+from gearpoly.prove.expert import FAILURES
+from gearpoly.prove.judgement import ENDING, Judgement, Place, read_judgement
+from gearpoly.prove.match import reported_set
 from gearpoly.prove.pool import each
+from gearpoly.prove.reliability import NAME, Stated, bins, claimed
 from gearpoly.prove.run import code_under_proof, made_folder
+from gearpoly.prove.statistics import quantile, share
+from gearpoly.prove.thresholds import read_thresholds
 from gearpoly.prove.work import Diagnosing, diagnose, result, seconds
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
-
-ENDING = ".judgement.json"
-
-KINDS = ("shaft_order", "mesh_order", "tone", "time")
-"""Kinds of places that a judgement may want located."""
-
-TOLERANCE = 0.2
-"""Part of its amplitude by which a line may be off, where the judgement does not say: two analyses of one guide log
-differ by a tenth."""
 
 HALF_WIDTH = 0.5
 """Line widths (1 over the turns that were recorded) by which a line may be off."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
-    """A line that has to be located: its ``kind``, ``gear`` (of a shaft's order), ``order`` or ``hz``, amplitude in um
-    and the part of that by which it may be off."""
-
-    kind: str
-    gear: str | None
-    order: float | None
-    hz: float | None
-    amplitude_um: float | None
-    tolerance: float
-
-    @property
-    def label(self) -> str:
-        """Where and how large in a few words."""
-        where = f"{self.hz:g} Hz" if self.order is None else f"{self.gear or 'mesh'} order {self.order:g}"
-        return where if self.amplitude_um is None else f"{where}, {self.amplitude_um:g} um"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Judgement:
-    """What may be said of some recordings: whether they are a ``control`` (another machine's, of which nothing may be
-    named), the physics and gear that ``may_name`` holds (gear None: either), and the places that have to be located."""
-
-    case: CaseFiles
-    control: bool
-    may_name: tuple[tuple[str, str | None], ...]
-    must_locate: tuple[Place, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
 class RealScore:
     """How a verdict stands beside its judgement: ``named`` all that was named, ``false`` those that may not be;
     ``located`` and ``lost`` of the places wanted; rms in um of unseen data before and after, where a verdict was
-    reached; ``error`` where none was; processor ``seconds``."""
+    reached; ``error`` where none was, and how it ``failure`` ended; processor ``seconds``; ``stated``: the chances of
+    names, right where the judgement lets them stand."""
 
     name: str
     control: bool
@@ -84,62 +48,19 @@ class RealScore:
     lost: tuple[str, ...] = ()
     unseen_um: tuple[float, float] | None = None
     error: str = ""
+    failure: str = ""
     seconds: float | None = None
+    stated: Stated = field(default_factory=Stated)
+
+    @property
+    def ratio(self) -> float | None:
+        """Rms of unseen data after over before."""
+        return None if self.unseen_um is None or not self.unseen_um[0] else self.unseen_um[1] / self.unseen_um[0]
 
     @property
     def rises(self) -> bool:
         """Whether unseen data fit worse with what was named."""
         return bool(self.named) and self.unseen_um is not None and self.unseen_um[1] > self.unseen_um[0]
-
-
-def read_judgement(path: Path) -> Judgement:
-    """The judgement at ``path``, its pair file and recordings named from its folder. Raises ``InputFileError`` where a
-    file is missing, or a physics, a gear or a place is none."""
-    try:
-        raw = Fields(json.loads(read_text(path)))
-        pair = path.parent / raw.word("pair")
-        names = [Fields({"recordings": one}).word("recordings") for one in raw.values("recordings")]
-        recordings = tuple(path.parent / one for one in names)
-        control = raw.raw.get("control", False)
-        if not isinstance(control, bool):
-            raise ValueError("control is not true or false")
-        may_name = tuple((one.word("physics"), one.gear()) for one in raw.entries("may_name"))
-        places = tuple(_place(one) for one in raw.entries("must_locate"))
-    except (ValueError, RecursionError) as error:
-        wish = "want a judgement with pair, recordings, control, may_name and must_locate"
-        raise InputFileError(path, found=f"no judgement ({error})", wish=wish) from None
-    known = catalogue()
-    for physics, _ in may_name:
-        if physics not in known:
-            wish = f"want one of {', '.join(known)}"
-            raise InputFileError(path, where="may_name.physics", found=shown(physics), wish=wish)
-    if control and may_name:
-        raise InputFileError(path, where="may_name", found="names of a control", wish="want none, or control = false")
-    if not recordings:
-        raise InputFileError(path, where="recordings", found="none", wish='want names of files, as ["log.txt"]')
-    for one in (pair, *recordings):
-        if not is_file(one):
-            raise InputFileError(one, found="there is no such file", wish=f"named in {path.name}; put it there")
-    name = path.name.removesuffix(ENDING)
-    case = CaseFiles(name=name, pair=pair, recordings=recordings, truth=path)
-    return Judgement(case=case, control=control, may_name=may_name, must_locate=places)
-
-
-def _place(raw: Fields) -> Place:
-    kind, gear = raw.word("kind"), raw.gear()
-    order, hz = raw.number("order"), raw.number("hz")
-    if kind not in KINDS:
-        raise ValueError(f"{raw.where}kind is none of {', '.join(KINDS)}")
-    given = [one for one in (order, hz) if one is not None]
-    if len(given) != 1 or not 0.0 < given[0] < math.inf:
-        raise ValueError(f"{raw.where}order or hz is no number above 0, or both are there")
-    if kind == "shaft_order" and gear is None:
-        raise ValueError(f"no {raw.where}gear of a shaft's order")
-    tolerance = raw.number("tolerance")
-    return Place(
-        kind=kind, gear=gear, order=order, hz=hz, amplitude_um=raw.number("amplitude_um"),
-        tolerance=TOLERANCE if tolerance is None else tolerance,
-    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,14 +102,15 @@ def _turns(angle: FloatArray | None) -> float:
     return float(np.ptp(np.unwrap(held))) / (2.0 * math.pi)
 
 
-def score(judgement: Judgement, verdict: dict[str, Any] | None, span: Span, *, error: str = "",
+def score(judgement: Judgement, verdict: dict[str, Any] | None, span: Span, *, error: str = "", failure: str = "",
           seconds: float | None = None) -> RealScore:  # fmt: skip
     """How a ``verdict`` (None: none was reached, for the reason ``error``) stands beside a judgement."""
     wanted = {place.label: place for place in judgement.must_locate}
     if verdict is None:
         return RealScore(
-            name=judgement.case.name, control=judgement.control, lost=tuple(wanted), error=error, seconds=seconds
-        )
+            name=judgement.case.name, control=judgement.control, lost=tuple(wanted), error=error, failure=failure,
+            seconds=seconds,
+        )  # fmt: skip
     missing = verdict["missing"]
     allowed = judgement.may_name
     false = [one for one in missing if not any(_names(one, *may) for may in allowed)]
@@ -204,7 +126,15 @@ def score(judgement: Judgement, verdict: dict[str, Any] | None, span: Span, *, e
         lost=tuple(label for label in wanted if label not in found),
         unseen_um=(unseen["before"], unseen["after"]),
         seconds=seconds,
+        stated=reliability.joined(claimed(one, _allowed(one, allowed)) for one in missing),
     )
+
+
+def _allowed(claim: dict[str, Any], allowed: tuple[tuple[str, str | None], ...]) -> list[bool]:
+    """Which of a claim, its rivals and the unknown a judgement lets stand: the unknown where it lets none of the
+    others, since who may not name the cause does not know it."""
+    rights = [any(_names(one, *may) for may in allowed) for one in reported_set(claim)]
+    return [*rights, not any(rights)]
 
 
 def _names(entry: dict[str, Any], physics: str, gear: str | None) -> bool:
@@ -262,12 +192,17 @@ def prove_real(
     scores = []
     for (one, span), job in zip(judged, jobs, strict=True):
         found = result(job.target)
-        scores.append(score(one, found["verdict"], span, error=found["error"], seconds=seconds(job.target)))
+        failure, spent = found.get("failure", ""), seconds(job.target)
+        scores.append(score(one, found["verdict"], span, error=found["error"], failure=failure, seconds=spent))
     return tuple(scores), tuple(wrong)
 
 
 def real_json(scores: tuple[RealScore, ...]) -> dict[str, Any]:
     """The scores and their sums, for JSON."""
+    limits = read_thresholds()
+    stated = reliability.joined(one.stated for one in scores)
+    ratios = [one.ratio for one in scores if one.ratio is not None]
+    spent = [one.seconds for one in scores if one.seconds is not None]
     return {
         "recordings": [asdict(one) for one in scores],
         "false_names": sum(len(one.false) for one in scores),
@@ -276,5 +211,12 @@ def real_json(scores: tuple[RealScore, ...]) -> dict[str, Any]:
         "located": sum(len(one.located) for one in scores),
         "to_be_located": sum(len(one.located) + len(one.lost) for one in scores),
         "no_verdict": sum(bool(one.error) for one in scores),
+        **{key: sum(one.failure == key for one in scores) for key in FAILURES},
         "unseen_rises": sum(one.rises for one in scores),
-    }
+        "unseen_rises_where_named": share([one.rises for one in scores if one.named]).to_json(),
+        "unseen_ratio": {"median": quantile(ratios, 0.5), "q95": quantile(ratios, 0.95), "recordings": len(ratios)},
+        "seconds": {"median": quantile(spent, 0.5), "q95": quantile(spent, 0.95), "all": sum(spent)},
+        "reliability": {
+            NAME: bins(stated.forecasts, limits.bins), **reliability.log_score(stated.true, limits),
+        },
+    }  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gearpoly.prove.row import Row, at_least, at_most, figure, once
+from gearpoly.prove.said import said_rows
 from gearpoly.prove.score import CaseScore, Parameter
 from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import Thresholds
@@ -28,6 +29,7 @@ def rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
         *_rms(missing, limits),
         *_strangers(strangers, limits),
         *_beside(scores, limits),
+        *said_rows(scores, limits),
         *_cost(scores),
     ]
 
@@ -64,8 +66,18 @@ def _found(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
             [(one.name, one.reported) for one in large], limits.goal["detected"],
         ),
         at_least(
-            "named_first", f"right physics and right tooth first, separability times size above {least}",
+            "named_first", f"right physics and right tooth first, separability times size above {least} of every rival",
             [(one.name, one.items[0].first) for one in single], limits.goal["named_first"],
+            note="rivals only, as published until November 2026",
+        ),
+        at_least(
+            "named_first_unknown", "the same, of every rival and of the unknown at its place",
+            [(one.name, one.items[0].first) for one in single if one.items[0].item.earned(limits)],
+            limits.goal["named_first"],
+        ),
+        at_least(
+            "named_first_shape", "the same, and by what no unknown can make whatever its freedoms cost",
+            [(one.name, one.items[0].first) for one in single if one.items[0].item.seen_by_shape(limits)], None,
         ),
         at_least(
             "both_named", "all of several at once named rightly, each separable as above",

@@ -8,6 +8,7 @@ from typing import Any
 
 from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set, stands_at
+from gearpoly.prove.reliability import Stated, stated
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import FROM_ONE, SIZES, Item, Truth
 
@@ -65,7 +66,7 @@ class CaseScore:
     all and ``extras`` among them that stand for nothing concealed; entries ``unexplained``, and the ``strays`` among
     them that are not where something of the background is; whether a stranger was ``located``, and each wave of the
     ``background``; held-out rms in um ``before`` and ``after``;
-    ``expert``: beside what one could know."""
+    ``expert``: beside what one could know; ``stated``: the chances that it states, beside the truth."""
 
     name: str
     truth: Truth
@@ -83,6 +84,14 @@ class CaseScore:
     before: float | None
     after: float | None
     expert: Expert
+    stated: Stated
+
+    @property
+    def unseen_ratio(self) -> float | None:
+        """Rms of unseen data after over before; None where no verdict was reached."""
+        if self.before is None or self.after is None or self.before <= 0.0:
+            return None
+        return self.after / self.before
 
     @property
     def reported(self) -> bool:
@@ -146,6 +155,7 @@ def score(
         before=rms.get("before"),
         after=rms.get("after"),
         expert=expert(verdict, truth, limits, error=error, failure=failure),
+        stated=stated(verdict, truth, limits),
     )
 
 

@@ -10,37 +10,12 @@ from rich.text import Text
 
 from gearpoly.prove.expert import FAILURES
 from gearpoly.prove.real import RealScore, real_json
-
-UNLISTED = ("coverage_1", "false_alarms_60um", "false_names", "relief_found")
-"""Rows that a case misses by design, or along with another that says the same."""
+from gearpoly.prove.reliability import NAME, PLACE
+from gearpoly.prove.words import EXPERT, UNLISTED, missing_unknown, number, percent, short_percent, value
 
 MARKS: dict[bool | None, Text] = {
     True: Text("reached", style="green"), False: Text("missed", style="red"), None: Text(""),
 }  # fmt: skip
-
-
-EXPERT = {
-    "false_names": "with a false name", "named": "named, tooth included", "located": "located",
-    "silent": "silent where something could be known", "said": "wrong file: said so",
-}  # fmt: skip
-"""Shares of the table by class, and what they are called."""
-
-
-def percent(found: dict[str, Any]) -> str:
-    """A share with its counts and its interval."""
-    if not found["of"]:
-        return "no case"
-    low, high = found["interval_95"]
-    return f"{100 * found['rate']:.1f} % ({found['hits']} of {found['of']}; {100 * low:.1f} to {100 * high:.1f})"
-
-
-def value(row: dict[str, Any]) -> str:
-    """The figure of a row in words."""
-    if "of" in row:
-        return percent(row)
-    if row["value"] is None:
-        return "no case"
-    return f"{row['value']:.3g} {row['unit']}".strip()
 
 
 def print_board(console: Console, board: dict[str, Any]) -> None:
@@ -59,10 +34,15 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     if sizes.row_count:
         console.print(sizes)
     known = _table("beside what a careful expert could know", ("class", "cases", *EXPERT.values(), *FAILURES.values()))
-    for name, one in board["by_expert"].items():
+    groups = [*board["by_expert"].items(), *board["by_length"].items()]
+    for name, one in groups:
         shares = [f"{one[key]['hits']} of {one[key]['of']}" if one[key]["of"] else "" for key in EXPERT]
         known.add_row(name, str(one["cases"]), *shares, *(str(one[key]) for key in FAILURES))
     console.print(known)
+    if board["without_unknown"]:
+        console.print(missing_unknown(board["without_unknown"]), highlight=False)
+    _print_measures(console, groups, board["seconds"].get("by_group", {}))
+    print_chances(console, board["by_expert"]["all"]["reliability"])
     _print_controls(console, board["controls"])
     spent = board["seconds"]
     if spent.get("seconds") is not None:
@@ -77,6 +57,39 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
             misses.add_row(one["case"], "; ".join(one["truth"]) or "nothing", said, ", ".join(wrong))
     if misses.row_count:
         console.print(misses)
+
+
+def _print_measures(
+    console: Console, groups: list[tuple[str, dict[str, Any]]], seconds: dict[str, dict[str, float]]
+) -> None:
+    """How sure, how well and how fast, group by group."""
+    heads = ("class", "log score", "entries", "unseen, after over before", "95th percentile", "rises", "seconds",
+             "95th percentile", "all")  # fmt: skip
+    measures = _table("chances stated, unseen data, and processor seconds per case", heads)
+    for name, one in groups:
+        stated, unseen, spent = one["reliability"], one["unseen_ratio"], seconds.get(name, {})
+        measures.add_row(
+            name, number(stated["log_score"]), str(stated["entries"]), number(unseen["median"]), number(unseen["q95"]),
+            short_percent(one["unseen_rises"]), *(number(spent.get(key)) for key in ("median", "q95", "all")),
+        )  # fmt: skip
+    console.print(measures)
+
+
+def print_chances(console: Console, stated: dict[str, Any]) -> None:
+    """Print how often stated chances were right, and their log score; nothing where none was stated."""
+    if not stated["entries"]:
+        return
+    kinds = {NAME: "of a name", PLACE: "that something is there"}
+    here = [kind for kind in kinds if kind in stated]
+    table = _table("chances stated, and how often they were right", ("chance", *(kinds[kind] for kind in here)))
+    for found in zip(*(stated[kind] for kind in here), strict=True):
+        low, high = found[0]["chance"]
+        cells = [f"{one['stated']:.2f}: {percent(one['right'])}" if one["right"]["of"] else "" for one in found]
+        table.add_row(f"{low:g} to {high:g}", *cells)
+    console.print(table)
+    score, std = stated["log_score"], number(stated["log_score_std"])
+    spread = f" +- {std}" if std else ""
+    console.print(f"log score {number(score)}{spread} over {stated['entries']} entries; 0 is best", highlight=False)
 
 
 def print_real(console: Console, scores: tuple[RealScore, ...]) -> None:
@@ -102,6 +115,14 @@ def print_real(console: Console, scores: tuple[RealScore, ...]) -> None:
         f"unseen rms rises in {found['unseen_rises']}",
         highlight=False,
     )
+    unseen, spent = found["unseen_ratio"], found["seconds"]
+    console.print(
+        f"unseen rms, after over before: median {number(unseen['median'])}, 95th percentile {number(unseen['q95'])}; "
+        f"processor seconds: median {number(spent['median'])}, 95th percentile {number(spent['q95'])}, all "
+        f"{number(spent['all'])}",
+        highlight=False,
+    )
+    print_chances(console, found["reliability"])
 
 
 def _print_controls(console: Console, controls: dict[str, Any]) -> None:

@@ -30,6 +30,9 @@ class Thresholds:
     true_look_alike: float
     mismatch_over_noise: float
     relief_within_um: float
+    least_chance: float
+    bins: int
+    short_cycles: float
     goal: dict[str, Any]
     sha256: str
     values: dict[str, Any]
@@ -53,6 +56,9 @@ def read_thresholds(path: Path = FILE) -> Thresholds:
         true_look_alike=values["look_alike"]["true"],
         mismatch_over_noise=values["removed"]["mismatch_over_noise"],
         relief_within_um=values["relief"]["within_um"],
+        least_chance=values["reliability"]["least"],
+        bins=values["reliability"]["bins"],
+        short_cycles=values["length"]["short"],
         goal=values["goal"],
         sha256=hashlib.sha256(raw).hexdigest(),
         values=values,

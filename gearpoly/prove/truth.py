@@ -46,13 +46,23 @@ class Rival:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """What has no cause, as a rival at an effect's place: ``separability`` by the odds that so many standard deviations
+    correspond to, ``left`` by distance alone, with the unknown's freedoms at no cost."""
+
+    separability: float
+    left: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Item:
-    """One effect concealed in a case.
+    """One effect concealed in a case, or a place where something is.
 
     ``physics`` by the contract's name, ``shape`` for one outside the catalogue (then ``physics`` is empty); ``gear``,
     ``teeth`` of it, ``tooth`` and ``encoder_deg`` where they are; ``order``; ``hz``, and ``images_hz`` and ``aliases``
     (orders) at which even samples show it alike; ``parameters`` in the contract's units; ``over_limit`` its size over
-    the theoretical limit (infinite: not known) and its ``rivals``.
+    the theoretical limit (infinite: not known) and its ``rivals``, the ``unknown`` among them (None: the truth does
+    not say how near that comes). ``kind``: of the entry of a verdict that would stand at the place ("any": each would).
     """
 
     physics: str
@@ -68,6 +78,8 @@ class Item:
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
     rivals: tuple[Rival, ...] = ()
+    unknown: Unknown | None = None
+    kind: str = ""
 
     @property
     def label(self) -> str:
@@ -99,6 +111,18 @@ class Item:
         unlike = all(rival.apart is None or rival.apart >= limits.floor_um for rival in self.rivals)
         return nearest > limits.separable and unlike
 
+    def earned(self, limits: Thresholds) -> bool | None:
+        """Whether it has to be named though something without a cause may do the same; None: not known."""
+        if self.unknown is None:
+            return None
+        return self.separable(limits) and self.unknown.separability * self.over_limit > limits.separable
+
+    def seen_by_shape(self, limits: Thresholds) -> bool | None:
+        """The same, and by what no unknown can make whatever its freedoms cost."""
+        if self.unknown is None:
+            return None
+        return bool(self.earned(limits)) and self.unknown.left * self.over_limit > limits.separable
+
     def alike(self, limits: Thresholds) -> bool:
         """Whether a rival stands so near that naming this alone would be more than the recordings say."""
         return any(self.separation(rival) < limits.true_look_alike for rival in self.rivals)
@@ -123,9 +147,10 @@ class Truth:
     concealed_by: str
     may_name: tuple[Item, ...] | None
     """Every name that would not be false; None: what is concealed and its rivals within the evidence."""
-    must_name: tuple[Item, ...]
-    must_locate: tuple[Item, ...]
-    """What a careful expert could name, and where they would say that something is."""
+    must_name: tuple[Item, ...] | None
+    must_locate: tuple[Item, ...] | None
+    """What a careful expert could name, and where they would say that something is, if the truth says so itself; None:
+    sizes and rivals say it."""
     says: tuple[str, ...]
     """Of a wrong file: words of which a remark or a refusal has to have one; empty where it cannot be known."""
     tempting: bool
@@ -154,8 +179,8 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         declared_um = raw.numbers("declared_eccentricity_um")
         colour = raw.number("noise_colour") or 0.0
         names = tuple(_item(one) for one in raw.entries("may_name"))
-        must_name = tuple(_item(one) for one in raw.entries("must_name"))
-        must_locate = tuple(_place(one) for one in raw.entries("must_locate"))
+        must_name = tuple(_item(one) for one in raw.entries("must_name")) if "must_name" in raw.raw else None
+        must_locate = tuple(_place(one) for one in raw.entries("must_locate")) if "must_locate" in raw.raw else None
         says = _says(raw.inner("file"))
     except (ValueError, RecursionError) as error:
         wish = "want a truth file with kind, truth and noise_um"
@@ -203,8 +228,8 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
 
 
 def _place(raw: Fields) -> Item:
-    """Somewhere that something is; its ``shape`` is the kind of entry that would say so."""
-    return replace(_item(raw), shape=raw.word("kind", "any"))
+    """Somewhere that something is."""
+    return replace(_item(raw), kind=raw.word("kind", "any"))
 
 
 def _says(file: Fields) -> tuple[str, ...]:
@@ -240,4 +265,11 @@ def _item(raw: Fields) -> Item:
             )
             for one in raw.entries("rivals")
         ),
+        unknown=_unknown(raw.inner("unknown")) if raw.raw.get("unknown") else None,
     )
+
+
+def _unknown(raw: Fields) -> Unknown | None:
+    """None where an older truth has it by odds alone."""
+    left = raw.number("left")
+    return None if left is None else Unknown(separability=raw.needed("separability"), left=left)

@@ -21,10 +21,8 @@ from proving.rivals import rivals, whitened
 from proving.sizes import sized
 from proving.unknown import unknown
 
-SEEN = 7.0
-"""Size over the limit from which on something is to be located, as the scorer has it."""
-TOLD = 5.0
-"""Size over the limit times separability, against every rival and the unknown, from which on it is to be named."""
+NEAR = 3.0
+"""Separability times size over the limit below which to name a rival in the effect's stead is no false name."""
 
 Record = Callable[[Rig, Condition, Chain, Motion, np.random.Generator], str]
 Limiting = Callable[[Rig, Recipe, tuple[Motion, ...]], Limit]
@@ -137,54 +135,24 @@ def _item(base: Rig, limit: Limit | None, effect: Effect, made: Recipe, setting:
 def _truth(
     entry: Entry, setting: Setting, base: Rig, items: list[dict[str, Any]], beside: list[dict[str, Any]]
 ) -> dict[str, Any]:
-    """The truth file. ``may_name`` has every name that would not be false; ``must_name`` and ``must_locate`` what a
-    careful expert could."""
+    """The truth file. ``may_name`` has every name that would not be false."""
     made = setting.made
     names: list[dict[str, Any]] = []
-    must: list[dict[str, Any]] = []
-    where: list[dict[str, Any]] = []
     for item in items:
-        over = item["over_limit"]
         if "physics" in item:
-            key: dict[str, Any] = {k: item[k] for k in ("physics", "gear", "tooth", "order") if k in item}
-            names.append(key)
-            near = [one for one in item["rivals"] if one["separability"] * over < 3.0]
+            names.append({k: item[k] for k in ("physics", "gear", "tooth", "order") if k in item})
+            near = [one for one in item["rivals"] if one["separability"] * item["over_limit"] < NEAR]
             names += [{k: v for k, v in one.items() if k in ("physics", "gear")} for one in near]
-            apart = min((one["separability"] for one in (*item["rivals"], item["unknown"])), default=1.0)
-            if over * apart > TOLD and over > TOLD:
-                must.append(key)
-        if over >= SEEN:
-            where.append(_place(item))
-    where += [_place(wave) for wave in beside if wave["over_limit"] >= SEEN]
     kind = setting.kind or ("missing" if any("physics" in i for i in items) else "unknown" if items else "none")
     return {
         "kind": kind, "truth": items, "background": beside,
-        "may_name": names, "must_name": must, "must_locate": where,
+        "may_name": names,
         "class": entry.klass, "concealed_by": made.concealed_by, "noise_um": made.chain.noise_um, "pair": made.pair,
         "recordings": len(made.conditions), "inspected": made.inspected, "grade": made.grade,
         "hunting_cycles": round(made.conditions[0].turns / base.pair.hunting_turns, 3),
         "samples_per_mesh": made.conditions[0].per_mesh,
         "zeros_known": made.chain.known, "depth": {"over_limit": max((i["over_limit"] for i in items), default=0.0)},
     } | setting.told  # fmt: skip
-
-
-def _place(item: dict[str, Any]) -> dict[str, Any]:
-    """Where something is, as a verdict's entry would say."""
-    out: dict[str, Any] = {"over_limit": item["over_limit"]}
-    if item.get("hz") is not None:
-        return out | {"kind": "time", "hz": item["hz"], "aliases": item.get("images_hz", [])}
-    if item.get("tooth") is not None:
-        keys = ("gear", "tooth", "teeth", "encoder_deg")
-        return out | {"kind": "tooth"} | {key: item[key] for key in keys}
-    if item.get("order") is not None:
-        return out | {"kind": "shaft_order", "gear": item["gear"], "order": item["order"],
-                      "aliases": item.get("aliases", [])}  # fmt: skip
-    once = ("eccentricity", "encoder_eccentricity")
-    if item.get("physics") in once:
-        return out | {"kind": "shaft_order", "gear": item["gear"], "order": 1, "aliases": item.get("aliases", [])}
-    if item.get("shape") == "course" or "gear" not in item:
-        return out | {"kind": "any"}
-    return out | {"kind": "mesh_order", "order": 1, "aliases": item.get("aliases", [])}
 
 
 __all__ = ["Known", "LifeCase", "Setting", "finish", "plain_recipe", "turns"]

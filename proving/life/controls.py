@@ -69,7 +69,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         "true_teeth": [pair.driving.z, pair.driven.z], "by": "angles" if by_angle else "te_um",
     }  # fmt: skip
     # What the true pair has is of that pair: of the declared one nothing may be named, nothing need be located.
-    told = {"file": file, "may_name": [], "must_name": [], "must_locate": [], "truth": [], "control": True}
+    told = {"file": file, "may_name": [], "truth": [], "control": True}
     return finish(
         seed, entry, Setting(made=made, record=record, declared=declared, kind="wrong_file", told=told), rng
     )  # fmt: skip

@@ -15,9 +15,12 @@ from proving.entry import Entry
 from proving.gears import FloatArray
 from proving.life.base import LifeCase
 from proving.life.ground import CLASSES, SHORT, make
+from proving.physics import PHYSICS
 
 SEED = 20261125
 """Seed of the cases that are shown; no ground that judges has it."""
+SEEN = 7.0
+"""Size over the limit from which on a line is marked: so large it is to be located."""
 SHOWN = {
     "wander": 0, "coarse": 5, "train": 1, "even": 0, "large": 3, "wrong_file": 3, "outside": 3, "controls": 0,
 }  # fmt: skip
@@ -78,13 +81,15 @@ def draw(klass: str, variant: int, target: Path) -> None:
     for axes in (whole, near):
         axes.set_ylabel("TE, um")
     orders.set_ylabel("amplitude, um")
-    for place in (*case.truth["must_locate"],):
-        if place["kind"] == "shaft_order":
+    for item in (*case.truth["truth"], *case.truth["background"]):
+        once = item.get("physics") in PHYSICS and PHYSICS[item["physics"]].place == "wave"
+        order = item.get("order", 1.0 if once else None)
+        if item["over_limit"] >= SEEN and order is not None:
             pair = tomllib.loads(case.pair_text)
-            ratio = pair["driven"]["teeth"] / pair["driving"]["teeth"] if place["gear"] == 1 else 1.0
-            for order in (place["order"], *place.get("aliases", ())):
-                if order * ratio < orders.get_xlim()[1]:
-                    orders.axvline(order * ratio, color="k", lw=0.5, ls=":")
+            ratio = pair["driven"]["teeth"] / pair["driving"]["teeth"] if item["gear"] == 1 else 1.0
+            for shown in (order, *item.get("aliases", ())):
+                if shown * ratio < orders.get_xlim()[1]:
+                    orders.axvline(shown * ratio, color="k", lw=0.5, ls=":")
     if len(case.recordings) > 1:
         whole.legend(fontsize=7, ncols=3)
     figure.savefig(target, dpi=56, metadata={"Software": None})

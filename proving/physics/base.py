@@ -103,9 +103,12 @@ class Physics:
 
     gear: it sits on one gear or one shaft. shows: the recordings it needs ("load", "flanks", "speeds", "coast", or ""
     for any). plain: it needs both angles, and times. tells: what else of ``Effect.more`` a truth states; told: the
-    truth in full where that is not enough. place: what it is seen as by who knows no cause: a
-    "wave" of a shaft, a curve of one "tooth" or of every "mesh", a slow "course" or an offset. as_built: what teeth
-    within their grade have as well ("index", "slope" or "form").
+    truth in full where that is not enough. as_built: what teeth within their grade have as well ("index", "slope" or
+    "form").
+
+    place: what it is seen as by who knows no cause: a "wave" of a shaft, a curve of one "tooth" or of every "mesh", a
+    slow "course", a "step" from condition to condition; nearby: as what else, a "tone" in time, a "tooth_flank" (a
+    curve by the part that the tooth carries).
 
     rivals: what is worth comparing it with; a dash means the other gear. one_sign: a negative size is nonsense.
     possible: whether it can be there at all; kind: all that it can be as the rival of another effect.
@@ -127,6 +130,7 @@ class Physics:
     tells: tuple[str, ...] = ()
     told: Callable[[Rig, Effect, tuple[Condition, ...]], dict[str, Any]] | None = None
     place: str = "mesh"
+    nearby: tuple[str, ...] = ()
     as_built: str = ""
     rivals: tuple[str, ...] = ()
     one_sign: bool = False

@@ -27,7 +27,7 @@ PHYSICS = Physics(
     cap=100.0,
     gear=False,
     shows="flanks",
-    place="course",
+    nearby=("step",),
     rivals=("tooth_thickness", "tooth_thickness'", "shaft_windup", "misalignment"),
     source="ISO 21771: working pressure angle",
 )

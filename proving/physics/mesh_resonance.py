@@ -42,6 +42,7 @@ PHYSICS = Physics(
     gear=False,
     shows="speeds",
     plain=True,
+    nearby=("tone",),
     told=told,
     rivals=("profile_crowning", "tip_relief", "tip_relief'", "profile_slope", "friction", "misalignment"),
     source="one mass on a spring, forced by the static transmission error",

@@ -34,7 +34,7 @@ PHYSICS = Physics(
     shows="load",
     one_sign=True,
     possible=twists,
-    place="course",
+    place="step",
     rivals=("misalignment", "centre_distance", "tooth_thickness", "tooth_thickness'"),
     source="Hooke: in step with torque",
 )

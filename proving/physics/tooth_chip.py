@@ -47,6 +47,7 @@ PHYSICS = Physics(
     cap=1.5,
     unit=0.02,
     place="tooth",
+    nearby=("tooth_flank",),
     rivals=("tooth_pitch", "tooth_spall"),
     one_sign=True,
     source="geometry: the involute ends at a smaller radius",

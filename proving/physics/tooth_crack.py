@@ -38,6 +38,7 @@ PHYSICS = Physics(
     one_sign=True,
     possible=loaded,
     place="tooth",
+    nearby=("tooth_flank",),
     rivals=("tooth_pitch", "tooth_spall"),
     source="the contract: a factor on that tooth's own compliance",
 )

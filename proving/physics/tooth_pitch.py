@@ -24,6 +24,7 @@ PHYSICS = Physics(
     cap=40.0,
     as_built="index",
     place="tooth",
+    nearby=("tooth_flank",),
     rivals=("tooth_crack", "tooth_spall"),
     source="ISO 1328-1: index deviation",
 )

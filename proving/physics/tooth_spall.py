@@ -54,6 +54,7 @@ PHYSICS = Physics(
     one_sign=True,
     kind=kind,
     place="tooth",
+    nearby=("tooth_flank",),
     rivals=("tooth_pitch", "tooth_crack"),
     source="the contract: a depth between two radii; walls of half a cosine",
 )

@@ -26,7 +26,7 @@ PHYSICS = Physics(
     example=example,
     cap=40.0,
     shows="flanks",
-    place="course",
+    place="step",
     rivals=("tooth_thickness'", "centre_distance", "shaft_windup"),
     source="ISO 21771: tooth thickness deviation along the reference circle",
 )
