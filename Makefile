@@ -7,7 +7,7 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow fuzz lint bench paper proof clean
+.PHONY: run test test-slow knowledge fuzz lint bench paper proof clean
 
 # What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
 PAIR := data/pairs/ottewill_18_18.toml
@@ -31,6 +31,10 @@ test: lint
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
+
+# What the rules of the diagnosis know, held against whole verdicts (docs/rules.md).
+knowledge: $(VENV)/.test
+	$(BIN)/pytest -n $(JOBS) tests/knowledge
 
 # Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
 FUZZ ?= 550
