@@ -154,9 +154,11 @@ def recorded(
     timed: bool = True,
     name: str = "rec.csv",
 ) -> Recording:
-    """One recording: ``cycles`` hunting cycles, or so many ``meshes``, from ``begin`` turns of the driven shaft on, with
+    """One recording of ``cycles`` hunting cycles, or so many ``meshes``, from ``begin`` turns of the driven shaft on.
+
     ``noise`` in um rms; ``stated`` zeros in rad; ``only``: the one shaft whose angle is kept, beside the transmission
-    error; ``timed``: the times are recorded too."""
+    error; ``timed``: the times are recorded too.
+    """
     p = true.pair
     z_1, z_2 = p.driving.gear.z, p.driven.gear.z
     many = p.meshes_per_cycle * cycles if meshes is None else meshes
@@ -170,9 +172,7 @@ def recorded(
     more = noise_um(seed, n, noise, correlation=correlation)
     if added is not None:
         driven = theta_2 / TURN
-        more = more + added(
-            Motion(time=time, driving=theta_1 / TURN, driven=driven, meshes=driven * z_2, part=part)
-        )
+        more = more + added(Motion(time=time, driving=theta_1 / TURN, driven=driven, meshes=driven * z_2, part=part))
     te = te + more * UM / p.r_b2
     theta_1 = (theta_2 - te) / p.ratio
     first, second = (zero + way * angle for zero, way, angle in zip(zeros, directions, (theta_1, theta_2), strict=True))

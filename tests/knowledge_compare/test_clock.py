@@ -1,4 +1,4 @@
-"""A shaft whose angle was made from time: guide pulses turn it by a part of what they say, its motor at its own rate."""
+"""A shaft whose angle was made from time: guide pulses turn it by a part of what they say, its motor at its rate."""
 
 from __future__ import annotations
 

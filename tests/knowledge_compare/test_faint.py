@@ -5,16 +5,28 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.units import FloatArray
-from tests.knowledge_compare.made import TURN, Motion, Told, drawn, pair, pitches, recorded, standing, told, waves
+from tests.knowledge_compare.made import (
+    TURN,
+    Added,
+    Motion,
+    Told,
+    drawn,
+    pair,
+    pitches,
+    recorded,
+    standing,
+    told,
+    waves,
+)
 
 FILE = pair(pitch_um=pitches(3))
 
 
-def seen(added: object, *, seed: int = 1, cycles: float = 3.01) -> Told:
-    return told(FILE, recorded(drawn(FILE), seed=seed, noise=1.0, cycles=cycles, per_mesh=8, added=added))  # type: ignore[arg-type]
+def seen(added: Added, *, seed: int = 1, cycles: float = 3.01) -> Told:
+    return told(FILE, recorded(drawn(FILE), seed=seed, noise=1.0, cycles=cycles, per_mesh=8, added=added))
 
 
-def bumps(per_turn: float, um: float, width: float = 0.2) -> object:
+def bumps(per_turn: float, um: float, width: float = 0.2) -> Added:
     """A bump once in each round of 1/``per_turn`` driving turns, of a standard deviation of ``width`` rad of it."""
 
     def made(m: Motion) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, UM, FloatArray
 from tests.knowledge_compare.made import (
     TURN,
-    Z,
     Added,
+    Motion,
     Told,
+    Z,
     at,
     drawn,
     drifts,
@@ -37,13 +39,13 @@ def wave(cycles: float, um: float, phase: float = 0.4) -> Added:
     return lambda m: um * np.cos(TURN * cycles * m.driving + phase)
 
 
-def seen(*added: Added, seed: int = 1, noise: float = 0.3, per_mesh: float = 8.0, **more: object) -> Told:
+def seen(*added: Added, seed: int = 1, noise: float = 0.3, per_mesh: float = 8.0, **more: Any) -> Told:
     """The verdict on two hunting cycles of an inspected pair with all of this added."""
 
-    def total(m: object) -> FloatArray:
-        return np.asarray(sum(one(m) for one in added))  # type: ignore[arg-type]
+    def total(m: Motion) -> FloatArray:
+        return np.asarray(sum(one(m) for one in added))
 
-    return told(FILE, recorded(drawn(FILE), seed=seed, noise=noise, per_mesh=per_mesh, added=total, **more))  # type: ignore[arg-type]
+    return told(FILE, recorded(drawn(FILE), seed=seed, noise=noise, per_mesh=per_mesh, added=total, **more))
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.6])
@@ -80,8 +82,8 @@ def test_a_mesh_order_is_no_order_of_a_shaft() -> None:
 def test_where_in_the_mesh_the_mean_tooth_differs_is_told() -> None:
     """A stretch of a fifth of a pitch in every mesh: its phase counts from the pitch point."""
 
-    def stretch(m: object) -> FloatArray:
-        phase = m.meshes % 1.0  # type: ignore[attr-defined]
+    def stretch(m: Motion) -> FloatArray:
+        phase = m.meshes % 1.0
         return np.where((phase > 0.6) & (phase < 0.8), 1.5, 0.0)
 
     found = seen(stretch, per_mesh=12.0)
@@ -254,11 +256,11 @@ def test_a_wave_of_less_than_two_turns_of_the_record_is_a_slow_course(um: float)
 def red(seed: int, um: float) -> Added:
     """Noise that wanders: a random walk that ends where it began, of rms ``um``."""
 
-    def made(m: object) -> FloatArray:
-        n = m.part.size  # type: ignore[attr-defined]
+    def made(m: Motion) -> FloatArray:
+        n = m.part.size
         walk = np.cumsum(np.random.default_rng(seed).normal(size=n))
         walk -= np.linspace(walk[0], walk[-1], n)
-        return um * (walk - walk.mean()) / walk.std()
+        return np.asarray(um * (walk - walk.mean()) / walk.std())
 
     return made
 
@@ -269,7 +271,9 @@ def red(seed: int, um: float) -> Added:
         (1, 0.3),
         (2, 0.3),
         pytest.param(
-            1, 3.0, marks=pytest.mark.xfail(strict=False, reason="today tones stand in a random walk of ten times the noise")
+            1,
+            3.0,
+            marks=pytest.mark.xfail(strict=False, reason="today tones stand in a random walk of ten times the noise"),
         ),
     ],
 )

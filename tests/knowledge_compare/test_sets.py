@@ -9,7 +9,19 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.units import UM
-from tests.knowledge_compare.made import TURN, drawn, drifts, pair, pitches, recorded, says, standing, told, whole
+from tests.knowledge_compare.made import (
+    TURN,
+    Added,
+    drawn,
+    drifts,
+    pair,
+    pitches,
+    recorded,
+    says,
+    standing,
+    told,
+    whole,
+)
 
 PITCH = pitches(3)
 FILE = pair(pitch_um=PITCH)
@@ -18,10 +30,11 @@ SOFT = pair(pitch_um=PITCH, bends=True)
 
 def test_a_recording_whose_mean_differs_is_a_condition() -> None:
     """All recordings of a set share one zero, so their means compare: 0.8 um is no noise of a mean."""
-    ways = [
-        recorded(drawn(FILE), seed=k, begin=0.3 * k, per_mesh=8, added=lambda m, k=k: np.full(m.part.size, 0.8 * (k == 2)))  # type: ignore[misc]
-        for k in range(3)
-    ]
+
+    def off(um: float) -> Added:
+        return lambda m: np.full(m.part.size, um)
+
+    ways = [recorded(drawn(FILE), seed=k, begin=0.3 * k, per_mesh=8, added=off(um)) for k, um in enumerate((0, 0, 0.8))]
     found = told(FILE, *ways)
     (one,) = standing(found)
     assert (one["kind"], one["recordings"]) == ("condition", [2])
@@ -30,10 +43,11 @@ def test_a_recording_whose_mean_differs_is_a_condition() -> None:
 
 def test_what_turns_in_one_recording_alone_is_told_of_that_one() -> None:
     """An order of a shaft is looked for in every recording; how large it is each says for itself."""
-    ways = [
-        recorded(drawn(FILE), seed=k, begin=0.3 * k, per_mesh=8, added=lambda m, k=k: 1.5 * k * np.cos(TURN * 5.0 * m.driven))  # type: ignore[misc]
-        for k in range(2)
-    ]
+
+    def order_5(um: float) -> Added:
+        return lambda m: um * np.cos(TURN * 5.0 * m.driven)
+
+    ways = [recorded(drawn(FILE), seed=k, begin=0.3 * k, per_mesh=8, added=order_5(1.5 * k)) for k in range(2)]
     found = told(FILE, *ways)
     (one,) = [e for e in standing(found) if e["kind"] != "condition"]
     assert whole(one, "driven", 5)

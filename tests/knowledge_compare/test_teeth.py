@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,9 +11,11 @@ from gearpoly.units import FloatArray
 from tests.knowledge_compare.made import (
     TURN,
     ZEROS,
-    Z,
+    Added,
+    Entry,
     Motion,
     Told,
+    Z,
     drawn,
     off_deg,
     pair,
@@ -31,15 +35,15 @@ def one_off(um: float, tooth: int = 4) -> FloatArray:
     return np.where(np.arange(Z[1]) == tooth, um, 0.0)
 
 
-def with_tooth(um: float, tooth: int = 4, **more: object) -> Told:
+def with_tooth(um: float, tooth: int = 4, **more: Any) -> Told:
     """One driven tooth stands ``um`` beyond its inspection."""
     true = drawn(pair(pitch_um=(PITCH[0], PITCH[1] + one_off(um, tooth))))
-    return told(FILE, recorded(true, **{"cycles": 1.01, "per_mesh": 8, **more}))  # type: ignore[arg-type]
+    return told(FILE, recorded(true, **{"cycles": 1.01, "per_mesh": 8, **more}))
 
 
-def strongest(found: Told) -> dict[str, object]:
+def strongest(found: Told) -> Entry:
     """The tooth that stands out most."""
-    return dict(max(teeth(found), key=lambda e: float(e["rms_um"])))
+    return max(teeth(found), key=lambda e: float(e["rms_um"]))
 
 
 @pytest.mark.parametrize("um", [-4.0, 4.0])
@@ -48,10 +52,10 @@ def test_a_tooth_out_of_pitch_is_told_with_its_number_its_place_and_its_size(um:
     found = with_tooth(um)
     one = strongest(found)
     assert (one["gear"], one["tooth"]) == ("driven", 4)
-    assert abs(off_deg(one["encoder_deg"], ZEROS[1] + 4 * TURN / Z[1])) < 0.5 * STEP_2  # type: ignore[arg-type]
-    assert 0.5 * abs(um) < float(one["rms_um"]) < 1.5 * abs(um)  # type: ignore[arg-type]
+    assert abs(off_deg(one["encoder_deg"], ZEROS[1] + 4 * TURN / Z[1])) < 0.5 * STEP_2
+    assert 0.5 * abs(um) < float(one["rms_um"]) < 1.5 * abs(um)
     # More material on the driven flank lets it run ahead.
-    assert np.sign(float(one.get("amplitude_um", um))) == np.sign(um)  # type: ignore[arg-type]
+    assert np.sign(float(one.get("amplitude_um", um))) == np.sign(um)
     assert {e["gear"] for e in teeth(found)} == {"driven"}
 
 
@@ -62,7 +66,7 @@ def test_a_spall_is_told_by_its_side_of_the_pitch_point() -> None:
     one = strongest(found)
     assert (one["gear"], one["tooth"]) == ("driven", 4)
     # The driven tooth meets its mate tip first: beyond the pitch circle of 13 mm is the entry side.
-    low, high = one["phase"]  # type: ignore[misc]
+    low, high = one["phase"]
     assert low < -0.1
     assert high < 0.25
 
@@ -98,7 +102,7 @@ def test_a_single_tooth_in_few_samples_per_mesh_is_still_that_tooth() -> None:
     assert (one["gear"], one["tooth"]) == ("driven", 4)
 
 
-def wandering(seed: int, um: float) -> object:
+def wandering(seed: int, um: float) -> Added:
     """A slow wander with a memory of a turn or so, of rms ``um``."""
 
     def made(m: Motion) -> FloatArray:
@@ -121,7 +125,7 @@ def test_one_sample_per_mesh_in_wandering_noise_shows_no_tooth() -> None:
     for seed in (1, 2):
         found = told(
             plain,
-            recorded(drawn(plain), seed=seed, meshes=9.0 * Z[1], per_mesh=1.1, noise=0.5, added=wandering(seed, 5.0)),  # type: ignore[arg-type]
+            recorded(drawn(plain), seed=seed, meshes=9.0 * Z[1], per_mesh=1.1, noise=0.5, added=wandering(seed, 5.0)),
         )
         assert teeth(found) == []
 
@@ -129,7 +133,7 @@ def test_one_sample_per_mesh_in_wandering_noise_shows_no_tooth() -> None:
 def test_a_recording_of_less_than_two_turns_shows_no_tooth() -> None:
     """Nothing of the gear has come again yet: what stands out once is no tooth."""
     plain = pair()
-    found = told(plain, recorded(drawn(plain), meshes=1.8 * Z[1], per_mesh=24, noise=0.5, added=wandering(3, 2.0)))  # type: ignore[arg-type]
+    found = told(plain, recorded(drawn(plain), meshes=1.8 * Z[1], per_mesh=24, noise=0.5, added=wandering(3, 2.0)))
     assert teeth(found, "driven") == []
 
 
@@ -141,7 +145,7 @@ def test_a_tooth_that_only_load_shows_is_told_in_that_recording() -> None:
     found = told(file, *ways)
     one = strongest(found)
     assert (one["gear"], one["tooth"]) == ("driven", 4)
-    assert 1 in one["recordings"]  # type: ignore[operator]
+    assert 1 in one["recordings"]
 
 
 def test_a_tooth_of_the_coast_flank_keeps_its_number() -> None:
@@ -153,7 +157,7 @@ def test_a_tooth_of_the_coast_flank_keeps_its_number() -> None:
     found = told(file, recorded(drawn(true), flank="coast", cycles=1.01, per_mesh=8))
     one = strongest(found)
     assert (one["gear"], one["tooth"]) == ("driven", 4)
-    assert float(one.get("amplitude_um", 1.0)) > 0.0  # type: ignore[arg-type]
+    assert float(one.get("amplitude_um", 1.0)) > 0.0
 
 
 def test_a_wave_is_not_so_many_teeth() -> None:
