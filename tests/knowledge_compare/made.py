@@ -116,6 +116,17 @@ def noise_um(seed: int, n: int, size: float, *, correlation: float = 0.0) -> Flo
     return np.asarray(lfilter([math.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)[500:])
 
 
+def wandering(seed: int, um: float) -> Added:
+    """A random walk that forgets within 2000 samples, of rms ``um``: what rigs and their rooms do."""
+
+    def made(m: Motion) -> FloatArray:
+        white = np.random.default_rng(seed).normal(size=m.part.size + 8000)
+        walk = np.asarray(lfilter([1.0], [1.0, -0.9995], white)[8000:])
+        return np.asarray(um * math.sqrt(1.0 - 0.9995**2) * walk)
+
+    return made
+
+
 @cache
 def _mesh(true: Assembled, n: int, begin: float, span: float, jitter: float, seed: int, flank: Flank, torque: float,
           wobble: float) -> tuple[FloatArray, FloatArray]:  # fmt: skip
