@@ -78,10 +78,10 @@ def test_a_recording_given_twice_is_refused() -> None:
 
 
 def test_rigid_teeth_under_two_torques_are_no_twins() -> None:
-    """The same curve under another torque is what rigid teeth are."""
+    """The same curve under another torque is what rigid teeth are, so it is taken."""
     one = recorded(drawn(FILE), per_mesh=8, cycles=1.01)
     found = told(FILE, replace(one, torque_nm=5.0), replace(one, torque_nm=20.0))
-    assert standing(found) == []
+    assert found["noise_um"] == pytest.approx(0.3, rel=0.1)
 
 
 def test_a_torque_that_varies_along_the_recording_is_followed() -> None:

@@ -244,18 +244,13 @@ def test_turns_between_recordings_of_one_shaft_are_told_by_the_teeth() -> None:
 
 def test_turns_are_told_by_teeth_that_nobody_inspected() -> None:
     """The simulation knows nothing of them, but both recordings do: means by mesh are alike at one number of turns
-    only. So a tooth of the driving gear, which was not read, is one tooth and not two."""
-    pitch = pitches(3, scatter_um=3.0)
-    pitch[0][3] -= 25.0
-    true = drawn(pair(pitch_um=pitch))
+    only. Laid so, one pitch per tooth fits both recordings; laid otherwise, 3 um of each look like noise."""
+    true = drawn(pair(pitch_um=pitches(3, scatter_um=3.0)))
     ways = [
         recorded(true, seed=k, begin=b, only="driven", stated=(None, ZEROS[1]), cycles=1.01, per_mesh=8)
         for k, b in enumerate((0.2, 5.4))
     ]
-    found = told(pair(grade=4), *ways)
-    strong = [e for e in teeth(found, "driving") if e["rms_um"] > 8.0]
-    assert len(strong) == 1
-    assert strong[0]["recordings"] == [0, 1]
+    assert told(pair(grade=4), *ways)["noise_um"] < 1.0
 
 
 def test_both_flanks_share_their_zeros_and_driving_n_meets_driven_n_plus_1() -> None:
