@@ -121,11 +121,7 @@ def test_a_step_in_the_last_turn_may_be_teeth() -> None:
     [
         (0, 0.2),
         (1, 0.2),
-        pytest.param(
-            2,
-            2.0,
-            marks=pytest.mark.xfail(strict=False, reason="today a wander of seven times the noise steps"),
-        ),
+        (2, 2.0),
     ],
 )
 def test_noise_that_wanders_does_not_step(seed: int, um: float) -> None:
