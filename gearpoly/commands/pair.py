@@ -36,9 +36,7 @@ def pair(
     target: Annotated[
         Path | None, typer.Argument(metavar="[PAIR]", help="With --from: the pair file to write, or to complete.")
     ] = None,
-    new: Annotated[
-        Path | None, typer.Option(help="Write a commented pair file that runs as it stands (TOML).")
-    ] = None,
+    new: Annotated[Path | None, typer.Option(help="Write a commented pair file that runs as it stands (TOML).")] = None,
     sheet: Annotated[
         Path | None, typer.Option(help="With --new: write an empty inspection sheet too (CSV), which the file reads.")
     ] = None,

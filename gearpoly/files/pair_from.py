@@ -23,7 +23,7 @@ START = 512
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """What a user says beside the file: which gear it is, its drive flank, the direction of counting, a map, a stage."""
+    """What a user says beside the file: which gear, its drive flank, the direction of counting, a map, a stage."""
 
     which: Which | None = None
     drive: Side | None = None
@@ -57,7 +57,9 @@ def pair_from(source: Path, target: Path, choices: Choices) -> Made:
     if is_design(source, start):
         for option, value in (("--flank", choices.drive), ("--count", choices.count), ("--map", choices.layout)):
             if value is not None:
-                raise InputFileError(source, found=f"a design, and {option}", wish=f"leave {option} out: designs need none")
+                raise InputFileError(
+                    source, found=f"a design, and {option}", wish=f"leave {option} out: designs need none"
+                )
         says = write_design(source, target, stage=choices.stage, first=choices.which)
         return Made(files=((target, f"a pair file with the design of {source.name}"),), says=tuple(says))
     if choices.stage is not None:

@@ -6,7 +6,7 @@ Closed forms of ISO 21771:2007 (4.2, 5.3): d_a = m (z + 2 x + 2 h_aP), d_f = m (
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from gearpoly.files.kinds import broken
 
@@ -17,6 +17,10 @@ DIGITS = 12
 
 LEAST_PITCH, MOST_PITCH = 0.254, 508.0
 """Diametral pitches of modules 100 and 0.05 mm, the bounds of a pair file."""
+
+
+LEAST_TEETH = 5
+"""Of a gear in a pair file; fewer are refused there, whatever their sizes are."""
 
 
 def module_of(P_d: float) -> float:
@@ -53,7 +57,7 @@ def with_sizes(raw: Mapping[str, Any]) -> dict[str, Any]:
     if _positive(pitch) and LEAST_PITCH <= pitch <= MOST_PITCH:
         out["module_mm"] = module_of(float(out.pop("diametral_pitch")))
     z, m = out.get("teeth"), out.get("module_mm")
-    if not (_positive(z) and isinstance(z, int) and _positive(m)):
+    if not (isinstance(z, int) and _positive(z) and z >= LEAST_TEETH and _positive(m)):
         return out
     tip = out.get("tip_diameter_mm")
     if _positive(tip):
@@ -66,7 +70,9 @@ def with_sizes(raw: Mapping[str, Any]) -> dict[str, Any]:
         h_fP = dedendum_of(root, z=z, m=m, x=x)
         if not 0.0 < h_fP <= 4.0:
             found = f"{root}, which makes dedendum = {h_fP:.6g}"
-            broken("root_diameter_mm", found, f"want a diameter in mm below {m * (z + 2.0 * x):.6g}, by at most 8 modules")
+            broken(
+                "root_diameter_mm", found, f"want a diameter in mm below {m * (z + 2.0 * x):.6g}, by at most 8 modules"
+            )
         out["dedendum"] = h_fP
         del out["root_diameter_mm"]
     return out
@@ -84,24 +90,22 @@ def _tip(out: dict[str, Any], z: int, m: float) -> None:
     if h_aP is not None and x is not None:
         found = f"{d_a}, and both addendum = {h_aP} and profile_shift = {x}"
         broken("tip_diameter_mm", found, "want two of the three, since each follows from the others")
-    if not _number(h_aP if x is None else x):
+    if _number(h_aP):
+        name, rest, value, low, high = "profile_shift", h_aP, profile_shift_of(d_a, z=z, m=m, h_aP=h_aP), -5.0, 5.0
+    elif _number(x):
+        name, rest, value, low, high = "addendum", x, addendum_of(d_a, z=z, m=m, x=x), 0.0, 3.0
+    else:
         return
-    name, value, low, high = (
-        ("profile_shift", profile_shift_of(d_a, z=z, m=m, h_aP=h_aP), -5.0, 5.0)
-        if x is None
-        else ("addendum", addendum_of(d_a, z=z, m=m, x=x), 0.0, 3.0)
-    )
     if not low <= value <= high or (name == "addendum" and value == 0.0):
-        rest = h_aP if x is None else x
         span = f"from {m * (z + 2.0 * (rest + low)):.6g} to {m * (z + 2.0 * (rest + high)):.6g}"
         broken("tip_diameter_mm", f"{d_a}, which makes {name} = {value:.6g}", f"want a diameter in mm {span}")
     out[name] = value
     del out["tip_diameter_mm"]
 
 
-def _number(value: object) -> bool:
+def _number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1e6
 
 
-def _positive(value: object) -> bool:
-    return _number(value) and value > 0  # type: ignore[operator]
+def _positive(value: object) -> TypeGuard[float]:
+    return _number(value) and value > 0

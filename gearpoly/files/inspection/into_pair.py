@@ -47,7 +47,9 @@ class Target:
         except PydanticCustomError as error:
             rule = error.context or {}
             where = f"{which}.{rule.get('key')}"
-            raise InputFileError(self.file, where=where, found=rule.get("found", ""), wish=rule.get("wish", "")) from None
+            raise InputFileError(
+                self.file, where=where, found=rule.get("found", ""), wish=rule.get("wish", "")
+            ) from None
 
 
 def read_target(file: Path, *, which: Which) -> Target:
@@ -104,8 +106,8 @@ def write_gear(target: Target, sheet: MeasuredGear, keys: Translated, *, which: 
         _check(file, raw)
     else:
         says.append(
-            f"{file.name} has no [{mate}] yet: run this command for that gear too, with --as {mate}, or state its teeth "
-            "and module in the file"
+            f"{file.name} has no [{mate}] yet: run this command for that gear too, with --as {mate}, or state its "
+            "teeth and module in the file"
         )
     written = []
     if keys.traces:
@@ -142,11 +144,17 @@ def _own(sheet: MeasuredGear, geometry: Mapping[str, float], which: Which) -> tu
         wish = "want [gear] module_mm in a file that --map names, or a pair file that has the gear already"
         raise InputFileError(sheet.file, found="no module", wish=wish)
     own: dict[str, object] = {"teeth": int(geometry["teeth"])}
-    own |= {key: geometry[key] for key in ("module_mm", "pressure_angle_deg", "profile_shift", "face_width_mm") if key in geometry}
+    own |= {
+        key: geometry[key]
+        for key in ("module_mm", "pressure_angle_deg", "profile_shift", "face_width_mm")
+        if key in geometry
+    }
     says = []
     for key, value in (("pressure_angle_deg", "20 deg"), ("profile_shift", "0")):
         if key not in geometry:
-            says.append(f"{sheet.file.name} does not state {key}: {value} is taken; state it in [{which}] where it is not")
+            says.append(
+                f"{sheet.file.name} does not state {key}: {value} is taken; state it in [{which}] where it is not"
+            )
     if "tip_diameter_mm" in geometry:
         if "profile_shift" in geometry:
             own["tip_diameter_mm"] = geometry["tip_diameter_mm"]
@@ -159,7 +167,8 @@ def _own(sheet: MeasuredGear, geometry: Mapping[str, float], which: Which) -> tu
 
 
 def _beginning(sheet: MeasuredGear) -> str:
-    return f"# A pair file of gearpoly, begun from {sheet.file.name}. All keys: docs/pair_file.md.\n\nname = {value_text(sheet.name[:NAME_SHOWN])}"
+    head = f"# A pair file of gearpoly, begun from {sheet.file.name}. All keys: docs/pair_file.md."
+    return f"{head}\n\nname = {value_text(sheet.name[:NAME_SHOWN])}"
 
 
 def traces_text(traces: Sequence[OwnTrace], source: str) -> str:
@@ -167,7 +176,5 @@ def traces_text(traces: Sequence[OwnTrace], source: str) -> str:
     lines = [f"# measured profiles from {source}: deviation normal to the flank, positive = more material"]
     lines.append("tooth,flank,roll_length_mm,deviation_um")
     for one in traces:
-        lines += [
-            f"{one.tooth},{one.flank},{l!r},{d!r}" for l, d in zip(one.roll_length, one.deviation, strict=True)
-        ]
+        lines += [f"{one.tooth},{one.flank},{l!r},{d!r}" for l, d in zip(one.roll_length, one.deviation, strict=True)]
     return "\n".join(lines) + "\n"

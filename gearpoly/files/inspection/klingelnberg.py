@@ -13,6 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Profile, Side, Turn
 from gearpoly.files.inspection.klingelnberg_text import (
@@ -63,7 +65,7 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
     header = _header(export)
     for key, value in known.items():
         _agree(file, key, header.get(key), value)
-    header = {**{key: value for key, value in known.items()}, **header}
+    header = {**known, **header}
     if abs(header.pop("helix_deg", 0.0)) > 0.0:
         raise InputFileError(file, found="a helix angle", wish="want a spur gear; gearpoly has no helical ones")
     if "teeth" not in header:
@@ -89,8 +91,11 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
     outside = ("start_mm", "end_mm")
     return MeasuredGear(
         file=file,
-        name=shown(next((f.value for f in export.fields if re.search(r"^ME/|part|teil", f.label, re.I)), file.stem) or
-                   file.stem, width=NAME_SHOWN),
+        name=shown(
+            next((f.value for f in export.fields if re.search(r"^ME/|part|teil", f.label, re.I)), file.stem)
+            or file.stem,
+            width=NAME_SHOWN,
+        ),
         geometry={key: value for key, value in header.items() if key not in outside},
         count=found or count,
         arcs=arcs,
@@ -103,7 +108,9 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
 
 def _agree(file: Path, key: str, found: float | None, stated: float) -> None:
     if found is not None and abs(found - stated) > 1e-3 * max(abs(stated), 0.1):
-        raise InputFileError(file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish="want one gear")
+        raise InputFileError(
+            file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish="want one gear"
+        )
 
 
 def _header(export: Export) -> dict[str, float]:
@@ -111,7 +118,9 @@ def _header(export: Export) -> dict[str, float]:
     out: dict[str, float] = {}
     for key, pattern in LABELS.items():
         for line in export.fields:
-            plain = key not in ("start_mm", "end_mm") and re.search(r"\b(start|anfang|ende?|beginn?)\b", line.label, re.I)
+            plain = key not in ("start_mm", "end_mm") and re.search(
+                r"\b(start|anfang|ende?|beginn?)\b", line.label, re.I
+            )
             numbers = line.numbers()
             if numbers and not plain and re.search(pattern, line.label, re.IGNORECASE):
                 out[key] = numbers[0]
@@ -186,7 +195,9 @@ class _Gear:
         high = _roll(self.need("end_mm", "end of the measured range (de)"), r_b)
         if not low < high or high > 3.0 * r:
             found = f"a measured range from {self.header['start_mm']:g} to {self.header['end_mm']:g} mm"
-            raise self.fault(0, found, "want diameters, the first (da) smaller: state [gear] start_mm and end_mm in a map")
+            raise self.fault(
+                0, found, "want diameters, the first (da) smaller: state [gear] start_mm and end_mm in a map"
+            )
         l_r = math.sqrt(r * r - r_b * r_b)
         out = []
         for curve in kept:
@@ -195,9 +206,11 @@ class _Gear:
                 (low + (high - low) * k / (n - 1), d) for k, d in enumerate(curve.values) if n > 1 and math.isfinite(d)
             ]
             if len(points) < 2 or any(abs(d) > DEVIATION_LIMIT_UM for _, d in points):
-                raise self.fault(curve.line, f"a profile with {len(points)} points in um", "want at least 2; measure it")
+                raise self.fault(
+                    curve.line, f"a profile with {len(points)} points in um", "want at least 2; measure it"
+                )
             # Pitch says where the flank stands; the level of a trace depends on how the machine was set to zero.
-            level = min(points, key=lambda point: abs(point[0] - l_r))[1]
+            level = float(np.interp(l_r, [l for l, _ in points], [d for _, d in points]))
             out.append(
                 Profile(
                     tooth=curve.tooth,
@@ -239,7 +252,9 @@ class _Gear:
     def shapes(self) -> dict[str, dict[Side, float]]:
         """Mean slope and crowning of each side from a file of values, um."""
         out: dict[str, dict[Side, float]] = {}
-        signs = next((f for f in self.export.fields if re.search(r"FHA\b", f"{f.label} {f.value}") and "-" in f.value), None)
+        signs = next(
+            (f for f in self.export.fields if re.search(r"FHA\b", f"{f.label} {f.value}") and "-" in f.value), None
+        )
         for key, pattern in SHAPES.items():
             for side in SIDES:
                 names = "|".join(word for word, one in SIDE.items() if one == side and len(word) > 1)
@@ -268,7 +283,9 @@ class _Gear:
             self.says.append(f"a span of {W:.4f} mm is over {k} teeth, the only number that comes near it")
             return {"span_mm": round(W, 5), "span_teeth": float(k)}
         if pins:
-            ball = next((f.numbers()[0] for f in self.export.fields if re.search(BALL, f.label, re.I) and f.numbers()), None)
+            ball = next(
+                (f.numbers()[0] for f in self.export.fields if re.search(BALL, f.label, re.I) and f.numbers()), None
+            )
             if ball is None or ball <= 0.0:
                 self.says.append("sizes over balls are not taken: the header does not state the diameter of the balls")
                 return {}

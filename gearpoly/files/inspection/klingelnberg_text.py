@@ -204,7 +204,9 @@ class _Lines:
             raise self.fault(f"a curve of {len(values)} values, and its head says {count}", "export the file again")
         title = (head["title"] or self.title).lower()
         kind: Literal["profile", "other"] = (
-            "profile" if title in ("profil", "profile") and not head["twist"] and head["axis"].lower() == "z" else "other"
+            "profile"
+            if title in ("profil", "profile") and not head["twist"] and head["axis"].lower() == "z"
+            else "other"
         )
         self.out.curves.append(
             Curve(

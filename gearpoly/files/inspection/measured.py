@@ -120,6 +120,10 @@ def translated(sheet: MeasuredGear, *, which: Which, drive: Side) -> Translated:
                 listed_value = _row(np.asarray(value)[order]) if isinstance(value, tuple) else round(value, DIGITS)
                 keys[key.replace("_um", f"{flanks[side]}_um")] = listed_value
     says += _others(keys, traces, sheet.z)
+    if sheet.thickness is None and not sheet.sizes and not sheet.material:
+        says.append(
+            "it states no tooth thickness: the nominal one is taken; state span_mm, over_pins_mm or tooth_thickness_um"
+        )
     return Translated(keys=keys | dict(sheet.sizes), traces=traces, says=(*sheet.says, *says))
 
 
@@ -134,7 +138,7 @@ def _order(sheet: MeasuredGear, which: Which, drive: Side) -> tuple[list[int], f
         raise InputFileError(
             sheet.file,
             found="it does not say in which direction teeth are counted",
-            wish="say --count clockwise or --count counterclockwise, seen on the datum face (ISO 1328-1 counts clockwise)",
+            wish="say --count clockwise or counterclockwise, seen on the datum face; ISO 1328-1 counts clockwise",
         )
     meshing = "clockwise" if (which == "driving") == (drive == "left") else "counterclockwise"
     sense = 1 if sheet.count == meshing else -1

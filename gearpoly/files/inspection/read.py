@@ -49,7 +49,9 @@ def _gde(file: Path, count: Turn | None) -> MeasuredGear:
     gear = read_gde(file)
     if count is not None and count != gear.count:
         wish = "leave --count out, the file states it"
-        raise InputFileError(file, where="inspection", found=f'tooth_count = "{gear.count}", and --count {count}', wish=wish)
+        raise InputFileError(
+            file, where="inspection", found=f'tooth_count = "{gear.count}", and --count {count}', wish=wish
+        )
     return MeasuredGear(
         file=file,
         name=gear.name,

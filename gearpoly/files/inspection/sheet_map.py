@@ -56,7 +56,9 @@ class SheetMap(Section):
         "direction in which teeth are counted, seen on the datum face"
     )
     first_tooth: Literal[0, 1] | None = field("number of the first tooth")
-    columns: Annotated[dict[str, Meaning], Field(max_length=500)] = field("column heads and what they hold, a table", {})
+    columns: Annotated[dict[str, Meaning], Field(max_length=500)] = field(
+        "column heads and what they hold, a table", {}
+    )
     gear: StatedGear = field("what is known of the gear beside its sheet, a table", StatedGear())
 
     @property

@@ -9,7 +9,6 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import cast
 
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side, Turn
@@ -29,8 +28,8 @@ HEADS = (
     ("cumulative_pitch", r"(F_?p|F_?pn)\b"),
     ("single_pitch", r"(einzelteilung|teilungs-?einzel|single pitch)"),
     ("cumulative_pitch", r"(teilungs-?summen|summenteilung|gesamtteilung|cumulative pitch|index)"),
-    ("profile_slope", r"(f_?H(a|alpha|α)\b|profilwinkel|profile slope)"),
-    ("profile_crowning", r"(C_?(a|alpha|α)\b|profilballigkeit|profile crown)"),
+    ("profile_slope", r"(f_?H(a|alpha|\u03b1)\b|profilwinkel|profile slope)"),
+    ("profile_crowning", r"(C_?(a|alpha|\u03b1)\b|profilballigkeit|profile crown)"),
     ("tooth_thickness", r"(E_?sn?\b|zahndicken?abma|tooth thickness dev)"),
 )
 """What a head means by how it begins; f_p and F_p differ by their case alone."""
@@ -62,8 +61,7 @@ def read_table(file: Path, layout: SheetMap, *, known: Mapping[str, float], coun
     if not teeth or first not in (0, 1) or teeth != list(range(first, first + z)) or not 5 <= z <= 10_000:
         wish = f"want a row for each of the {z} teeth, numbered from 0 or 1"
         raise InputFileError(file, found=f"rows of {len(teeth)} teeth" if teeth else "no rows of teeth", wish=wish)
-    gear = _gear(file, values, z, first, known, says)
-    return MeasuredGear(file=file, name=shown(file.stem, width=NAME_SHOWN), count=count or layout.count, **gear)
+    return _gear(file, values, z, first, known, says, count or layout.count)
 
 
 def _rows(file: Path, layout: SheetMap) -> list[tuple[int, list[str]]]:
@@ -72,9 +70,11 @@ def _rows(file: Path, layout: SheetMap) -> list[tuple[int, list[str]]]:
     if long := next((k for k, line in enumerate(lines, start=1) if len(line) > LINE_LIMIT), None):
         found = f"{len(lines[long - 1])} characters"
         raise InputFileError(file, where=f"line {long}", found=found, wish=f"want lines of at most {LINE_LIMIT}")
-    kept = [(k, line) for k, line in enumerate(lines, start=1) if line.strip() and not line.lstrip(' "').startswith("#")]
+    kept = [
+        (k, line) for k, line in enumerate(lines, start=1) if line.strip() and not line.lstrip(' "').startswith("#")
+    ]
     # The separator of a table stands equally often in most of its lines.
-    separator = layout.separator
+    separator: str | None = layout.separator
     if separator is None:
         counts = {one: Counter(line.count(one) for _, line in kept) for one in SEPARATORS}
         often = {one: max((n for times, n in found.items() if times), default=0) for one, found in counts.items()}
@@ -92,7 +92,7 @@ def _head(file: Path, rows: list[tuple[int, list[str]]], layout: SheetMap) -> tu
         if not layout.columns and any(_meaning(cell)[0] == "tooth" for cell in cells) and len(cells) > 1:
             return line, cells
     wanted = f"with {', '.join(map(shown, layout.columns))}" if layout.columns else "with Zahn or tooth"
-    wish = f"want a line of column names {wanted}; a file that --map names may say which: [columns] \"NAME\" = \"tooth\""
+    wish = f'want a line of column names {wanted}; a file that --map names may say which: [columns] "NAME" = "tooth"'
     raise InputFileError(file, found="no line of column names", wish=wish)
 
 
@@ -120,13 +120,15 @@ def _meanings(
         stated = layout.columns.get(head)
         if stated is not None:
             stem, _, tail = stated.rpartition("_")
-            meaning, side = (stem, cast(Side, tail)) if tail in SIDES else (stated, None)
+            meaning, side = (stem, SIDE[tail]) if tail in SIDES else (stated, None)
         elif layout.columns:
             meaning, side = "ignored", None
         else:
             meaning, side = _meaning(head)
         if not meaning:
-            wish = f'say in a file that --map names what it holds: [columns] "{shown(head)}" = "ignored", or another word'
+            wish = (
+                f'say in a file that --map names what it holds: [columns] "{shown(head)}" = "ignored", or another word'
+            )
             raise InputFileError(file, where=f"line {line}, column {k}", found=f'"{shown(head)}"', wish=wish)
         if (meaning, side) in meanings and meaning != "ignored":
             wish = 'want each once; state [columns] in a file that --map names, and "ignored" for the others'
@@ -148,7 +150,9 @@ def _meanings(
         raise InputFileError(file, where=f"line {line}", found="no column of teeth", wish=wish)
     sided = [side for meaning, side in meanings if meaning in SIGNED]
     if "flank" not in found and None in sided:
-        head = next(head for head, (meaning, side) in zip(heads, meanings, strict=True) if meaning in SIGNED and not side)
+        head = next(
+            head for head, (meaning, side) in zip(heads, meanings, strict=True) if meaning in SIGNED and not side
+        )
         wish = "want left or right in its name, or a column of flanks; or say it in a file that --map names"
         raise InputFileError(file, where=f"line {line}", found=f'"{shown(head)}" of which flank', wish=wish)
     return meanings, factors, says
@@ -185,7 +189,9 @@ def _row(
             continue
         value = parse_number(cell.replace(",", ".") if decimal == "," else cell)
         if value is None or not abs(value * factor) <= DEVIATION_LIMIT_UM:
-            wish = f'want a number with decimal "{decimal}", at most {DEVIATION_LIMIT_UM:.0f} um; a map may state decimal'
+            wish = (
+                f'want a number with decimal "{decimal}", at most {DEVIATION_LIMIT_UM:.0f} um; a map may state decimal'
+            )
             raise InputFileError(file, where=f"line {line}, column {k}", found=f'"{shown(cell)}"', wish=wish)
         # Thickness is of the tooth, whichever flank's row it stands in.
         key: tuple[str, Side] = (meaning, "left" if meaning == "tooth_thickness" else side or row_side or "left")
@@ -202,8 +208,9 @@ def _gear(
     first: int,
     known: Mapping[str, float],
     says: list[str],
-) -> dict[str, object]:
-    """The fields of a measured gear from its columns."""
+    count: Turn | None,
+) -> MeasuredGear:
+    """The gear of the columns ``values``."""
     rows: dict[tuple[str, Side], tuple[float, ...]] = {}
     for (meaning, side), column in values.items():
         missing = next((n for n in range(first, first + z) if n not in column), None)
@@ -220,7 +227,9 @@ def _gear(
                 # A sheet prints 0.1 um; three roundings of half a digit differ by less than this.
                 off = max(range(z), key=lambda n: abs(sums[n] - sums[n - 1] - single[n]))
                 if not math.isclose(sums[off] - sums[off - 1], single[off], rel_tol=0.0, abs_tol=0.2):
-                    found = f"f_p = {single[off]:g} of tooth {off + first}, and F_p steps by {sums[off] - sums[off - 1]:g}"
+                    found = (
+                        f"f_p = {single[off]:g} of tooth {off + first}, and F_p steps by {sums[off] - sums[off - 1]:g}"
+                    )
                     wish = "want F_p(n) - F_p(n-1) = f_p(n); if one is another quantity, call it ignored in a map"
                     raise InputFileError(file, found=found, wish=wish)
         elif single is not None:
@@ -234,10 +243,13 @@ def _gear(
         says.append("f_p is taken as the pitch from tooth n - 1 to n, positive = too large; F_p as its running sum")
     if not (arcs or shapes or ("tooth_thickness", "left") in rows):
         raise InputFileError(file, found="nothing measured", wish="want columns of pitch, profile or thickness")
-    return {
-        "geometry": {"teeth": float(z)} | {key: v for key, v in known.items() if key not in ("start_mm", "end_mm")},
-        "arcs": arcs,
-        "thickness": rows.get(("tooth_thickness", "left")),
-        "shapes": shapes,
-        "says": tuple(says),
-    }
+    return MeasuredGear(
+        file=file,
+        name=shown(file.stem, width=NAME_SHOWN),
+        geometry={"teeth": float(z)} | {key: v for key, v in known.items() if key not in ("start_mm", "end_mm")},
+        count=count,
+        arcs=arcs,
+        thickness=rows.get(("tooth_thickness", "left")),
+        shapes=shapes,
+        says=tuple(says),
+    )

@@ -85,7 +85,9 @@ class GearOfDesign:
             return usual
         if max(values) - min(values) > SAME:
             text = " and ".join(f"{side} {value:g}" for side, value in found.items() if value is not None)
-            raise self.model.fault(self.gear, name, text, "want the same on both flanks; gearpoly's gears are symmetric")
+            raise self.model.fault(
+                self.gear, name, text, "want the same on both flanks; gearpoly's gears are symmetric"
+            )
         return values[0]
 
     def blank(self, flanks: dict[Side, Component], m: float) -> None:
@@ -95,7 +97,9 @@ class GearOfDesign:
         origins = (self.gear.id, *(one.id for one in flanks.values()))
         tools = {t.id: t for one in origins for t in self.model.related(one, TOOL_RELATIONS, "rack_shaped_tool")}
         if len(tools) > 1:
-            self.says.append(f"{called(self.gear)} is cut by {len(tools)} tools: none is taken, state dedendum and root_radius")
+            self.says.append(
+                f"{called(self.gear)} is cut by {len(tools)} tools: none is taken, state dedendum and root_radius"
+            )
         tool = next(iter(tools.values())) if len(tools) == 1 else None
         basic = [number(one, "addendum_coefficient_basic_profile", "none") for one in flanks.values()]
         if tip is not None:
@@ -115,7 +119,8 @@ class GearOfDesign:
         if tool is not None:
             radius = number(tool, "tip_corner_radius_reference_profile", "mm")
             factors = (
-                number(tool, name, "none") for name in ("tip_corner_radius_factor_reference_profile", "tip_radius_factor")
+                number(tool, name, "none")
+                for name in ("tip_corner_radius_factor_reference_profile", "tip_radius_factor")
             )
             factor = radius / m if radius is not None else next((one for one in factors if one is not None), None)
             if factor is not None:
@@ -139,7 +144,9 @@ class GearOfDesign:
             if "allowance" in name or name.startswith("tooth_thickness_deviation") or "_din_396" in name
         )  # fmt: skip
         if others:
-            self.says.append(f"{called(self.gear)}: not taken: {', '.join(map(shown, others[:6]))}; state [driving.limits]")
+            self.says.append(
+                f"{called(self.gear)}: not taken: {', '.join(map(shown, others[:6]))}; state [driving.limits]"
+            )
 
     def modifications(self, flanks: dict[Side, Component]) -> None:
         """Tip relief and crowning of the flanks that have them."""
@@ -157,10 +164,14 @@ class GearOfDesign:
                     reliefs[side] = relief
                 elif c is not None and side not in crowning:
                     crowning[side] = c
-                elif one.type.startswith(("profile_", "helix_", "tip_", "root_", "end_", "triangular_", "topographical")):
+                elif one.type.startswith(
+                    ("profile_", "helix_", "tip_", "root_", "end_", "triangular_", "topographical")
+                ):
                     left_out.add(called(one))
         if left_out:
-            self.says.append(f"{called(self.gear)}: modifications that are not taken: {', '.join(sorted(left_out)[:6])}")
+            self.says.append(
+                f"{called(self.gear)}: modifications that are not taken: {', '.join(sorted(left_out)[:6])}"
+            )
         self.relieved(reliefs)
         if crowning:
             self.crowned(crowning)
@@ -183,8 +194,12 @@ class GearOfDesign:
         number = self.model.number
         depth, shape = number(one, "tip_relief_depth", "mm"), one.attributes.get("shape_of_relief")
         power = SHAPES.get(str(shape.value)) if shape is not None else 1
-        z, m, alpha, x = (float(str(self.keys[key])) for key in ("teeth", "module_mm", "pressure_angle_deg", "profile_shift"))
-        r_a = 0.5 * float(str(self.keys.get("tip_diameter_mm", m * (z + 2.0 * x + 2.0 * float(str(self.keys.get("addendum", 1.0)))))))
+        z, m, alpha, x = (
+            float(str(self.keys[key])) for key in ("teeth", "module_mm", "pressure_angle_deg", "profile_shift")
+        )
+        r_a = 0.5 * float(
+            str(self.keys.get("tip_diameter_mm", m * (z + 2.0 * x + 2.0 * float(str(self.keys.get("addendum", 1.0))))))
+        )
         r_b = 0.5 * m * z * math.cos(math.radians(alpha))
         l_a = math.sqrt(max(0.0, r_a * r_a - r_b * r_b))
         d_start, length = number(one, "tip_relief_datum_diameter", "mm"), number(one, "tip_relief_datum_length", "mm")
@@ -207,7 +222,11 @@ class GearOfDesign:
         """A parabolic crowning in um that takes as much at the root as at the tip, else None."""
         tip, root = (self.model.number(one, f"profile_crowning_at_{end}", "mm") for end in ("tip", "root"))
         shape = one.attributes.get("shape_of_profile_crowning")
-        if tip is None or (root is not None and abs(tip - root) > 1e-9) or (shape is not None and shape.value != "parabolic"):
+        if (
+            tip is None
+            or (root is not None and abs(tip - root) > 1e-9)
+            or (shape is not None and shape.value != "parabolic")
+        ):
             return None
         return round(1e3 * tip, 6)
 

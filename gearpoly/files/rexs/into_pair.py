@@ -34,7 +34,9 @@ class Stage:
 
     def words(self, model: Model) -> str:
         """The stage in a list to choose from."""
-        teeth = " / ".join(str(g.attributes["number_of_teeth"].value) if "number_of_teeth" in g.attributes else "?" for g in self.gears)
+        teeth = " / ".join(
+            str(g.attributes["number_of_teeth"].value) if "number_of_teeth" in g.attributes else "?" for g in self.gears
+        )
         why = "; ".join(dict.fromkeys(filter(None, (why_not(model, gear) for gear in self.gears))))
         return f"{self.stage.id} ({shown(teeth)} teeth{', ' + why if why else ''})"
 
@@ -63,8 +65,12 @@ def write_design(source: Path, target: Path, *, stage: int | None, first: Which 
         pair = PairFile.model_validate(raw)
     except ValidationError as error:
         raise explain(source, raw, error) from None
-    head = [f"# A pair file of gearpoly, from {shown(source.name)}, stage {chosen.stage.id}. All keys: docs/pair_file.md."]
-    write_text(target, "\n".join([*head, *(f"# {shown(one, width=300)}" for one in says), "", dump_pair(pair).lstrip("\n")]))
+    head = [
+        f"# A pair file of gearpoly, from {shown(source.name)}, stage {chosen.stage.id}. All keys: docs/pair_file.md."
+    ]
+    write_text(
+        target, "\n".join([*head, *(f"# {shown(one, width=300)}" for one in says), "", dump_pair(pair).lstrip("\n")])
+    )
     return says
 
 

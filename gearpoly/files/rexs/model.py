@@ -82,13 +82,16 @@ class Model:
             return None
         size = UNITS[unit].get(attribute.unit)
         if size is None:
-            raise self.fault(component, name, f'unit "{shown(attribute.unit)}"', f"want {' or '.join(filter(None, UNITS[unit]))}")
+            raise self.fault(
+                component, name, f'unit "{shown(attribute.unit)}"', f"want {' or '.join(filter(None, UNITS[unit]))}"
+            )
         value = attribute.value
         if isinstance(value, str):
+            text = value
             try:
-                value = float(value)
+                value = float(text)
             except ValueError:
-                raise self.fault(component, name, f'"{shown(value)}"', "want a number") from None
+                raise self.fault(component, name, f'"{shown(text)}"', "want a number") from None
         if isinstance(value, bool) or not math.isfinite(value):
             raise self.fault(component, name, shown(str(value)), "want a number")
         return size * value

@@ -69,12 +69,26 @@ def _unpacked(file: Path) -> bytes:
                 raise InputFileError(file, found="an encrypted zip", wish="want it without a password")
             with archive.open(models[0]) as stream:
                 data = stream.read(SIZE_LIMIT + 1)  # what a zip says of its sizes may be untrue
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, OSError, RuntimeError, ValueError) as error:
-        raise InputFileError(file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again") from None
+    except InputFileError:
+        raise
+    except (
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        NotImplementedError,
+        EOFError,
+        OSError,
+        RuntimeError,
+        ValueError,
+    ) as error:
+        raise InputFileError(
+            file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again"
+        ) from None
     except Exception as error:  # zlib's and lzma's own errors have no common root
         if type(error).__module__ not in ("zlib", "_lzma", "lzma", "bz2"):
             raise
-        raise InputFileError(file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again") from None
+        raise InputFileError(
+            file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again"
+        ) from None
     if len(data) > SIZE_LIMIT:
         wish = f"want a model of at most {SIZE_LIMIT // 2**20} MB"
         raise InputFileError(file, found="a zip that unpacks to more", wish=wish)
@@ -95,7 +109,9 @@ def _from_xml(file: Path, data: bytes) -> Model:
     except (ParseError, ValueError, LookupError) as error:
         line = getattr(error, "position", (0, 0))[0]
         where = f"line {line}" if line else ""
-        raise InputFileError(file, where=where, found=f"no XML ({shown(str(error))})", wish="want a REXS model") from None
+        raise InputFileError(
+            file, where=where, found=f"no XML ({shown(str(error))})", wish="want a REXS model"
+        ) from None
     if _tag(root) != "model":
         raise InputFileError(file, found=f"<{shown(_tag(root))}>", wish="want a REXS file, which begins with <model>")
     parts: dict[str, list[Any]] = {}
@@ -144,11 +160,18 @@ def _from_json(file: Path, text: bytes) -> Model:
         for one in _tables(model.get("components"))
     ]
     relations = [
-        (one.get("id"), one.get("type"), one.get("order"), [(ref.get("role"), ref.get("id")) for ref in _tables(one.get("refs"))])
+        (
+            one.get("id"),
+            one.get("type"),
+            one.get("order"),
+            [(ref.get("role"), ref.get("id")) for ref in _tables(one.get("refs"))],
+        )
         for one in _tables(model.get("relations"))
     ]
     spectra = model.get("load_spectrum")
-    cases = sum(len(_tables(one.get("load_cases"))) for one in _tables(spectra if isinstance(spectra, list) else [spectra]))
+    cases = sum(
+        len(_tables(one.get("load_cases"))) for one in _tables(spectra if isinstance(spectra, list) else [spectra])
+    )
     return _model(file, model.get("version"), components, relations, cases)
 
 
