@@ -7,7 +7,6 @@ outline crosses circles. ``python -m tests.made_sheets --out data/sheets`` write
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,8 @@ from typing import Any, Literal
 import numpy as np
 
 import gearpoly
+from gearpoly.export.design import design_model
+from gearpoly.files.rexs.write import xml_text
 from gearpoly.units import FloatArray
 
 Side = Literal["left", "right"]
@@ -222,22 +223,36 @@ def known(seed: int = 5, *, z: tuple[int, int] = (18, 25)) -> dict[str, Any]:
     return {"pair": {"centre_distance_mm": sum(z) + 0.3}, "driving": one(z[0], 0.1), "driven": one(z[1], 0.0)}
 
 
+def samples() -> dict[str, bytes]:
+    """The files of ``data/sheets`` by name: a gear as a machine writes it, one as a spreadsheet does, and a design."""
+    pair = gearpoly.Pair.of(known())
+    graded = Path(__file__).parents[1] / "data" / "pairs" / "graded_18_25.toml"
+    design = gearpoly.load(graded)
+    layout = """\
+# What driven.csv leaves open.
+count = "clockwise"       # seen on the datum face
+
+[gear]
+module_mm = 2.0
+pressure_angle_deg = 20.0
+profile_shift = 0.0
+"""
+    return {
+        "driving.mka": b"\xef\xbb\xbf" + mka(inspect(pair.driving, teeth=(1, 7, 13))).encode(),
+        "driven.csv": table(inspect(pair.driven)).encode("cp1252"),
+        "driven_map.toml": layout.encode(),
+        "design.rexs": xml_text(design_model(design.file, design.assembled)).encode(),
+    }
+
+
 def main() -> None:
-    """Write the samples: one gear as a machine writes it, one as a spreadsheet does, and a design of both."""
+    """Write the samples into a folder."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--out", type=Path, required=True)
     folder = parser.parse_args().out
     folder.mkdir(parents=True, exist_ok=True)
-    raw = known()
-    pair = gearpoly.Pair.of(raw)
-    (folder / "driving.mka").write_bytes(b"\xef\xbb\xbf" + mka(inspect(pair.driving, teeth=(1, 7, 13))).encode())
-    (folder / "driven.csv").write_bytes(table(inspect(pair.driven)).encode("cp1252"))
-    (folder / "driven_map.toml").write_text(
-        '# What driven.csv leaves open.\ncount = "clockwise"   # seen on the datum face\n\n[gear]\nmodule_mm = 2.0\n'
-        "profile_shift = 0.0\n",
-        encoding="utf-8",
-    )
-    (folder / "truth.json").write_text(json.dumps(raw, indent=1) + "\n", encoding="utf-8")
+    for name, data in samples().items():
+        (folder / name).write_bytes(data)
 
 
 if __name__ == "__main__":

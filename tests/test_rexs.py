@@ -55,7 +55,8 @@ OLD = """\
   </component>
   <component id="3" type="flank_geometry"><attribute id="normal_pressure_angle" unit="°">20</attribute>
    <attribute id="addendum_modification_coefficient" unit="none">0.1</attribute></component>
-  <component id="4" type="flank_geometry"><attribute id="normal_pressure_angle" unit="rad">0.3490658503988659</attribute>
+  <component id="4" type="flank_geometry">
+   <attribute id="normal_pressure_angle" unit="rad">0.3490658503988659</attribute>
    <attribute id="addendum_modification_coefficient" unit="none">0.1</attribute></component>
   <component id="5" type="flank_geometry"><attribute id="normal_pressure_angle" unit="°">20</attribute></component>
   <component id="6" type="flank_geometry"><attribute id="normal_pressure_angle" unit="°">20</attribute></component>

@@ -100,7 +100,9 @@ def design_model(file: PairFile, assembled: Assembled) -> Model:
         }
         of_stage = build.add("cylindrical_stage_gear_data", f"{name} gear in its stage", data)
         build.relate("stage_gear_data", ("stage", stage), ("gear", number), ("stage_gear_data", of_stage))
-        build.relate("assembly", ("assembly", unit), ("part", number))
+        shaft = build.add("shaft", f"{name} shaft", {})
+        build.relate("assembly", ("assembly", unit), ("part", shaft))
+        build.relate("assembly", ("assembly", shaft), ("part", number))
         _flanks(build, section, gear, number, name)
         gears.append(number)
     build.relate("stage", ("stage", stage), ("gear_1", gears[0]), ("gear_2", gears[1]))
