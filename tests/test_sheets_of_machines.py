@@ -189,7 +189,9 @@ def test_faults_of_a_curve_file(pair: gearpoly.Pair, gearpoly_command: Command, 
         assert old in good
         return refusal(gearpoly_command, tmp_path, good.replace(old, new, 1))
 
-    assert "a helix angle; want a spur gear" in said("[Grad]............:  0.0000", "[Grad]............:  12.0000")
+    assert "a helix angle of 12 deg; want a spur gear" in said(
+        "[Grad]............:  0.0000", "[Grad]............:  12.0000"
+    )
     assert "no number of teeth" in said("Zähnezahl", "Zahl")
     assert "in the header, or [gear] end_mm in a file that --map names" in said("Ende der Messstrecke de", "Ende")
     assert "and its head says 61" in said("/ 60  Werte", "/ 61  Werte")
@@ -209,6 +211,23 @@ def test_a_missing_range_may_stand_in_a_map(pair: gearpoly.Pair, gearpoly_comman
     file = tmp_path / "p.toml"
     ran = gearpoly_command("pair", "--from", sheet, file, "--as", "driving", "--flank", "left", "--map", layout)
     assert ran.code == 0, ran.err
+
+
+def test_profiles_over_roll_and_inches_are_refused_with_a_cure_that_works(
+    pair: gearpoly.Pair, gearpoly_command: Command, tmp_path: Path
+) -> None:
+    seen = plain()
+    rolled = mka(seen).replace("PROFILE diameter", "PROFILE roll")
+    said = refusal(gearpoly_command, tmp_path, rolled)
+    assert 'profiles over "roll"' in said and "[gear] start_mm and end_mm" in said
+    layout = tmp_path / "map.toml"
+    layout.write_text(f"[gear]\nstart_mm = {seen.start}\nend_mm = {seen.end}\n", encoding="utf-8")
+    file, sheet = tmp_path / "p.toml", written(tmp_path, rolled)
+    ran = gearpoly_command("pair", "--from", sheet, file, "--as", "driving", "--flank", "left", "--map", layout)
+    assert ran.code == 0, ran.err
+    (tmp_path / "inch").mkdir()
+    inches = mka(seen).replace("TYPE STI", "UNITS inch\r\nTYPE STI")
+    assert "export it again in mm" in refusal(gearpoly_command, tmp_path / "inch", inches)
 
 
 def test_another_gear_and_a_second_inspection_are_refused(

@@ -17,6 +17,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Profile, Side, Turn
+from gearpoly.files.inspection.klingelnberg_header import RANGE, gear_header
 from gearpoly.files.inspection.klingelnberg_text import (
     NOT_AVAILABLE,
     NOT_MEASURED,
@@ -32,19 +33,6 @@ from gearpoly.files.inspection.measured import SIDES, MeasuredGear, closed
 from gearpoly.files.inspection.probes import counting
 from gearpoly.files.kinds import NAME_SHOWN
 from gearpoly.files.traces import DEVIATION_LIMIT_UM
-
-LABELS = {
-    "teeth": r"z(ä|ae|\W)hnezahl|(no\.?|number) of teeth",
-    "module_mm": r"normalmodul|normal module|^modul\b|^module\b",
-    "pressure_angle_deg": r"eingriffswinkel|pressure angle",
-    "helix_deg": r"schr(ä|ae|\W)gungswinkel|helix angle",
-    "profile_shift": r"profilversch\w*|profile shift|addendum mod\w*",
-    "face_width_mm": r"zahnbreite|face ?width",
-    "tip_diameter_mm": r"kopfkreis|tip diameter|tip circle|outside diameter",
-    "start_mm": r"(start|anfang|beginn?)\b.*\bda\b",
-    "end_mm": r"\bend\w*\b.*\bde\b",
-}
-"""What a line of the header holds, by its label in German or English."""
 
 SHAPES = {"profile_slope_um": r"f_?Ha(?:lpha)?m?", "profile_crowning_um": r"C_?a(?:lpha)?m?"}
 SPAN, PINS = r"W_?k?\b|Zahnweite|span", r"M_?dK\b|Zweikugelma|Zweirollenma|over (balls|pins)"
@@ -62,18 +50,8 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
     ``InputFileError`` for a gear that is not spur, a file that is cut off or contradicts itself, and for what it lacks.
     """
     export = read_export(file)
-    header = _header(export)
-    for key, value in known.items():
-        _agree(file, key, header.get(key), value)
-    header = {**known, **header}
-    if abs(header.pop("helix_deg", 0.0)) > 0.0:
-        raise InputFileError(file, found="a helix angle", wish="want a spur gear; gearpoly has no helical ones")
-    if "teeth" not in header:
-        wish = "want a line with Zähnezahl or No. of teeth, or [gear] teeth in a file that --map names"
-        raise InputFileError(file, found="no number of teeth in the header", wish=wish)
+    header = gear_header(export, known)
     z = header["teeth"]
-    if z != int(z) or not 5 <= z <= 10_000:
-        raise InputFileError(file, found=f"{z:g} teeth", wish="want a whole number from 5 to 10000")
     build = _Gear(export, header, int(z))
     found, told = counting(export.probes, int(z))
     if found is not None and count is not None and found != count:
@@ -88,15 +66,14 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
     if export.unread:
         some = ", ".join(str(line) for line in export.unread[:5]) + (", ..." if len(export.unread) > 5 else "")
         says.append(f"{len(export.unread)} lines are of no known form and were left out: {some}")
-    outside = ("start_mm", "end_mm")
     return MeasuredGear(
         file=file,
         name=shown(
-            next((f.value for f in export.fields if re.search(r"^ME/|part|teil", f.label, re.I)), file.stem)
+            next((f.value for f in export.fields if re.search(r"^ME/|part no|teile-?nr", f.label, re.I)), file.stem)
             or file.stem,
             width=NAME_SHOWN,
         ),
-        geometry={key: value for key, value in header.items() if key not in outside},
+        geometry={key: value for key, value in header.items() if key not in RANGE},
         count=found or count,
         arcs=arcs,
         profiles=profiles,
@@ -104,28 +81,6 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
         sizes=sizes,
         says=tuple(says),
     )
-
-
-def _agree(file: Path, key: str, found: float | None, stated: float) -> None:
-    if found is not None and abs(found - stated) > 1e-3 * max(abs(stated), 0.1):
-        raise InputFileError(
-            file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish="want one gear"
-        )
-
-
-def _header(export: Export) -> dict[str, float]:
-    """Geometry by key: the first line of each kind that holds a number."""
-    out: dict[str, float] = {}
-    for key, pattern in LABELS.items():
-        for line in export.fields:
-            plain = key not in ("start_mm", "end_mm") and re.search(
-                r"\b(start|anfang|ende?|beginn?)\b", line.label, re.I
-            )
-            numbers = line.numbers()
-            if numbers and not plain and re.search(pattern, line.label, re.IGNORECASE):
-                out[key] = numbers[0]
-                break
-    return out
 
 
 @dataclass
