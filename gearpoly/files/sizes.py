@@ -57,7 +57,7 @@ def with_sizes(raw: Mapping[str, Any]) -> dict[str, Any]:
     if _positive(pitch) and LEAST_PITCH <= pitch <= MOST_PITCH:
         out["module_mm"] = module_of(float(out.pop("diametral_pitch")))
     z, m = out.get("teeth"), out.get("module_mm")
-    if not (isinstance(z, int) and _positive(z) and z >= LEAST_TEETH and _positive(m)):
+    if isinstance(z, bool) or not isinstance(z, int) or z < LEAST_TEETH or not _positive(m):
         return out
     tip = out.get("tip_diameter_mm")
     if _positive(tip):
