@@ -51,6 +51,14 @@ def measured(
         except OutOfRangeError as error:
             raise InputFileError(path, where=f"{which}.inspection.{key}", wish=str(error)) from None
         changes |= {"tooth_thickness_um": E_s / UM, key: None, beside: None}
+    thickness = changes.get("tooth_thickness_um", sheet.tooth_thickness_um)
+    if sheet.single_pitch_coast_um is not None and thickness is not None:
+        # Single pitches say how the coast flanks stand to each other, the thickness where they stand.
+        index = np.asarray(changes["pitch_coast_um"])
+        drive = changes.get("pitch_um", sheet.pitch_um)
+        level = np.mean(np.asarray(thickness, dtype=np.float64)) * np.cos(gear.alpha)
+        level -= 0.0 if drive is None else np.mean(np.asarray(drive, dtype=np.float64))
+        changes["pitch_coast_um"] = tuple((index + level).tolist())
     return sheet.model_copy(update=changes), traces
 
 

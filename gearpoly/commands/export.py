@@ -38,7 +38,9 @@ def export(
     pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
     to: Annotated[
         Path,
-        typer.Option(help="File to write; its ending says what: svg, dxf, stl, 3mf, step, csv, geojson, wkb, gde."),
+        typer.Option(
+            help="File to write; its ending says what: svg, dxf, stl, 3mf, step, csv, geojson, wkb, gde, rexs."
+        ),
     ],
     gear: Annotated[GearChoice, typer.Option(help="Which gears.")] = GearChoice.both,
     at: Annotated[float, typer.Option(help="Driven angle in deg at which the gears stand in mesh.")] = 0.0,
@@ -57,18 +59,28 @@ def export(
     ] = None,
     seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
 ) -> None:
-    """Write error gears in the format of the file's ending: drawings, solids, points, inspection files."""
+    """Write error gears in the format of the file's ending: drawings, solids, points, inspection files, designs."""
+    import sys
+
     from gearpoly.assemble import assemble
+    from gearpoly.errors import OutOfRangeError
+    from gearpoly.export.design import export_design, is_design_target
     from gearpoly.export.drawing import Request
     from gearpoly.export.outline import Detail
     from gearpoly.export.write import check
     from gearpoly.export.write import export as run
-    from gearpoly.files.output import say_written
+    from gearpoly.files.output import check_target, say_written
     from gearpoly.files.pairfile import read_pair
     from gearpoly.units import DEG, UM
 
     chosen = None if curves is None else curves.value
-    check(to, chosen)
+    design = is_design_target(to)
+    if design:
+        check_target(to)
+        if chosen is not None:
+            raise OutOfRangeError(f"--curves {chosen}: {to.suffix} files hold no curves; leave it out")
+    else:
+        check(to, chosen)
     request = Request(
         which=gear.value,
         at=at * DEG,
@@ -79,5 +91,10 @@ def export(
     )
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
+    if design:
+        for remark in export_design(file, assembled, to, request):
+            print(f"note: {remark}", file=sys.stderr)
+        say_written(to, "the design of both gears (REXS 2.0)")
+        return
     written = run(assembled, to, request, title=file.name, source=str(pair), seed=seed, curves=chosen)
     say_written(to, written.says)

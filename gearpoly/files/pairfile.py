@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +13,7 @@ from gearpoly.files.faults import explain, parse
 from gearpoly.files.models import GearSection, PairFile, Section
 from gearpoly.files.paths import is_file
 from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.files.toml_text import value_text
 from gearpoly.files.traces import read_text
 
 
@@ -131,7 +131,7 @@ def _dump(section: Section, prefix: str) -> Iterator[str]:
         elif isinstance(value, tuple) and value and isinstance(value[0], Section):
             arrays.append((key, value))
         else:
-            yield f"{key} = {_toml(value)}"
+            yield f"{key} = {value_text(value)}"
     for key, table in tables:
         yield f"\n[{prefix}{key}]"
         yield from _dump(table, f"{prefix}{key}.")
@@ -139,11 +139,3 @@ def _dump(section: Section, prefix: str) -> Iterator[str]:
         for entry in entries:
             yield f"\n[[{prefix}{key}]]"
             yield from _dump(entry, f"{prefix}{key}.")
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")  # TOML also forbids a bare DEL
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_toml(item) for item in value) + "]"
-    return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -35,12 +35,19 @@ Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of t
 with `sheet_csv`: a row per tooth, columns `gear`, `tooth` and keys of the inspection; empty columns were not
 measured, and a gear without any value counts as not inspected.
 
+`gearpoly pair --from FILE PAIR` writes one from an inspection sheet or a design: [sheets](sheets.md).
+
 {flanks}
 
 `single_pitch_um` is f_p: the index deviations of the drive flank are its running sum times cos(alpha), mean removed,
 minus for the driving gear and plus for the driven one; on the coast flank the signs are reversed. Its values add up
 to 0 but for rounding, or are refused. `span_mm` and `over_pins_mm` give E_s, the same for all teeth, by ISO 21771
-(external spur gears, odd and even numbers of teeth).
+(external spur gears, odd and even numbers of teeth). Single pitches of the coast flank have no level of their own: they
+stand where the mean thickness has them.
+
+Sizes are turned into the keys that describe the gear: module_mm = 25.4 / diametral_pitch, tip_diameter_mm =
+module_mm (teeth + 2 profile_shift + 2 addendum), root_diameter_mm = module_mm (teeth + 2 profile_shift - 2 dedendum).
+A fitted file has these keys in their place.
 """.replace("{flanks}", FLANKS.replace("\n# ", "\n").removeprefix("# "))
 
 COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")

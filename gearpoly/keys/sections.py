@@ -14,6 +14,7 @@ from gearpoly.keys.inspection import FOR_THE_GEAR
 from gearpoly.keys.inspection import Inspection as Inspection
 from gearpoly.keys.kinds import Length, Name, Um, UmSize, broken, field
 from gearpoly.keys.kinds import Section as Section
+from gearpoly.keys.sizes import LEAST_PITCH, MOST_PITCH, with_sizes
 
 
 class Open(Section):
@@ -107,10 +108,19 @@ class GearSection(Open):
     """One gear: its rack, its blank, its quality, and what was measured of it."""
 
     teeth: int = Field(ge=5, le=10_000, description="number of teeth, 5 or more")
-    module_mm: float = Field(ge=0.05, le=100.0, description="module in mm, 0.05 to 100")
+    module_mm: float = Field(ge=0.05, le=100.0, description="module in mm, 0.05 to 100; or diametral_pitch")
+    diametral_pitch: float | None = field(
+        "teeth per inch of reference diameter, 0.254 to 508, instead of module_mm: 25.4 over it",
+        ge=LEAST_PITCH,
+        le=MOST_PITCH,
+    )
     pressure_angle_deg: float = field("pressure angle in deg, 10 to 35", 20.0, ge=10.0, le=35.0)
     addendum: float = field("addendum over the module, above 0 to 3", 1.0, gt=0.0, le=3.0)
     dedendum: float = field("dedendum over the module, above 0 to 4", 1.25, gt=0.0, le=4.0)
+    tip_diameter_mm: Length | None = field(
+        "tip diameter d_a in mm beside profile_shift, instead of addendum; or beside addendum, instead of profile_shift"
+    )
+    root_diameter_mm: Length | None = field("root diameter d_f in mm, instead of dedendum")
     root_radius: float | None = field(
         "tip radius of the rack over the module, 0 to 1; "
         "default: 0.38, or the largest that fits and leaves the mate's tip free",
@@ -139,6 +149,11 @@ class GearSection(Open):
     )
     limits: Limits | None = field("limits over the grade's, a table")
     inspection: Inspection | None = field("what was measured, a table")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sizes(cls, raw: Any) -> Any:
+        return with_sizes(raw) if isinstance(raw, dict) else raw
 
     @model_validator(mode="after")
     def _keys_agree(self) -> Self:

@@ -7,7 +7,9 @@ import math
 
 import pytest
 
+from gearpoly.keys.sizes import addendum_of, dedendum_of, module_of, profile_shift_of
 from gearpoly.gear.gear import Gear, inv, inv_inverse
+from gearpoly.gear.metrology import thickness_from_pins, thickness_from_span
 from gearpoly.units import DEG
 
 # Seven decimals as involute tables print them.
@@ -101,3 +103,48 @@ def test_tooth_comes_to_a_point_where_thickness_is_gone() -> None:
     alpha_s = inv_inverse(inv(20.0 * DEG) + math.pi / 24.0)
     assert gear.psi(gear.r_b / math.cos(alpha_s)) == pytest.approx(0.0, abs=1e-15)
     assert 2.0 * gear.r * gear.psi(gear.r) == pytest.approx(math.pi / 2.0, rel=1e-14)
+
+
+def test_size_over_pins_of_a_standard_gear() -> None:
+    # KHK, Gear Technical Reference, over pins measurement of spur gears: m 1, z 20, x 0, pins of 1.7: inv 0.0268197,
+    # 24.1350 deg, M = 22.2941.
+    gear = Gear(z=20, m=1.0)
+    phi = inv_inverse(1.7 / (2.0 * gear.r_b) - math.pi / 40.0 + inv(gear.alpha))
+    assert phi / DEG == pytest.approx(24.1350, abs=1e-4)
+    assert 2.0 * gear.r_b / math.cos(phi) + 1.7 == pytest.approx(22.2941, abs=0.5e-4)
+    # E_s of the printed size is none; a size of 0.1 um is 0.13 um of thickness here, and it is printed to 0.1 um.
+    assert thickness_from_pins(gear, 22.2941, D=1.7) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("z", [17, 20, 35])
+@pytest.mark.parametrize("x", [-0.1, 0.0, 0.4])
+def test_span_and_pins_by_their_closed_forms(z: int, x: float) -> None:
+    # W_k = m cos(alpha) ((k - 1/2) pi + z inv alpha) + 2 x m sin(alpha); d_K = d_b / cos(alpha_K) with inv(alpha_K) =
+    # D / d_b - pi / (2 z) + inv alpha + 2 x tan(alpha) / z, odd z times cos(90 deg / z). Thin teeth by E_s add E_s / d.
+    m, alpha, D, E_s = 2.0, 20.0 * DEG, 3.5, -0.05
+    gear = Gear(z=z, m=m, x=x)
+    k = gear.k_span
+    W = m * math.cos(alpha) * ((k - 0.5) * math.pi + z * inv(alpha)) + 2.0 * x * m * math.sin(alpha)
+    assert gear.W_k == pytest.approx(W, abs=1e-12)
+    assert thickness_from_span(gear, W + E_s * math.cos(alpha), k=k) == pytest.approx(E_s, abs=1e-12)
+    d_b = z * m * math.cos(alpha)
+    alpha_K = inv_inverse(D / d_b - math.pi / (2 * z) + inv(alpha) + 2.0 * x * math.tan(alpha) / z + E_s / (z * m))
+    M = d_b / math.cos(alpha_K) * (1.0 if z % 2 == 0 else math.cos(0.5 * math.pi / z)) + D
+    assert thickness_from_pins(gear, M, D=D) == pytest.approx(E_s, abs=1e-12)
+
+
+@pytest.mark.parametrize(("P_d", "m"), [(1, 25.4), (8, 3.175), (10, 2.54), (12, 2.11667), (20, 1.27), (64, 0.39688)])
+def test_module_of_a_diametral_pitch(P_d: float, m: float) -> None:
+    # 25.4 mm to the inch, as tables of modules beside diametral pitches print it.
+    assert module_of(P_d) == pytest.approx(m, abs=0.51e-5)
+
+
+def test_profile_shift_addendum_and_dedendum_from_diameters() -> None:
+    # KHK, Gear Technical Reference, profile shifted spur gear: m 3, z 12, x 0.6: the tip is 2 (1 + x) m above the
+    # reference circle but for the shortening, which an addendum from the diameter holds.
+    gear = Gear(z=12, m=3.0, x=0.6)
+    assert profile_shift_of(2.0 * gear.r_a, z=12, m=3.0, h_aP=1.0) == pytest.approx(0.6, abs=1e-12)
+    assert addendum_of(2.0 * gear.r_a, z=12, m=3.0, x=0.6) == pytest.approx(1.0, abs=1e-12)
+    assert dedendum_of(2.0 * gear.r_f, z=12, m=3.0, x=0.6) == pytest.approx(1.25, abs=1e-12)
+    # d_a 44.840, from the same page: shortened by y = 0.8333 against x_1 + x_2 = 0.96.
+    assert addendum_of(44.840, z=12, m=3.0, x=0.6) == pytest.approx(1.0 + 0.8333 - 0.96, abs=1e-4)
