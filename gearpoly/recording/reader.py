@@ -75,17 +75,19 @@ class Reader:
 
     ``recognises`` gets the first 4096 bytes. ``module`` is the optional package that ``read`` imports and ``extra``
     the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
-    file can bring the library to crash or to go round for ever, so it reads in a process of its own.
+    file can bring the library to crash or to go round for ever, so it reads in a process of its own. ``parts``: a file
+    may hold several recordings, of which ``read`` takes the number, from 1, as a second argument.
     """
 
     name: str
     endings: tuple[str, ...]
     recognises: Callable[[bytes], bool]
-    read: Callable[[Path], Table]
+    read: Callable[..., Table]
     module: str = ""
     extra: str = ""
     fallback: bool = False
     apart: bool = False
+    parts: bool = False
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:
