@@ -61,7 +61,7 @@ def test_every_section_is_a_recording_of_its_own(tmp_path: Path) -> None:
 def test_a_file_of_one_recording_has_no_parts(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:
     plain = tmp_path / "made.csv"
     plain.write_text("driving_angle_deg,driven_angle_deg\n0,0\n1,1\n", encoding="utf-8")
-    with pytest.raises(InputFileError, match="want made.csv without #2"):
+    with pytest.raises(InputFileError, match=r"want made\.csv without #2"):
         read_recording(f"{plain}#2")
     # A file of that very name is read as it is.
     plain.rename(tmp_path / "made.csv#2")

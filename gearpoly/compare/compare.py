@@ -11,6 +11,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, nominal_gears, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.also_turns import parts_of
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
@@ -68,6 +69,7 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
         floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
         numbered=beside.alignment.numbered,
     )
+    located = replace(located, entries=beside.named(located.entries), where=beside.named(located.where))
     return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)
 
 
@@ -152,6 +154,8 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         alignment=alignment,
         gears=gears,
         remarks=(*jam_remarks(pair), *remarks(file, aligned, alignment, base)),
+        parts=parts_of(file.also_turns, z_1=z_1, z_2=z_2),
+        worm=file.worm,
     )
 
 

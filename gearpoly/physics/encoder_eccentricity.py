@@ -49,6 +49,7 @@ PHYSICS = Physics(
         for name in ("cos_urad", "sin_urad")
     ),
     amplitudes=2,
+    once_per_turn=True,
     ordinary=(100.0, 0.0),
     places=_places,
     effect=_effect,

@@ -39,8 +39,8 @@ AROUND = 3
 """Frames on either side of a re-aiming whose median is taken: the air moves single ones."""
 
 TORN = 6.0
-"""Robust standard deviations of the steps from frame to frame, beyond which a re-aiming is of another size than its lock
-position says. Of the ten dithers of a real log none reached 3."""
+"""Robust standard deviations of the steps from frame to frame, beyond which a re-aiming is of another size than its
+lock position says. Of the ten dithers of a real log none reached 3."""
 
 FINEST = 0.01
 """px. Least scatter of the steps that is believed: numbers have three decimals."""
@@ -117,8 +117,8 @@ def fault_of(file: Path, section: Section) -> InputFileError | None:
     known = section.header
     if not known.get("scale", 0.0) > 0.0:
         wish = (
-            'want a line "Pixel scale = 3.22 arc-sec/px" below "Guiding Begins": write your own there, 206.265 times the '
-            "pixel in um over the focal length in mm"
+            'want a line "Pixel scale = 3.22 arc-sec/px" below "Guiding Begins": write your own there, 206.265 times '
+            "the pixel in um over the focal length in mm"
         )
         return InputFileError(file, where=where, found="no Pixel scale", wish=wish)
     if section.pulsed and not known.get("rate", 0.0) > 0.0:
