@@ -35,6 +35,9 @@ Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of t
 with `sheet_csv`: a row per tooth, columns `gear`, `tooth` and keys of the inspection; empty columns were not
 measured, and a gear without any value counts as not inspected.
 
+`gearpoly pair --mount EQ6 pair.toml` writes the gears and the worm of a known telescope mount, with the source of every
+number; `--mount` without a name lists the names.
+
 {flanks}
 
 `single_pitch_um` is f_p: the index deviations of the drive flank are its running sum times cos(alpha), mean removed,

@@ -178,7 +178,9 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: S
         found = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         section.fault = _fault(file, number, found, "want finite numbers")
         return
-    if section.frames and time <= section.frames[-1].time:
+    if section.frames and time == section.frames[-1].time:
+        return  # a row that was written twice
+    if section.frames and time < section.frames[-1].time:
         wish = "want times that rise; the clock was set while it guided: cut the log there, and begin it with a header"
         section.fault = _fault(file, number, f"Time = {time:g} after {section.frames[-1].time:g}", wish)
         return
