@@ -58,6 +58,17 @@ def test_every_section_is_a_recording_of_its_own(tmp_path: Path) -> None:
             read(tmp_path, text, part=f"#{number}")
 
 
+def test_sections_do_not_stand_beside_one_another(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:
+    """Each begins at an angle of its own, so that teeth and means of both compare with nothing."""
+    log = tmp_path / "log.txt"
+    log.write_text(made_log(frames=200)[0] + made_log(frames=300)[0], encoding="utf-8")
+    with pair_file.open("a", encoding="utf-8") as stream:
+        stream.write("\n[worm]\nwheel_teeth = 180\n")
+    ran = gearpoly_command("compare", pair_file, f"{log}#1", f"{log}#2")
+    assert ran.code == 2
+    assert "want it alone" in ran.err and "log.txt#1" in ran.err
+
+
 def test_a_file_of_one_recording_has_no_parts(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:
     plain = tmp_path / "made.csv"
     plain.write_text("driving_angle_deg,driven_angle_deg\n0,0\n1,1\n", encoding="utf-8")

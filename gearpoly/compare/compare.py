@@ -22,7 +22,7 @@ from gearpoly.compare.remarks import remarks
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
-from gearpoly.compare.stated import refuse_twins
+from gearpoly.compare.stated import refuse_apart, refuse_twins
 from gearpoly.compare.template import Condition, Template, templates_of
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
@@ -79,6 +79,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     Raises ``InputFileError`` for recordings that are not of this pair, too short, or whose stated zeros contradict one
     another; ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under their conditions.
     """
+    refuse_apart(recordings)
     step("drawing the gears")
     assembled = known_pair(file, path=path)
     pair = assembled.pair
