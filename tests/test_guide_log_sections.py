@@ -47,7 +47,7 @@ def test_every_section_is_a_recording_of_its_own(tmp_path: Path) -> None:
     longest = read(tmp_path, text)
     assert longest.size == 300
     said = "\n".join(longest.remarks)
-    assert "5 guiding sections and 1 calibrations; section 2 was read" in said
+    assert "5 guiding sections and 1 calibration; section 2 was read" in said
     assert "log.txt#1 (4 min), log.txt#3 (7 min)" in said
     assert "section 4 cannot be used" in said and "AO" in said
     assert "section 5 cannot be used" in said and "20 frames" in said

@@ -62,7 +62,7 @@ def test_the_longest_section_is_read_and_the_others_told(tmp_path: Path) -> None
     log.write_text("PHD2 version 2.6, Log version 2.5\n\n" + calibration + short + long[:-50], encoding="utf-8")
     read = read_recording(log, worm=EQ6)
     assert read.size == time.size - 1  # the last row was cut off
-    assert "2 guiding sections and 1 calibrations; section 2 was read" in read.remarks[0]
+    assert "2 guiding sections and 1 calibration; section 2 was read" in read.remarks[0]
     assert "log.txt#1 (3 min)" in read.remarks[1]
 
 

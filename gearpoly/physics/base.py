@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.compare.also_turns import lines_at, parts_of
+from gearpoly.compare.also_turns import Part, lines_at, parts_of
 from gearpoly.files.models import GearSection, PairFile, Section
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.shafts import UNEVEN
@@ -97,10 +97,15 @@ class Scope:
 
     def others_at(self, gear: int, order: int) -> tuple[str, ...]:
         """Other parts of the drive with a line at an ``order`` of the shaft of ``gear``, in words."""
+        if not self.parts or self.span <= 0.0:
+            return ()
         z_1, z_2 = (one.z for one in self.gears)
-        parts = parts_of(self.file.also_turns, z_1=z_1, z_2=z_2)
-        turns = self.span * z_1 / z_2
-        return lines_at(parts, order * (z_2 / z_1 if gear == 0 else 1.0), turns=turns) if parts and turns > 0.0 else ()
+        return lines_at(self.parts, order * (z_2 / z_1 if gear == 0 else 1.0), turns=self.span * z_1 / z_2)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Other parts of the drive that the pair file states."""
+        return parts_of(self.file.also_turns, z_1=self.gears[0].z, z_2=self.gears[1].z)
 
     @property
     def conditions(self) -> int:

@@ -66,7 +66,7 @@ def read_table(file: Path, part: int | None = None) -> Table:
     except OSError as error:
         raise unreadable(file, error) from None
     if not log.sections:
-        held = f" ({log.calibrations} calibrations)" if log.calibrations else ""
+        held = f" ({_calibrations(log)})" if log.calibrations else ""
         wish = f'want a section "Guiding Begins at ..." with at least {LEAST_ROWS} frames'
         raise InputFileError(file, found=f"a guide log without guiding{held}", wish=wish)
     faults = {one.number: fault for one in log.sections if (fault := fault_of(file, one)) is not None}
@@ -87,10 +87,14 @@ def _chosen(file: Path, log: Log, faults: dict[int, InputFileError], part: int |
     return max(good or log.sections, key=lambda one: (one.seconds, len(one.frames)))
 
 
+def _calibrations(log: Log) -> str:
+    return "1 calibration" if log.calibrations == 1 else f"{log.calibrations} calibrations"
+
+
 def _others(file: Path, log: Log, chosen: Section, faults: dict[int, InputFileError]) -> Iterator[str]:
     """What is said of the rest of a log that holds more than one section."""
     if len(log.sections) > 1:
-        beside = f" and {log.calibrations} calibrations" if log.calibrations else ""
+        beside = f" and {_calibrations(log)}" if log.calibrations else ""
         yield (
             f"the log holds {len(log.sections)} guiding sections{beside}; section {chosen.number} was read, begun at "
             f"{chosen.began} (line {chosen.line}, {chosen.seconds / 60.0:.0f} min)"
