@@ -47,11 +47,11 @@ def root(
 
 def _find() -> None:
     """A module ``study_report`` holds the function ``study_report`` of the command ``study-report``; ``ORDER`` is its
-    place in the help."""
+    place in the help, ``COMMAND`` its class where it is none of typer's."""
     found = [import_module(f"gearpoly.commands.{one.name}") for one in pkgutil.iter_modules(commands.__path__)]
     for module in sorted(found, key=lambda module: module.ORDER):
         name = module.__name__.rpartition(".")[2]
-        app.command(name=name.replace("_", "-"))(getattr(module, name))
+        app.command(name=name.replace("_", "-"), cls=getattr(module, "COMMAND", None))(getattr(module, name))
 
 
 _find()

@@ -26,6 +26,7 @@ ORDER = (
     "recording inspected",
     "assemble positions",
     "simulate scene",
+    "infer",
     "export compare",
     "api",
     "diagnose view",

@@ -120,7 +120,12 @@ def test_cut_off_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[
     file.write_bytes(data[: int(share * len(data))])
     if name == "csv":  # a table that ends between two rows is whole, as far as anyone can see
         file.write_bytes(data[: data.index(b",", int(share * len(data)))])
-    refusal(file)
+    if name == "tdms" and share >= 0.9:  # LabVIEW was stopped in its last segment: what every channel holds is there
+        cut = read_recording(file)
+        assert 0 < cut.size < N
+        assert any("cut off" in remark for remark in cut.remarks)
+    else:
+        refusal(file)
     assert capfd.readouterr() == ("", "")  # the libraries keep quiet; the error says it all
 
 

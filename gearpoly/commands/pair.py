@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 ORDER = 5
 
@@ -32,13 +33,32 @@ class CountChoice(StrEnum):
     counterclockwise = "counterclockwise"
 
 
+class NamesNothing(TyperCommand):
+    """A command whose ``--mount`` may stand without a name, which then lists the names."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments, with an empty name where there is none."""
+        for k in range(len(args), 0, -1):
+            if args[k - 1] == "--mount" and (k == len(args) or args[k].startswith("--")):
+                args = [*args[:k], "", *args[k:]]
+        return super().parse_args(ctx, args)
+
+
+COMMAND = NamesNothing
+
+
 def pair(
     target: Annotated[
-        Path | None, typer.Argument(metavar="[PAIR]", help="With --from: the pair file to write, or to complete.")
+        Path | None,
+        typer.Argument(metavar="[PAIR]", help="With --from or --mount: the pair file to write."),
     ] = None,
     new: Annotated[Path | None, typer.Option(help="Write a commented pair file that runs as it stands (TOML).")] = None,
     sheet: Annotated[
         Path | None, typer.Option(help="With --new: write an empty inspection sheet too (CSV), which the file reads.")
+    ] = None,
+    mount: Annotated[
+        str | None,
+        typer.Option(help="Write gears and worm of a telescope mount into PAIR; without a name: tell which are known."),
     ] = None,
     source: Annotated[
         Path | None,
@@ -61,41 +81,54 @@ def pair(
     ] = None,
     stage: Annotated[int | None, typer.Option(help="Which stage of a design, by its id.")] = None,
 ) -> None:
-    """Write a pair file: one to fill in, or from an inspection sheet or a design."""
+    """Write a pair file: one to fill in, a known telescope mount's, or from an inspection sheet or a design."""
     from gearpoly.errors import OutOfRangeError
 
     given = {"--as": which, "--flank": flank, "--count": count, "--map": layout, "--stage": stage}
-    if (new is None) == (source is None):
-        raise OutOfRangeError("want one of --new FILE, for a pair file to fill in, and --from FILE PAIR")
-    if new is not None:
-        for name, value in (("PAIR", target), *given.items()):
+    if sum(one is not None for one in (new, source, mount)) != 1:
+        wish = "--new FILE, for a pair file to fill in, --mount NAME PAIR, for a telescope's, and --from FILE PAIR"
+        raise OutOfRangeError(f"want one of {wish}")
+    if source is None:
+        way = "--new" if mount is None else "--mount"
+        for name, value in given.items():
             if value is not None:
-                raise OutOfRangeError(f"{name} goes with --from FILE; leave it out with --new")
+                raise OutOfRangeError(f"{name} goes with --from FILE; leave it out with {way}")
+    if new is None and sheet is not None:
+        raise OutOfRangeError(f"--sheet goes with --new; leave it out with {'--from' if mount is None else '--mount'}")
+    if new is not None:
+        if target is not None:
+            raise OutOfRangeError("PAIR goes with --from FILE and --mount NAME; leave it out with --new")
         _new(new, sheet)
-        return
-    if sheet is not None:
-        raise OutOfRangeError("--sheet goes with --new; leave it out with --from")
-    if target is None or source is None:
+    elif mount is not None:
+        _mount(mount, target)
+    elif target is None or source is None:
         raise OutOfRangeError("--from FILE wants the pair file to write as well: gearpoly pair --from FILE PAIR")
-    _from(source, target, which=which, flank=flank, count=count, layout=layout, stage=stage)
+    else:
+        _from(source, target, which=which, flank=flank, count=count, layout=layout, stage=stage)
+
+
+def _mount(name: str, target: Path | None) -> None:
+    from gearpoly.errors import InputFileError
+    from gearpoly.files.mounts import find_mount, mount_text
+    from gearpoly.files.output import say_written, write_text
+
+    mount = find_mount(name)
+    if target is None:
+        raise InputFileError("--mount", found=f"{name} without a file", wish=f"want --mount {name} PAIR.toml")
+    _check_new(target)
+    write_text(target, mount_text(mount))
+    ready = "gearpoly compare reads it as it stands" if mount.driving else "state the teeth of its transfer gears"
+    say_written(target, f"{mount.maker} {mount.names[0]}; {ready}")
 
 
 def _new(new: Path, sheet: Path | None) -> None:
     import os
 
-    from gearpoly.errors import InputFileError
-    from gearpoly.files.output import check_targets, say_written, write_text
-    from gearpoly.files.paths import look
+    from gearpoly.files.output import say_written, write_text
     from gearpoly.files.sheet_csv import sheet_text
     from gearpoly.files.template import TEETH, pair_template
 
-    check_targets([new, sheet], inputs=[])
-    for target in (new, sheet):
-        if target is not None and str(target) == "-":
-            raise InputFileError(target, found="standard output", wish="want the name of a file")
-        if target is not None and look(target) is not None:
-            wish = "want a new name, since what was filled in would be lost"
-            raise InputFileError(target, found="this file exists", wish=wish)
+    _check_new(new, sheet)
     beside = None if sheet is None else Path(os.path.relpath(sheet.resolve(), new.resolve().parent)).as_posix()
     if sheet is not None:
         write_text(sheet, sheet_text(TEETH))
@@ -133,3 +166,18 @@ def _from(
         print(f"note: {escaped(one)}", file=sys.stderr)
     for file, what in made.files:
         say_written(file, what)
+
+
+def _check_new(*targets: Path | None) -> None:
+    """Refuse what exists, and standard output: what is written is there to be filled in."""
+    from gearpoly.errors import InputFileError
+    from gearpoly.files.output import check_targets
+    from gearpoly.files.paths import look
+
+    check_targets(targets, inputs=[])
+    for target in targets:
+        if target is not None and str(target) == "-":
+            raise InputFileError(target, found="standard output", wish="want the name of a file")
+        if target is not None and look(target) is not None:
+            wish = "want a new name, since what was filled in would be lost"
+            raise InputFileError(target, found="this file exists", wish=wish)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.also_turns import with_parts
 from gearpoly.compare.angles import smoothed
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_rate
@@ -15,6 +17,8 @@ from gearpoly.compare.locate import Located
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
 from gearpoly.compare.zeros import Alignment
+from gearpoly.keys.also_turns import Part
+from gearpoly.keys.sections import WormSection
 from gearpoly.mesh.pair import Flank
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import FloatArray
@@ -149,7 +153,8 @@ class Aligned:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Beside:
     """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
-    what had to be assumed."""
+    what had to be assumed, ``parts`` what else turns in the drive, ``worm`` what the driven gear turns in a
+    telescope."""
 
     name: str
     assembled: Assembled
@@ -157,6 +162,18 @@ class Beside:
     alignment: Alignment
     gears: tuple[GearKnown, GearKnown]
     remarks: tuple[str, ...]
+    parts: tuple[Part, ...] = ()
+    worm: WormSection | None = None
+
+    def named(self, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+        """The ``entries`` with the other parts of the drive that have a line there."""
+        return with_parts(
+            entries,
+            self.parts,
+            z=(self.gears[0].z, self.gears[1].z),
+            turns=[float(np.ptp(one.theta_2)) / (2.0 * math.pi) for one in self.aligned],
+            speeds=[one.speed for one in self.aligned],
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -21,13 +21,14 @@ from gearpoly.compare.remarks import remarks
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
-from gearpoly.compare.stated import refuse_twins
+from gearpoly.compare.stated import refuse_apart, refuse_twins
 from gearpoly.compare.template import Template, templates_of
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.nominal import nominal_gears
+from gearpoly.keys.also_turns import parts_of
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
@@ -70,6 +71,7 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
         floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
         numbered=beside.alignment.numbered,
     )
+    located = replace(located, entries=beside.named(located.entries), where=beside.named(located.where))
     return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)
 
 
@@ -79,6 +81,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     Raises ``InputFileError`` for recordings that are not of this pair, too short, or whose stated zeros contradict one
     another; ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under their conditions.
     """
+    refuse_apart(recordings)
     step("drawing the gears")
     assembled = known_pair(file, path=path)
     pair = assembled.pair
@@ -154,6 +157,8 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         alignment=alignment,
         gears=gears,
         remarks=(*jam_remarks(pair), *remarks(file, aligned, alignment, base)),
+        parts=parts_of(file.also_turns, z_1=z_1, z_2=z_2),
+        worm=file.worm,
     )
 
 

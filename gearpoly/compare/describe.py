@@ -14,12 +14,10 @@ from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
+from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM, FloatArray
 
 GEARS: tuple[Gear, Gear] = ("driving", "driven")
-
-SIDE_BANDS = 3
-"""Orders beside a mesh order that count as its side bands."""
 
 COMPANION = 0.2
 """A second-order companion is at most this part of the wave it comes with: the squares of a deviation over lengths of
@@ -38,9 +36,6 @@ ECHO_WAVE = 0.1
 SEEN = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
-
-HALF_A_LINE = 0.5
-"""Independent lines, one per record, within which two orders are not told apart by their place alone."""
 
 SLOW_LINES = 25
 """Turns of the record up to which the noise's wandering is read off for its power law."""

@@ -43,7 +43,8 @@ class Entry:
     a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
     next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
     ``as_built``: teeth within what inspection or grade leave open could make it. ``probability`` that it is there at
-    all and ``could_be``, the physics that may make it, where explanations were weighed.
+    all and ``could_be``, the physics that may make it, where explanations were weighed. ``parts``: what other parts
+    of the drive, which the pair file states, have a line there, in words.
     """
 
     kind: Kind
@@ -77,6 +78,7 @@ class Entry:
     as_built: bool = False
     probability: float | None = None
     could_be: tuple[Cause, ...] = ()
+    parts: tuple[str, ...] = ()
 
     @property
     def moment(self) -> str | None:
@@ -95,6 +97,11 @@ class Entry:
         if self.during_turns is not None:
             return f"from turn {self.during_turns[0]:.4g} to {self.during_turns[1]:.4g} of the driving shaft"
         return None
+
+    @property
+    def of_the_pair(self) -> bool:
+        """Whether it is at an order that the pair itself makes: a whole one of a shaft, or the mesh's."""
+        return self.kind in ("shaft_order", "mesh_order") and self.order_std is None
 
     def mean_square(self, z_1: int, z_2: int) -> float:
         """What it adds to the mean square of a recording's mismatch, um^2: a tooth or a stretch of every mesh only
@@ -153,6 +160,8 @@ class Entry:
             out["could_be"] = [one.to_json() for one in self.could_be]
         if self.rivals:
             out["rivals"] = list(self.rivals)
+        if self.parts:
+            out["also_turns"] = list(self.parts)
         return out
 
 
@@ -201,10 +210,16 @@ def named(entry: Entry) -> str:
     return f"order {entry.order:.4g} of the {entry.gear} shaft"
 
 
+def _both(parts: tuple[str, ...]) -> str:
+    return f"{' and '.join(parts)} fall{'s' if len(parts) == 1 else ''}"
+
+
 def says(entry: Entry) -> str:
     """One sentence, as an engineer would say it."""
     size = _size(entry)
     extra = f" ({entry.label})" if entry.label else ""
+    if entry.parts:
+        extra += f", where {_both(entry.parts)} too" if entry.of_the_pair else f": {' or '.join(entry.parts)}"
     if entry.as_built:
         extra += ", which teeth could hold within what inspection or grade leave open"
     if entry.companion_of:

@@ -10,6 +10,7 @@ import numpy as np
 from gearpoly.compare.beside import Aligned
 from gearpoly.errors import InputFileError
 from gearpoly.recording.clean import Cleaned
+from gearpoly.recording.recording import Recording
 from gearpoly.units import RPM, FloatArray
 
 OFF = 0.2
@@ -38,6 +39,23 @@ def refuse_twins(cleaned: Sequence[Cleaned]) -> None:
             found = f"the same samples as {twin.recording.source}"
             wish = "want every recording once, or what it shows counts twice"
             raise InputFileError(one.recording.source, found=found, wish=wish)
+
+
+def refuse_apart(recordings: Sequence[Recording]) -> None:
+    """Refuse a guided recording beside others: its angle is the clock's, from a zero of its own, and a mount may slew
+    between. Means and teeth of such a set do not compare; a stated zero ties them together.
+
+    Raises ``InputFileError``.
+    """
+    if len(recordings) < 2:
+        return
+    for one in recordings:
+        for shaft in one.from_time:
+            pulses, zero = getattr(one, f"{shaft}_correction_rad"), getattr(one, f"{shaft}_zero_rad")
+            if pulses is not None and zero is None:
+                found = f"a guided recording beside {len(recordings) - 1} more, whose {shaft} angle is the clock's"
+                wish = f"want it alone, since nothing tells how far that shaft turned between them, or {shaft}_zero_deg"
+                raise InputFileError(one.source, found=found, wish=wish)
 
 
 def _met(one: Cleaned, other: Cleaned) -> bool:

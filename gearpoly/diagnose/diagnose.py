@@ -157,7 +157,7 @@ def diagnose(
         comparison=comparison,
         status=status,
         findings=findings,
-        unexplained=left_over,
+        unexplained=comparison.named(left_over),
         built=built,
         compliance_scale=scale,
         noise=pooled_level(search.noises, [scene.samples.size for scene in search.scenes]),

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from gearpoly.errors import InputFileError, escaped
-from gearpoly.files.paths import is_file, is_folder, look
+from gearpoly.files.paths import is_file, is_folder, look, parted
 from gearpoly.files.streams import write_out
 
 
@@ -36,7 +36,9 @@ def check_target(target: Path) -> None:
 def check_targets(targets: Iterable[Path | None], *, inputs: Iterable[Path]) -> None:
     """``check_target`` for all ``targets`` of a command that are asked for (not None); raise ``InputFileError`` too
     where one is a file that the command reads, or two are the same file or both standard output."""
-    read = {one.resolve() for one in inputs if look(one) is not None}  # what is not there is told by who reads it
+    read = {
+        one.resolve() for one, _ in map(parted, inputs) if look(one) is not None
+    }  # what is not there is told by who reads it
     taken: set[Path] = set()
     for target in targets:
         if target is None:

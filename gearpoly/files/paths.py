@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 from pathlib import Path
 
@@ -47,3 +48,12 @@ def is_file(path: Path) -> bool:
     """Whether there is an ordinary file at ``path``, no pipe and no device; raises as ``look`` does."""
     found = look(path)
     return found is not None and stat.S_ISREG(found.st_mode)
+
+
+def parted(path: Path) -> tuple[Path, int | None]:
+    """A file and which of its recordings is asked for, counted from 1: ``log.txt#2``; a file of that very name is
+    itself."""
+    named = re.fullmatch(r"(.+)#(\d{1,6})", path.name)
+    if named is None or is_file(path):
+        return path, None
+    return path.with_name(named[1]), int(named[2])

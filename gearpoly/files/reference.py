@@ -37,6 +37,9 @@ measured, and a gear without any value counts as not inspected.
 
 `gearpoly pair --from FILE PAIR` writes one from an inspection sheet or a design: [sheets](sheets.md).
 
+`gearpoly pair --mount EQ6 pair.toml` writes the gears and the worm of a known telescope mount, with the source of every
+number; `--mount` without a name lists the names.
+
 {flanks}
 
 `single_pitch_um` is f_p: the index deviations of the drive flank are its running sum times cos(alpha), mean removed,

@@ -121,8 +121,4 @@ def order_of(claim: Claim) -> int | None:
     """Waves per turn of its shaft that a claim makes, mostly; None where it is no wave."""
     if claim.place.order is not None:
         return claim.place.order
-    return 1 if claim.physics.name in ONCE else None
-
-
-ONCE = ("eccentricity", "encoder_eccentricity")
-"""Physics that come once per turn by their nature."""
+    return 1 if claim.physics.once_per_turn else None

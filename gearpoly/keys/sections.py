@@ -193,6 +193,27 @@ class WormSection(Section):
     )
 
 
+class AlsoTurns(Section):
+    """Another part of the drive that turns in a known ratio: a motor, a belt, a further stage, a bearing."""
+
+    name: Name = Field(description="name of the part in quotes")
+    turns_per_driving: float | None = field(
+        "its turns for one of the driving gear, above 0; or turns_per_driven", gt=0.0, le=1e6
+    )
+    turns_per_driven: float | None = field(
+        "its turns for one of the driven gear, above 0; or turns_per_driving", gt=0.0, le=1e6
+    )
+    teeth: int | None = field("its teeth, or balls of a bearing, if it meshes", ge=1, le=10_000)
+
+    @model_validator(mode="after")
+    def _one_ratio(self) -> Self:
+        if (self.turns_per_driving is None) == (self.turns_per_driven is None):
+            both = f"{self.turns_per_driven}, and turns_per_driving = {self.turns_per_driving} too"
+            found = "missing, and turns_per_driving too" if self.turns_per_driven is None else both
+            broken("turns_per_driven", found, f'want one of the two for "{self.name}": how fast it turns')
+        return self
+
+
 class PairFile(Section):
     """Everything that is known of a pair, in the file's units; made by :func:`read_pair`."""
 
@@ -204,6 +225,7 @@ class PairFile(Section):
     driven: GearSection = Field(description="the driven gear, a table")
     measurement: Measurement | None = field("what the rig did to the recordings, a table")
     worm: WormSection | None = field("the worm that the driven gear turns, a table; for guide logs of telescopes")
+    also_turns: tuple[AlsoTurns, ...] = field("other parts of the drive, tables", (), strict=False, fail_fast=True)
 
     @property
     def torque_nm(self) -> float:

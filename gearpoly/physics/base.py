@@ -9,6 +9,7 @@ from functools import cached_property
 
 from gearpoly.gear.deviations import Deviations
 from gearpoly.gear.gear import Gear
+from gearpoly.keys.also_turns import Part, lines_at, parts_of
 from gearpoly.keys.sections import GearSection, PairFile, Section
 from gearpoly.mesh.shafts import UNEVEN
 from gearpoly.physics.parts import Parts
@@ -75,18 +76,32 @@ class Scope:
         known += [end for ends in self.run_ups for end in ends]
         return bool(known) and max(known) - min(known) > UNEVEN * max(known)
 
-    def shows(self, place: Place) -> bool:
-        """Whether the recordings can show what a place's order does: the samples, and which shaft it is on.
+    def shows(self, place: Place, *, once: bool = False) -> bool:
+        """Whether the recordings can show what a place's order does: the samples, and which shaft it is on; ``once``:
+        its order is 1, stated or not.
 
-        A worm that turns with the driven gear makes waves at every whole order of its own, as large as the pair's: a
-        wave there is located, and named of neither.
+        A worm that turns with the driven gear makes waves at every whole order of its own, as large as the pair's, and
+        so does any other part of the drive that the pair file states: a wave there is located, and named of neither.
         """
-        if place.order is None:
+        order = 1 if once else place.order
+        if order is None:
             return True
         gear = place.gear or 0
-        if gear == 1 and self.file.worm is not None:
+        if (gear == 1 and self.file.worm is not None) or self.others_at(gear, order):
             return False
-        return place.order < self.finest[gear] and not (self.stepped and place.order > self.gears[gear].z / 2)
+        return order < self.finest[gear] and not (self.stepped and order > self.gears[gear].z / 2)
+
+    def others_at(self, gear: int, order: int) -> tuple[str, ...]:
+        """Other parts of the drive with a line at an ``order`` of the shaft of ``gear``, in words."""
+        if not self.parts or self.span <= 0.0:
+            return ()
+        z_1, z_2 = (one.z for one in self.gears)
+        return lines_at(self.parts, order * (z_2 / z_1 if gear == 0 else 1.0), turns=self.span * z_1 / z_2)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Other parts of the drive that the pair file states."""
+        return parts_of(self.file.also_turns, z_1=self.gears[0].z, z_2=self.gears[1].z)
 
     @property
     def conditions(self) -> int:
@@ -186,6 +201,9 @@ class Physics:
 
     wavelike: bool = False
     """Its effect is mostly a wave of the place's order per turn of its gear."""
+
+    once_per_turn: bool = False
+    """Its effect is a wave of order 1 per turn of its gear, which its place does not state."""
 
     mean_tooth: bool = False
     """It is the same at every mesh, where a wrong compliance law shows too."""

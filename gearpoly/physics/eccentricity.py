@@ -93,6 +93,7 @@ PHYSICS = Physics(
         for name in ("x_um", "y_um")
     ),
     amplitudes=2,
+    once_per_turn=True,
     ordinary=(5.0, 0.0),
     common=5.0,
     places=_places,

@@ -65,6 +65,7 @@ PHYSICS = Physics(
         for name in ("cos_urad", "sin_urad")
     ),
     amplitudes=2,
+    once_per_turn=True,
     ordinary=(100.0, 0.0),
     common=4.0,
     places=_places,

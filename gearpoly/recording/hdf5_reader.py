@@ -1,4 +1,4 @@
-"""Recordings as HDF5: one dataset per column, at the root or in one group, the keys as attributes.
+"""Recordings as HDF5: one dataset per column, at the root or in one group however deep, the keys as attributes.
 
 Only plain numbers inside the file are read: no links to other files, no external or virtual storage, no filters that
 HDF5 would have to load from a plug-in.
@@ -39,6 +39,9 @@ FILTERS = frozenset({1, 2, 3, 4, 5, 6, 32000})
 UNSIGNED = "_Unsigned"
 """Attribute of netCDF 3 by which stored numbers are of another type than they are."""
 
+DEPTH = 4
+"""Groups within groups that are looked through: data of a run of a test of a rig."""
+
 ATTRIBUTE_LIMIT = 1000
 """Most values of one attribute of a column; a list of what counts as missing has a few."""
 
@@ -47,10 +50,7 @@ def read_table(file: Path) -> Table:
     """The columns and keys of one HDF5 file."""
     h5py = optional(file, "h5py", extra="hdf5")
     with damage_reported(file, "HDF5"), h5py.File(file, "r") as root:
-        groups = {"/": members(file, h5py, root)}
-        for name, member in groups["/"].items():
-            if isinstance(member, h5py.Group):
-                groups[f"/{name}"] = members(file, h5py, member)
+        groups = nested(file, h5py, {"/": members(file, h5py, root)})
         where, held = only_group(file, groups, h5py.Dataset)
         table = Table(columns={}, keys={})
         datasets = [name for name, member in held.items() if isinstance(member, h5py.Dataset)]
@@ -61,6 +61,22 @@ def read_table(file: Path) -> Table:
         for name in wanted:
             table.columns[name] = numbers(file, name, stored(file, name, held[name]))
     return table
+
+
+def nested(file: Path, h5py: Any, groups: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """The ``groups`` by path, with what lies in them, and those within them, ``DEPTH`` deep."""
+    out, level = dict(groups), groups
+    for _ in range(DEPTH):
+        inner = {
+            f"{path.rstrip('/')}/{name}": member
+            for path, held in level.items()
+            for name, member in held.items()
+            if isinstance(member, h5py.Group)
+        }
+        check_few(file, "", len(out) + len(inner), "groups")
+        level = {path: members(file, h5py, member) for path, member in inner.items()}
+        out |= level
+    return out
 
 
 def members(file: Path, h5py: Any, group: Any) -> dict[str, Any]:

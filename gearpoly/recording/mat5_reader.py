@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
+from gearpoly.recording.matlab_objects import refuse_objects
 from gearpoly.recording.reader import Reader, check_few, check_numbers, is_key, numbers, take_key, wanted_columns
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
@@ -33,6 +34,8 @@ HEAD_BYTES = 2**16
 """How much of a variable is looked at to learn its class, shape, name and, of a struct, the names of its fields."""
 TEXT_LIMIT = 1000
 """Longest text that a key may have, in characters; ``flank`` needs five."""
+DEPTH = 4
+"""Structs within structs that are looked through: data of a run of a test of a rig."""
 
 MATRIX, COMPRESSED = 14, 15
 STRUCT, CHAR, OPAQUE = 2, 4, 17
@@ -86,15 +89,22 @@ def _read(file: Path, stream: BinaryIO) -> Table:
     table = Table(columns={}, keys={})
     places: dict[str, _Variable] = {}
     heads: dict[str, _Array] = {}
+    objects: dict[str, str] = {}
     for variable in _variables(stream, order):
         head = _array(memoryview(_unpacked(file, stream, variable, order, limit=HEAD_BYTES)), order)
-        if head.name and not head.name.startswith("__"):
+        if head.kind == OPAQUE:
+            objects.update(_object(head))
+        elif head.name and not head.name.startswith("__"):
             heads[head.name], places[head.name] = head, variable
         check_few(file, "", len(heads), "variables")
     where = _place(file, heads)
     if where:
         inside = _fields(_array(memoryview(_unpacked(file, stream, places[where], order)), order))
+    elif deeper := _deeper(file, stream, order, heads, places):
+        where, inside = deeper
     else:
+        if not any(name in COLUMNS for name in heads):
+            refuse_objects(file, objects)
         wanted = [name for name in heads if name in COLUMNS and not _is_scalar_key(heads[name])]
         check_numbers(file, sum(math.prod(heads[name].shape) for name in wanted))
         inside = heads
@@ -135,6 +145,35 @@ def _place(file: Path, heads: dict[str, _Array]) -> str:
         found = f"columns in {shorten(' and '.join(holding), width=120)}"
         raise InputFileError(file, found=found, wish="want one recording in a file")
     return holding[0] if holding else ""
+
+
+def _deeper(
+    file: Path, stream: BinaryIO, order: Order, heads: dict[str, _Array], places: dict[str, _Variable]
+) -> tuple[str, dict[str, _Array]] | None:
+    """The struct within a struct that holds the columns, by its path, with its fields; ``None`` where there is none or
+    they are variables themselves."""
+    if any(name in COLUMNS and not _is_scalar_key(head) for name, head in heads.items()):
+        return None
+    waiting = [
+        (name, _array(memoryview(_unpacked(file, stream, places[name], order)), order))
+        for name, head in heads.items()
+        if head.kind == STRUCT and math.prod(head.shape) == 1 and name != "keys"
+    ]
+    found = []
+    for _ in range(DEPTH):
+        inner = [(path, _fields(array)) for path, array in waiting]
+        found += [(path, held) for path, held in inner if any(name in COLUMNS for name in held)]
+        waiting = [
+            (f"{path}.{name}", array)
+            for path, held in inner
+            for name, array in held.items()
+            if array.kind == STRUCT and math.prod(array.shape) == 1 and name != "keys"
+        ]
+        check_few(file, "", len(waiting), "structs")
+    if len(found) > 1:
+        listed = shorten(" and ".join(path for path, _ in found), width=120)
+        raise InputFileError(file, found=f"columns in {listed}", wish="want one recording in a file")
+    return found[0] if found else None
 
 
 def _is_column_only(name: str) -> bool:
@@ -217,7 +256,7 @@ def _array(data: memoryview, order: Order) -> _Array:
         raise _BrokenError("an array without its flags")
     (flags,) = struct.unpack(order + "I", _whole(data, start, 4))
     kind = flags & 0xFF
-    if kind == OPAQUE:  # an object: its layout is its own affair
+    if kind == OPAQUE:  # an object, a table among them: its layout is its own affair
         return _Array("", kind, False, (), data, at, order)
     stored, start, size, at = _element(data, at, order)
     if stored not in (5, 6) or size % 4 or not 8 <= size <= 128:
@@ -228,6 +267,15 @@ def _array(data: memoryview, order: Order) -> _Array:
     _, start, size, at = _element(data, at, order)
     name = bytes(_whole(data, start, size)).decode("latin-1")
     return _Array(name, kind, bool(flags & 0x0800), shape, data, at, order)
+
+
+def _object(array: _Array) -> dict[str, str]:
+    """Name and class of an opaque variable, as far as it states them: name, "MCOS", class."""
+    words, at = [], array.at
+    for _ in range(3):
+        _, start, size, at = _element(array.data, at, array.order)
+        words.append(bytes(_whole(array.data, start, min(size, TEXT_LIMIT))).decode("latin-1"))
+    return {words[0]: words[2]} if words[0].isidentifier() and words[1] == "MCOS" else {}
 
 
 def _field_names(array: _Array) -> tuple[list[str], int]:

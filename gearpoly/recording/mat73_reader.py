@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.hdf5_reader import SIGNATURE, check_datasets, members, only_group, stored
+from gearpoly.recording.hdf5_reader import SIGNATURE, check_datasets, members, nested, only_group, stored
+from gearpoly.recording.matlab_objects import refuse_objects
 from gearpoly.recording.reader import Reader, damage_reported, is_key, numbers, optional, take_key, wanted_columns
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
@@ -27,9 +28,12 @@ def read_table(file: Path) -> Table:
     h5py = optional(file, "h5py", extra="hdf5")
     with damage_reported(file, "MAT 7.3"), h5py.File(file, "r") as root:
         top = {name: item for name, item in members(file, h5py, root).items() if not name.startswith("#")}
-        structs = {name: members(file, h5py, item) for name, item in top.items() if isinstance(item, h5py.Group)}
-        stated = structs.pop("keys", {})
-        where, held = only_group(file, {"/": top, **{f"/{name}": item for name, item in structs.items()}}, h5py.Dataset)
+        groups = nested(file, h5py, {"/": top})
+        stated = groups.pop("/keys", {})
+        where, held = only_group(file, {k: v for k, v in groups.items() if not k.endswith("/keys")}, h5py.Dataset)
+        if not any(name in COLUMNS for name in held):
+            objects = {name: _class(item) for name, item in top.items() if "MATLAB_object_decode" in item.attrs}
+            refuse_objects(file, objects)
         table = Table(columns={}, keys={})
         for holder, inside in ((f"{where}/keys", held.get("keys")), ("keys", stated), (where, held), ("/", top)):
             if isinstance(inside, h5py.Group):

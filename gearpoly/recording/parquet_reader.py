@@ -45,7 +45,9 @@ def read_table(file: Path) -> Table:
         schema = source.schema_arrow
         check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
         for column in schema:
-            if not (types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)):
+            stamps = column.name == "time_s" and types.is_timestamp(column.type)
+            plain = types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)
+            if not (plain or stamps):
                 found = f"values of type {column.type}"
                 raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
             for key in UNIT_NAMES:

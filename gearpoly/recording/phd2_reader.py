@@ -7,198 +7,225 @@ camera, are undone.
 
 from __future__ import annotations
 
-import csv
 import math
-import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import check_file, shorten, unreadable
+from gearpoly.files.traces import check_file, unreadable
+from gearpoly.recording.phd2_sections import PER_MS, Log, Section, read_log
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
-
-LINE_LIMIT = 10_000
-"""Characters of a line; rows have fewer than 300."""
-
-PER_MS = 0.1
-"""px per unit of time below which a guide rate is in px/ms: a guide camera sees 0.3 to 30 px/s, 0.0003 to 0.03 px/ms.
-Some logs state one, some the other, none says which."""
+from gearpoly.units import FloatArray
 
 POLE_DEG = 85.0
 """Declination in deg from which a star's motion says nothing of the axis: the cosine of the declination, by which it is
 divided, is then wrong by more than a tenth for half a degree."""
 
 LEAST_ROWS = 64
-"""Rows of a section below which it is none: calibrations and trials have a few dozen."""
+"""Frames of a section below which it is none: calibrations and trials have a few dozen."""
 
-COLUMNS = ("Frame", "Time", "mount", "RARawDistance", "RADuration", "RADirection")
+ROUNDED = 0.005
+"""px, rms, within which offsets along the right ascension follow from those along the camera's axes, so that these tell
+its direction. Numbers have three decimals: logs of PHD2 leave 0.0004 to 0.0013 px."""
 
+AS_SCALE = 0.02
+"""Part by which lengths along the right ascension, over those on the camera, may be off the pixel scale and still be
+arcsec instead of px (KStars). Scales are written with two decimals."""
 
-@dataclass(frozen=True, kw_only=True)
-class Section:
-    """One guiding section: its ``header`` by key, and for every frame its ``line``, time in s, offset of the star and
-    pulse before the next frame (W positive) with the sums of lock positions, in px; nan where the star was lost."""
+AROUND = 3
+"""Frames on either side of a re-aiming whose median is taken: the air moves single ones."""
 
-    line: int
-    began: str
-    header: Mapping[str, float] = field(default_factory=dict)
-    rows: tuple[tuple[float, float, float, float], ...] = ()
+TORN = 6.0
+"""Robust standard deviations of the steps from frame to frame, beyond which a re-aiming is of another size than its
+lock position says. Of the ten dithers of a real log none reached 3."""
+
+FINEST = 0.01
+"""px. Least scatter of the steps that is believed: numbers have three decimals."""
+
+NAMED = 4
+"""Sections that are told one by one; more are counted."""
 
 
 def recognises(head: bytes) -> bool:
     """Whether a file's first bytes are those of a guide log."""
-    return b"Guiding Begins at" in head or head.lstrip(b"\xef\xbb\xbf").startswith(b"PHD2 version")
+    marks = (b"Guiding Begins at", b"Calibration Begins at", b"PHD2 log version")
+    return any(mark in head for mark in marks) or head.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"PHD2 version")
 
 
-def read_table(file: Path) -> Table:
-    """Time, error and pulses of the longest guiding section of a log, in s and arcsec of the right-ascension axis; the
-    error is positive where the axis is ahead. Raises ``InputFileError`` with the line at fault."""
+def read_table(file: Path, part: int | None = None) -> Table:
+    """Time, error and pulses of guiding section ``part`` of a log, counted from 1, or of the longest that can be used,
+    in s and arcsec of the right-ascension axis; the error is positive where the axis is ahead. Raises
+    ``InputFileError`` with the line at fault."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open(encoding="utf-8-sig", errors="replace") as stream:
-            found = [one for one in sections(file, stream) if len(one.rows) >= LEAST_ROWS]
+            log = read_log(file, stream)
     except OSError as error:
         raise unreadable(file, error) from None
-    if not found:
+    if not log.sections:
+        held = f" ({_calibrations(log)})" if log.calibrations else ""
         wish = f'want a section "Guiding Begins at ..." with at least {LEAST_ROWS} frames'
-        raise InputFileError(file, found="a guide log without guiding", wish=wish)
-    longest = max(found, key=lambda one: one.rows[-1][0])
-    remarks = []
-    if len(found) > 1:
-        remarks.append(
-            f"the log holds {len(found)} guiding sections; the longest was read, begun at {longest.began} "
-            f"(line {longest.line})"
+        raise InputFileError(file, found=f"a guide log without guiding{held}", wish=wish)
+    faults = {one.number: fault for one in log.sections if (fault := fault_of(file, one)) is not None}
+    chosen = _chosen(file, log, faults, part)
+    if chosen.number in faults:
+        raise faults[chosen.number]
+    return _table(chosen, list(_others(file, log, chosen, faults)))
+
+
+def _chosen(file: Path, log: Log, faults: dict[int, InputFileError], part: int | None) -> Section:
+    """The section that is asked for, or the longest without a fault; the longest of all where each has one."""
+    if part is not None:
+        if not 1 <= part <= len(log.sections):
+            wish = f"want a number from 1 to {len(log.sections)}, the guiding sections in this log"
+            raise InputFileError(file, found=f"section {part} asked for", wish=wish)
+        return log.sections[part - 1]
+    good = [one for one in log.sections if one.number not in faults]
+    return max(good or log.sections, key=lambda one: (one.seconds, len(one.frames)))
+
+
+def _calibrations(log: Log) -> str:
+    return "1 calibration" if log.calibrations == 1 else f"{log.calibrations} calibrations"
+
+
+def _others(file: Path, log: Log, chosen: Section, faults: dict[int, InputFileError]) -> Iterator[str]:
+    """What is said of the rest of a log that holds more than one section."""
+    if len(log.sections) > 1:
+        beside = f" and {_calibrations(log)}" if log.calibrations else ""
+        yield (
+            f"the log holds {len(log.sections)} guiding sections{beside}; section {chosen.number} was read, begun at "
+            f"{chosen.began} (line {chosen.line}, {chosen.seconds / 60.0:.0f} min)"
         )
-    return _table(file, longest, remarks)
+    good = [one for one in log.sections if one.number not in faults and one is not chosen]
+    if good:
+        told = [f"{file.name}#{one.number} ({one.seconds / 60.0:.0f} min)" for one in good[:NAMED]]
+        more = f" and {len(good) - NAMED} more" if len(good) > NAMED else ""
+        yield f"another section is read as {', '.join(told)}{more}: each by itself, since the mount may turn between"
+    for number, fault in list(faults.items())[:NAMED]:
+        yield f"section {number} cannot be used: {fault.where}: {fault.found}; {fault.wish}"
+    if len(faults) > NAMED:
+        yield f"{len(faults) - NAMED} more sections cannot be used"
 
 
-def _table(file: Path, section: Section, remarks: list[str]) -> Table:
+def fault_of(file: Path, section: Section) -> InputFileError | None:
+    """Why a section cannot be used, with a cure; None where it can."""
+    if section.fault is not None:
+        return section.fault
     where = f"section of line {section.line}"
+    if len(section.frames) < LEAST_ROWS:
+        found = f"{len(section.frames)} frames, a section without guiding to speak of"
+        return InputFileError(file, where=where, found=found, wish=f"want at least {LEAST_ROWS} frames")
     known = section.header
-    for key, says in (("scale", "Pixel scale"), ("rate", "xRate")):
-        if not known.get(key, 0.0) > 0.0:
-            wish = f"want {says} = a number above 0, without which pixels are no angle"
-            raise InputFileError(file, where=where, found=f"no {says}", wish=wish)
-    declination = known.get("declination")
-    if declination is None:
-        remarks.append("the log does not state the declination: errors are taken as on the equator, and may be larger")
-        declination = 0.0
-    if abs(declination) > POLE_DEG:
+    if not known.get("scale", 0.0) > 0.0:
+        wish = (
+            'want a line "Pixel scale = 3.22 arc-sec/px" below "Guiding Begins": write your own there, 206.265 times '
+            "the pixel in um over the focal length in mm"
+        )
+        return InputFileError(file, where=where, found="no Pixel scale", wish=wish)
+    if section.pulsed and not known.get("rate", 0.0) > 0.0:
+        wish = "want xRate = a number above 0, without which pulses are no angle: calibrate PHD2, and guide again"
+        return InputFileError(file, where=where, found="no xRate", wish=wish)
+    if abs(known.get("declination", 0.0)) > POLE_DEG:
         wish = f"want a star within {POLE_DEG:g} deg of the equator; beyond, the axis hardly moves it"
-        raise InputFileError(file, where=where, found=f"a declination of {declination:g} deg", wish=wish)
-    time, offset, pulses, lock = np.array(section.rows).T
+        found = f"a declination of {known['declination']:g} deg"
+        return InputFileError(file, where=where, found=found, wish=wish)
+    if all(math.isnan(frame.offset) for frame in section.frames):
+        wish = "want RARawDistance in the frames: calibrate PHD2, and guide again"
+        return InputFileError(file, where=where, found="no frame with a star", wish=wish)
+    return None
+
+
+def _table(section: Section, remarks: list[str]) -> Table:
+    known = section.header
+    if "declination" not in known:
+        remarks.append(
+            "the log does not state the declination: errors are taken as on the equator, and may be larger; write "
+            f'"Dec = 12.0 deg" with your own value below line {section.line}'
+        )
+    time = np.array([frame.time for frame in section.frames])
+    cosine, sine, norm = direction(section)
+    offset = np.array([frame.offset for frame in section.frames])
+    if abs(norm / known["scale"] - 1.0) <= AS_SCALE and abs(norm - 1.0) > AS_SCALE:
+        offset = offset / norm
+        remarks.append("offsets along the right ascension are in arcsec in this log, and taken so")
+    if section.commas:
+        remarks.append("decimal commas: two cells of a row were taken as one number")
     lost = int(np.sum(np.isnan(offset)))
     if lost:
         remarks.append(f"{lost} frames without a star left out")
-    rate = known["rate"] * (1000.0 if known["rate"] < PER_MS else 1.0)
+    rate = known.get("rate", 0.0) * (1000.0 if known.get("rate", 0.0) < PER_MS else 1.0)
+    pulses = np.array([frame.pulse for frame in section.frames])
     sent = rate * np.concatenate(([0.0], np.cumsum(pulses)[:-1]))
-    arcsec = known["scale"] / math.cos(math.radians(declination))
-    aimed = int(np.sum(np.diff(lock) != 0.0))
-    if aimed:
-        remarks.append(f"the camera was re-aimed {aimed} times, which is undone")
-    remarks.append(f"guide log: {arcsec:.4g} arcsec of the axis per pixel, pulses of {rate:.4g} px/s undone")
+    arcsec = known["scale"] / math.cos(math.radians(known.get("declination", 0.0)))
+    moved = _re_aimed(section, offset + sent, (cosine, sine), remarks)
+    if section.paused:
+        remarks.append(f"guiding was paused {section.paused} times; the worm is taken to have turned on")
+    if section.shifted:
+        remarks.append("the lock position was shifted along (LOCK SHIFT), which shows as a slow drift")
+    undone = f"pulses of {rate:.4g} px/s undone" if section.pulsed else "no pulses were sent"
+    remarks.append(f"guide log: {arcsec:.4g} arcsec of the axis per pixel, {undone}")
     return Table(
         # A star that needs a pulse to the west has run ahead of the axis.
-        columns={"time_s": time, AXIS_ERROR: -arcsec * (offset + sent + lock), AXIS_CORRECTION: arcsec * sent},
+        columns={"time_s": time, AXIS_ERROR: -arcsec * (offset + sent + moved), AXIS_CORRECTION: arcsec * sent},
         keys={},
         remarks=remarks,
     )
 
 
-def sections(file: Path, lines: Iterator[str]) -> Iterator[Section]:
-    """The guiding sections of a log; the last may be cut off."""
-    open_: Section | None = None
-    header: dict[str, float] = {}
-    rows: list[tuple[float, float, float, float]] = []
-    names: list[str] = []
-    lock: tuple[float, float] | None = None
-    moved = 0.0
-    for number, line in enumerate(_short(file, lines), start=1):
-        begins = re.match(r"(Guiding|Calibration) Begins at (.*)", line)
-        if begins or line.startswith("Guiding Ends"):
-            if open_ is not None:
-                yield replace(open_, header=header, rows=tuple(rows))
-            open_, header, rows, names, lock, moved = None, {}, [], [], None, 0.0
-            if begins and begins[1] == "Guiding":
-                open_ = Section(line=number, began=shorten(begins[2].strip()))
-        elif open_ is not None and line.startswith("Frame,"):
-            names = line.strip().split(",")
-            if missing := [name for name in COLUMNS if name not in names]:
-                found = f"no column {' and no '.join(missing)}"
-                raise InputFileError(file, where=f"line {number}", found=found, wish="want a log of PHD2 2.0 or later")
-        elif open_ is not None and line[:1].isdigit() and names:
-            if row := _row(file, number, names, line):
-                rows.append((*row, moved))
-        elif open_ is not None:
-            header = {**dict(_header(line)), **header}
-            aimed = re.search(r"(?:Lock position|new lock pos) = (-?[\d.]+), (-?[\d.]+)", line)
-            if aimed:
-                there = float(aimed[1]), float(aimed[2])
-                moved += _along(there, lock, header.get("angle", 0.0))
-                lock = there
-    if open_ is not None:
-        yield replace(open_, header=header, rows=tuple(rows))
+def direction(section: Section) -> tuple[float, float, float]:
+    """Cosine and sine of the right ascension's direction on the camera, and the length that frames give a pixel along
+    it: from the offsets along both camera axes, or from the header where frames do not have them."""
+    held = np.array([(f.x, f.y, f.offset) for f in section.frames])
+    held = held[np.isfinite(held).all(axis=1)]
+    if len(held) >= LEAST_ROWS // 2 and np.linalg.matrix_rank(held[:, :2]) == 2:
+        along = np.linalg.lstsq(held[:, :2], held[:, 2], rcond=None)[0]
+        norm = float(np.hypot(*along))
+        # The middle one, since frames with a changed star may be written with the offset before.
+        left = float(np.median(np.abs(held[:, 2] - held[:, :2] @ along)))
+        if norm > 0.0 and left <= ROUNDED * norm:
+            return float(along[0]) / norm, float(along[1]) / norm, norm
+    angle = math.radians(section.header.get("angle", 0.0))
+    return math.cos(angle), math.sin(angle), 1.0
 
 
-def _short(file: Path, lines: Iterator[str]) -> Iterator[str]:
-    for number, line in enumerate(lines, start=1):
-        if len(line) > LINE_LIMIT:
-            found = f"more than {LINE_LIMIT} characters"
-            raise InputFileError(file, where=f"line {number}", found=found, wish="want a guide log with lines")
-        yield line
+def _re_aimed(section: Section, star: FloatArray, along: tuple[float, float], remarks: list[str]) -> FloatArray:
+    """What re-aimings of the camera moved the star by (n,), in px, from its place ``star`` (n,) with all pulses undone.
+
+    A dither moves the lock position and keeps the star, so the star stands off by as much; another star comes with its
+    own lock position, and stands off by nothing, which is taken where it leaves the smaller step by more than the air
+    makes. Where both leave more, the camera was moved unseen, and the error is taken to go on.
+    """
+    moved = np.zeros(star.size)
+    seen = np.flatnonzero(np.isfinite(star))
+    aim = np.array([frame.aim for frame in section.frames])
+    changes = np.flatnonzero(np.diff(aim[seen]) != 0) + 1
+    if not changes.size:
+        return moved
+    steps = np.delete(np.diff(star[seen]), changes - 1)
+    scatter = max(FINEST, float(np.median(np.abs(steps))) / 0.6745) if steps.size else FINEST
+    told, other, torn = 0, 0, 0
+    for k in changes:
+        before, after = section.aims[aim[seen[k - 1]]], section.aims[aim[seen[k]]]
+        shift = 0.0
+        if before is not None and after is not None:
+            shift = (after[0] - before[0]) * along[0] + (after[1] - before[1]) * along[1]
+        step = float(np.median(star[seen[k : k + AROUND]]) - np.median(star[seen[max(0, k - AROUND) : k]]))
+        taken = 0.0 if abs(step) + scatter < abs(step + shift) else shift
+        if abs(step + taken) > TORN * scatter:
+            taken, torn = -step, torn + 1
+        elif before != after:
+            told, other = told + (taken == shift), other + (taken != shift)
+        moved[seen[k] :] += taken
+    if told:
+        remarks.append(f"the camera was re-aimed {told} times ({section.dithered} dithers), which is undone")
+    if other:
+        remarks.append(f"{other} times another star was taken, which stands where the first would")
+    if torn:
+        remarks.append(f"{torn} re-aimings are of another size than the log says: the error is taken to go on there")
+    return moved
 
 
-def _header(line: str) -> Iterator[tuple[str, float]]:
-    """What a header line states: px in arcsec, px per s or ms, the camera's angle and the declination in deg."""
-    number = r"(-?\d+(?:\.\d+)?)"
-    for key, words in (
-        ("scale", rf"^Pixel scale = {number}"),
-        ("rate", rf"^Mount = .*xRate = {number}"),
-        ("angle", rf"^Mount = .*xAngle = {number}"),
-        ("declination", rf"(?:^|, )Dec = {number} deg"),
-    ):
-        if found := re.search(words, line):
-            yield key, float(found[1])
-
-
-def _along(there: tuple[float, float], lock: tuple[float, float] | None, angle: float) -> float:
-    """Motion in px of the lock position along the right ascension, whose direction on the camera is ``angle`` deg."""
-    if lock is None:
-        return 0.0
-    x, y = there[0] - lock[0], there[1] - lock[1]
-    return x * math.cos(math.radians(angle)) + y * math.sin(math.radians(angle))
-
-
-def _row(file: Path, number: int, names: list[str], line: str) -> tuple[float, float, float] | None:
-    """Time in s, offset in px and pulse in s (W positive) of one frame; None where a log was cut off within a row."""
-    try:
-        cells = dict(zip(names, next(csv.reader([line])), strict=False))
-    except csv.Error:
-        cells = {}
-    if not all(name in cells for name in COLUMNS):
-        return None
-    where = f"line {number}"
-    if cells["mount"] == "AO":
-        wish = "want a log without adaptive optics, which moves the star where no gear does"
-        raise InputFileError(file, where=where, found='frames of mount "AO"', wish=wish)
-    values = []
-    for name in ("Time", "RARawDistance", "RADuration"):
-        text = cells[name] or ("nan" if name == "RARawDistance" else "0")
-        try:
-            values.append(float(text))
-        except ValueError:
-            found = f"{name} = {shorten(text)}"
-            raise InputFileError(file, where=where, found=found, wish="want a number") from None
-    time, offset, duration = values
-    if not (math.isfinite(time) and math.isfinite(duration)) or math.isinf(offset):
-        found = f"Time = {time:g}, RADuration = {duration:g}"
-        raise InputFileError(file, where=where, found=found, wish="want finite numbers")
-    sense = {"W": 1.0, "E": -1.0}.get(cells["RADirection"], 0.0)
-    return time, offset, sense * duration / 1000.0
-
-
-READER = Reader(name="PHD2 guide log", endings=(".txt", ".log"), recognises=recognises, read=read_table)
+READER = Reader(name="PHD2 guide log", endings=(".txt", ".log"), recognises=recognises, read=read_table, parts=True)

@@ -165,14 +165,11 @@ def pulses(a: Edges) -> Counts:
     return Counts(time=time, count=count, sample=sample, illegal=none, against=sample[early], lost=tuple(lost))
 
 
-def unwrap_counter(count: FloatArray, bits: int | None) -> FloatArray:
-    """The readings (n,) of a counter without its wraps at ``2**bits``; ``nan`` stays, ``None`` = it does not wrap."""
-    if bits is None:
-        return count
+def unwrap_counter(count: FloatArray, modulus: float) -> FloatArray:
+    """The readings (n,) of a counter without its wraps at ``modulus``; ``nan`` stays."""
     good = np.flatnonzero(np.isfinite(count))
     out = count.copy()
     if good.size:
-        modulus = 2.0**bits
         step = np.diff(count[good])
         step -= modulus * np.rint(step / modulus)
         out[good[1:]] = count[good[0]] + np.cumsum(step)

@@ -15,6 +15,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.counters import Counter, counted
 from gearpoly.recording.pulses import (
     HYSTERESIS,
     Counts,
@@ -23,7 +24,6 @@ from gearpoly.recording.pulses import (
     find_edges,
     pulses,
     quadrature,
-    unwrap_counter,
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, SHAFTS, raw_channels
 from gearpoly.recording.sources import Source, brought_together, is_wrapped, unwrapped
@@ -144,7 +144,7 @@ def _shaft(
     if "count" in channels:
         per_line = _key(file, table, f"{shaft}_counts_per_line", f"{shaft}_counts_per_line = 4 (1 or 2 where so set)")
         per_turn = lines * per_line
-        counts = _counter(file, table, shaft, per_turn, time)
+        counts = _counter(file, table, shaft, per_turn, time, remarks)
         kind = "counter"
     else:
         a = _edges(file, table, f"{shaft}_a", time, remarks)
@@ -230,26 +230,18 @@ def _places(samples: IntArray, time: FloatArray) -> str:
     return f"at {named}" + (" ..." if samples.size > PLACES else "")
 
 
-def _counter(file: Path, table: Table, shaft: str, per_turn: float, time: FloatArray) -> Counts:
+def _counter(file: Path, table: Table, shaft: str, per_turn: float, time: FloatArray, remarks: list[str]) -> Counts:
     """The readings of a counter, one at every sample."""
     name = f"{shaft}_count"
-    stated = table.keys.get(f"{shaft}_count_bits")
-    bits = int(stated) if isinstance(stated, int | float) else None
-    raw = table.columns[name]
-    count = unwrap_counter(raw, bits)
-    step = np.diff(count[np.isfinite(count)])
-    if step.size and bits is not None and float(np.median(np.abs(step))) > 0.25 * 2.0**bits:
-        found = f"{float(np.median(np.abs(step))):g} counts from sample to sample"
-        wish = f"want at most a quarter of its {2**bits}; check {name}_bits, or sample faster"
-        raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
-    if bits is None and step.size:
-        worst = int(np.argmax(np.abs(step)))
-        # Half a turn and fifty usual steps within one sample: the counter was reset or went round.
-        if abs(step[worst]) > max(0.5 * per_turn, 50.0 * float(np.median(np.abs(step)))):
-            row = int(np.flatnonzero(np.isfinite(count))[worst + 1]) + 1
-            guess = int(np.ceil(np.log2(max(float(np.nanmax(np.abs(raw))), 2.0) + 1.0)))
-            wish = f"want {name}_bits = {guess} if the counter wraps there, or a recording without a reset"
-            raise InputFileError(file, where=f"column {name}, row {row}", found=f"a jump by {step[worst]:g}", wish=wish)
+    bits, modulus = (table.keys.get(f"{name}_{key}") for key in ("bits", "modulus"))
+    if bits is not None and modulus is not None:
+        found = f"{name}_bits = {bits}, and {name}_modulus = {modulus} too"
+        raise InputFileError(file, found=found, wish="want one of the two, which say where the counter goes round")
+    stated = 2.0 ** float(bits) if isinstance(bits, int | float) else modulus
+    counter = Counter(
+        file=file, name=name, per_turn=per_turn, modulus=float(stated) if isinstance(stated, int | float) else None
+    )
+    count = counted(counter, table.columns[name], remarks)
     none = np.empty(0, dtype=np.int64)
     return Counts(time=time, count=count, sample=np.arange(count.size), illegal=none, against=none)
 

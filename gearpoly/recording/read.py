@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gearpoly import recording as package
 from gearpoly.errors import InputFileError
+from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.apart import read_apart
@@ -28,14 +29,22 @@ def readers() -> tuple[Reader, ...]:
 
 
 def read_recording(path: Path | str, *, worm: WormSection | None = None) -> Recording:
-    """Read one recording of any format; a guide log through the ``worm`` of the pair file.
+    """Read one recording of any format; a guide log through the ``worm`` of the pair file. ``FILE#2`` is the second
+    recording of a file that holds several.
 
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
     recording, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
-    file = Path(path)
+    file, part = parted(Path(path))
     reader = find_reader(file)
-    return recording_from_table(file, read_apart(reader, file) if reader.apart else reader.read(file), worm=worm)
+    if part is not None:
+        if not reader.parts:
+            wish = f"want {file.name} without #{part}: a {reader.name} file holds one recording"
+            raise InputFileError(path, found=f"part {part} asked for", wish=wish)
+        table = reader.read(file, part)
+    else:
+        table = read_apart(reader, file) if reader.apart else reader.read(file)
+    return recording_from_table(Path(path), table, worm=worm)
 
 
 def find_reader(file: Path) -> Reader:

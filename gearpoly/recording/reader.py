@@ -75,17 +75,19 @@ class Reader:
 
     ``recognises`` gets the first 4096 bytes. ``module`` is the optional package that ``read`` imports and ``extra``
     the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
-    file can bring the library to crash or to go round for ever, so it reads in a process of its own.
+    file can bring the library to crash or to go round for ever, so it reads in a process of its own. ``parts``: a file
+    may hold several recordings, of which ``read`` takes the number, from 1, as a second argument.
     """
 
     name: str
     endings: tuple[str, ...]
     recognises: Callable[[bytes], bool]
-    read: Callable[[Path], Table]
+    read: Callable[..., Table]
     module: str = ""
     extra: str = ""
     fallback: bool = False
     apart: bool = False
+    parts: bool = False
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:
@@ -245,8 +247,20 @@ def check_numbers(file: Path, count: int, *, beside: int = 0) -> None:
         raise InputFileError(file, found=found, wish=wish)
 
 
+def _since_first(stamps: npt.NDArray[Any]) -> FloatArray:
+    """Time stamps (n,) as seconds since the first of them; ``nan`` where there is none."""
+    held = stamps[~np.isnat(stamps)]
+    if not held.size:
+        return np.full(stamps.size, np.nan)
+    # Differences of whole ticks first: seconds since 1970 would leave half a microsecond.
+    return np.asarray(np.where(np.isnat(stamps), np.nan, (stamps - held[0]) / np.timedelta64(1, "s")))
+
+
 def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:
-    """One column as float64 (n,); a row or a column of a matrix counts, text, dates and complex numbers do not."""
+    """One column as float64 (n,); a row or a column of a matrix counts, text and complex numbers do not. Time stamps
+    are seconds since the first of them."""
+    if name == "time_s" and values.dtype.kind == "M":
+        values = _since_first(values)
     if values.dtype.kind not in "iufb":
         wish = "want plain numbers"
         raise InputFileError(file, where=f"column {name}", found=f"values of type {values.dtype}", wish=wish)

@@ -34,7 +34,7 @@ COLUMNS = (*PLAIN_COLUMNS, *RAW_COLUMNS)
 PASSED_OVER = ("backlash_um", "contact_pairs")
 """Columns of ``gearpoly simulate``'s own table that no recording needs."""
 
-RAW_SHAFT_KEYS = ("lines", "counts_per_line", "count_bits")
+RAW_SHAFT_KEYS = ("lines", "counts_per_line", "count_bits", "count_modulus")
 RAW_KEYS = (*(f"{shaft}_{key}" for shaft in SHAFTS for key in RAW_SHAFT_KEYS), "sample_rate_hz")
 KEYS = (
     "torque_nm",
@@ -217,6 +217,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     elif key.endswith("_count_bits"):
         good = 2.0 <= number <= COUNT_BITS_LIMIT and number.is_integer()
         want = f"the width of the counter in bits, a whole number from 2 to {COUNT_BITS_LIMIT}"
+    elif key.endswith("_count_modulus"):
+        good = 2.0 <= number <= 2.0**COUNT_BITS_LIMIT and number.is_integer()
+        want = "the number at which the counter goes round to 0, a whole number from 2"
     elif key == "sample_rate_hz":
         good, want = 0.0 < number < math.inf, "samples per second, above 0"
     else:

@@ -1,8 +1,8 @@
 """Recordings as TDMS (LabVIEW): one channel per column, all in one group, the keys as properties of group or file.
 
-Where no channel is called ``time_s``, the waveform properties ``wf_start_time``, ``wf_start_offset`` and
-``wf_increment`` give the time, of each channel by itself: channels that begin apart or run at rates of their own are
-brought to common times.
+A channel of time stamps is the time. Where there is none, and none is called ``time_s``, the waveform properties
+``wf_start_time``, ``wf_start_offset`` and ``wf_increment`` give the time, of each channel by itself: channels that
+begin apart or run at rates of their own are brought to common times.
 """
 
 from __future__ import annotations
@@ -58,18 +58,40 @@ def read_table(file: Path) -> Table:
                 if is_key(file, f"properties of {holder}", name):
                     take_key(file, f"properties of {holder}", name, value, table.keys)
         channels = {channel.name: channel for channel in group.channels()}
+        _take_stamps(channels, table.remarks)
         wanted = wanted_columns(file, where, channels, table.remarks)
         _check_sizes(file, {name: channels[name] for name in wanted})
-        if source.file_status.incomplete_final_segment:
-            found = "a cut-off TDMS file (its last segment is not whole)"
-            raise InputFileError(file, found=found, wish="want the whole file; copy or export it again")
         for name in wanted:
             for key in UNIT_NAMES:
                 if key in channels[name].properties:
                     check_unit(file, name, channels[name].properties[key])
             table.columns[name] = numbers(file, name, np.asarray(channels[name][:]))
-        _take_times(file, {name: channels[name].properties for name in wanted}, table)
+        properties = {name: channels[name].properties for name in wanted}
+        if source.file_status.incomplete_final_segment:
+            _take_what_is_there(file, properties, table)
+        _take_times(file, properties, table)
     return table
+
+
+def _take_stamps(channels: dict[str, Any], remarks: list[str]) -> None:
+    """Let a channel of time stamps be ``time_s`` where none is called so and it is the only one."""
+    stamps = [name for name, channel in channels.items() if np.dtype(channel.dtype).kind == "M"]
+    if len(stamps) == 1 and "time_s" not in channels:
+        channels["time_s"] = channels.pop(stamps[0])
+        remarks.append(f"time_s from the time stamps in {shorten(stamps[0])}")
+
+
+def _take_what_is_there(file: Path, properties: dict[str, dict[str, Any]], table: Table) -> None:
+    """Keep of a file that was cut off what every channel holds; channels with times of their own are cut by these."""
+    own = {(str(held.get("wf_start_time")), held.get("wf_start_offset"), held.get("wf_increment"))
+           for held in properties.values()}  # fmt: skip
+    least = min(values.size for values in table.columns.values())
+    if least == 0:
+        found = "a cut-off TDMS file (a channel holds nothing)"
+        raise InputFileError(file, found=found, wish="want the whole file; copy or export it again")
+    if len(own) == 1:
+        table.columns = {name: values[:least] for name, values in table.columns.items()}
+    table.remarks.append(f"the file is cut off in its last segment; it was read as far as it goes, {least} samples")
 
 
 @contextmanager
@@ -102,7 +124,7 @@ def _check_sizes(file: Path, channels: dict[str, Any]) -> None:
     stated = 0
     for name, channel in channels.items():
         dtype = np.dtype(channel.dtype)
-        if dtype.kind not in "iufb":
+        if dtype.kind not in "iufb" and not (name == "time_s" and dtype.kind == "M"):
             raise InputFileError(
                 file, where=f"column {name}", found=f"values of type {dtype}", wish="want plain numbers"
             )

@@ -5,12 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
+from gearpoly.files.mounts import SIDEREAL_DAY_S
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
-
-SIDEREAL_DAY_S = 86164.0905
-"""s. One turn of the axis, by which a mount follows the stars (IERS Conventions 2010: 86164.0905 s of mean solar
-time)."""
 
 ARCSEC_PER_DEG = 3600.0
 
@@ -25,7 +22,10 @@ def at_the_worm(file: Path, table: Table, worm: WormSection | None) -> Table:
     arcsec and the pulses in deg at the worm, the number of wheel teeth times those of the axis. Raises
     ``InputFileError`` where the pair file has no worm."""
     if worm is None:
-        wish = "want a table [worm] in the pair file with the wheel_teeth of the worm wheel (EQ6: 180, HEQ5: 135)"
+        wish = (
+            "want a table [worm] in the pair file with the wheel_teeth of the worm wheel (EQ6: 180, HEQ5: 135); "
+            "gearpoly pair --mount EQ6 PAIR writes it for a known mount"
+        )
         raise InputFileError(file, found="a guide log, which watches the telescope's axis behind a worm", wish=wish)
     period = worm_period(worm)
     time = table.columns["time_s"]

@@ -13,6 +13,7 @@ from gearpoly import __version__
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.division import Division
 from gearpoly.compare.entries import Entry, named, says
+from gearpoly.compare.on_sky import Sky, arcsec_words, sky_of
 from gearpoly.compare.zeros import Zeros
 from gearpoly.units import DEG, NM, RPM, UM
 
@@ -54,16 +55,18 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """Everything as plain values, sizes in um and angles in deg."""
     located = comparison.located
     repeatable = located.repeatable_rms
+    sky = sky_of(comparison)
     return {
         "gearpoly": __version__,
         "pair": comparison.name,
         "noise_um": located.noise_level / UM,
         "noise_um_by_recording": [noise.level / UM for noise in located.noises],
         "alignment": alignment_json(comparison),
-        "where": [entry.to_json() for entry in located.where],
+        "where": entries_json(located.where, sky),
         "residual_rms_um": located.residual_rms / UM,
         "divides_um": division_json(located.division),
         **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
+        **({} if sky is None else {"residual_rms_arcsec": sky.arcsec(located.residual_rms / UM)}),
         "recordings": [
             {
                 "file": str(one.cleaned.recording.source),
@@ -89,6 +92,16 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def entries_json(entries: tuple[Entry, ...], sky: Sky | None) -> list[dict[str, object]]:
+    """Places where recordings and simulation differ; behind a telescope's worm with sizes in arcsec, periods in s."""
+    return [entry.to_json() | ({} if sky is None else sky.to_json(entry)) for entry in entries]
+
+
+def entry_words(entry: Entry, sky: Sky | None) -> str:
+    """A place in words, behind a telescope's worm as the sky shows it too."""
+    return says(entry) if sky is None else f"{says(entry)}: {sky.says(entry)}"
 
 
 def _deg_step(step: float | None) -> float | None:
@@ -134,16 +147,18 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     if more > 0:
         table.add_row("", f"and {more} more that fit nearly as well")
     repeats = located.repeatable_rms
+    sky = sky_of(comparison)
     table.add_row(
         "left over",
         f"{located.residual_rms / UM:.3f} um rms about each mean, noise {located.noise_level / UM:.3f} um"
-        + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle"),
+        + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle")
+        + ("" if sky is None else f"; {arcsec_words(sky.arcsec(located.residual_rms / UM))} rms on the sky"),
     )
     table.add_row("which divides", division_words(located.division))
     console.print(table)
     if located.where:
         console.print("where they differ, most of the mismatch first:", style="bold", highlight=False)
-        for line in _entry_lines(located.where):
+        for line in _entry_lines(located.where, sky):
             console.print(f"  {line}", highlight=False, soft_wrap=True)
     else:
         console.print(
@@ -160,13 +175,14 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
 
 
-def _entry_lines(entries: tuple[Entry, ...]) -> list[str]:
+def _entry_lines(entries: tuple[Entry, ...], sky: Sky | None) -> list[str]:
     """One line per entry; of many that come along with another one, only what they are, on one line."""
     along: dict[str, list[Entry]] = {}
     for entry in entries:
         if entry.companion_of is not None:
             along.setdefault(entry.companion_of, []).append(entry)
-    out = [_capital(says(e)) for e in entries if e.companion_of is None or len(along[e.companion_of]) <= SINGLY]
+    alone = [e for e in entries if e.companion_of is None or len(along[e.companion_of]) <= SINGLY]
+    out = [_capital(entry_words(e, sky)) for e in alone]
     for parent, several in along.items():
         if len(several) > SINGLY:
             out.append(f"With {parent} come {len(several)} weaker ones: {', '.join(named(e) for e in several)}")

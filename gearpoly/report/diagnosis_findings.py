@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
 from gearpoly.report.diagnosis_report import STATUS, chance_words, how_sure
+from gearpoly.report.diagnosis_sky import finding_words
 from gearpoly.report.diagnosis_words import MINUS, capital, number, parameter, physics_words, typeset
 from gearpoly.units import UM
 
@@ -20,9 +22,6 @@ CHIP = {
     "unexplained": ("?", "unexplained"),
 }
 """A status as a sign and a word, so that colour is never alone."""
-
-ONCE_PER_TURN = ("eccentricity", "encoder_eccentricity")
-"""Physics whose order, which their place does not state, is 1."""
 
 LEAST = 1e-12
 """mm. Stands for no noise at all, as a made recording may have it."""
@@ -102,6 +101,7 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
         ("Where", escape(where(one)) + _show(one)),
         ("Model", f'<span class="equation">{escape(claim.physics.equation)}</span>'),
         ("Values", values_table(one.parameters)),
+        *_on_the_sky(one, diagnosis),
         ("How sure", sure),
         ("What else it could be", rivals(one.rivals)),
         (
@@ -119,6 +119,11 @@ def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
         f"<code>{escape(name)}</code>{_open(one)}</h3>"
         f"<dl>{body}</dl></article>"
     )
+
+
+def _on_the_sky(one: Finding, diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    words = finding_words(one, diagnosis.comparison.located, sky_of(diagnosis.comparison))
+    return [("On the sky", escape(capital(words)))] if words else []
 
 
 def where(one: Finding) -> str:
@@ -150,7 +155,7 @@ def _show(one: Finding) -> str:
     place = one.claim.place
     if place.tooth is not None:
         at = f'data-tooth="{place.tooth}"'
-    elif place.order is not None or one.claim.physics.name in ONCE_PER_TURN:
+    elif place.order is not None or one.claim.physics.once_per_turn:
         at = f'data-order="{place.order or 1}"'
     else:
         return ""

@@ -8,6 +8,7 @@ from html import escape
 from importlib.resources import files
 
 from gearpoly import __version__
+from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report import diagnosis_findings, diagnosis_tables
 from gearpoly.report.diagnosis_data import document
@@ -38,9 +39,10 @@ def page(diagnosis: Diagnosis) -> str:
         "WHERE": diagnosis_tables.entries(
             comparison.located.entries,
             none="Nothing beyond noise, and beyond what inspection or grade leave open of each tooth.",
+            sky=sky_of(comparison),
         ),
         "UNEXPLAINED": diagnosis_tables.entries(
-            diagnosis.unexplained, none="Nothing is left that stands out of the noise."
+            diagnosis.unexplained, none="Nothing is left that stands out of the noise.", sky=sky_of(comparison)
         ),
         "AS_BUILT": diagnosis_tables.as_built(diagnosis),
         "ALIGNMENT": diagnosis_tables.alignment(diagnosis),

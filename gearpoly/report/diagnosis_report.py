@@ -11,12 +11,13 @@ from rich.console import Console
 from rich.table import Table
 
 from gearpoly import __version__
-from gearpoly.compare.entries import says
+from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
-from gearpoly.report.compare_report import alignment_json
+from gearpoly.report.compare_report import alignment_json, entries_json, entry_words
+from gearpoly.report.diagnosis_sky import finding_json, finding_words
 from gearpoly.units import UM
 
 STATUS = {
@@ -33,6 +34,7 @@ WHOLE = ("order", "recording")
 def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The contract's verdict, sizes in um and angles in deg."""
     located = diagnosis.comparison.located
+    sky = sky_of(diagnosis.comparison)
     built = {name: _built_json(gear) for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True)} | (
         {}
         if diagnosis.compliance_scale is None
@@ -45,10 +47,10 @@ def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise_um": diagnosis.noise / UM,
         "noise_um_by_recording": [level / UM for level in diagnosis.noise_by_recording],
         "alignment": alignment_json(diagnosis.comparison),
-        "where": [entry.to_json() for entry in located.entries],
-        "missing": [_finding_json(one) for one in diagnosis.findings],
+        "where": entries_json(located.entries, sky),
+        "missing": [_finding_json(one) | finding_json(one, located, sky) for one in diagnosis.findings],
         "as_built": built,
-        "unexplained": [entry.to_json() for entry in diagnosis.unexplained],
+        "unexplained": entries_json(diagnosis.unexplained, sky),
         "fit": {
             "heldout_rms_um": {"before": diagnosis.before.unseen / UM, "after": diagnosis.after.unseen / UM},
             "train_rms_um": {"before": diagnosis.before.seen / UM, "after": diagnosis.after.seen / UM},
@@ -184,7 +186,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     if diagnosis.unexplained:
         console.print("\nlocated, and not explained:", style="bold", highlight=False)
         for entry in diagnosis.unexplained:
-            console.print(f"  {says(entry)}", highlight=False, soft_wrap=True)
+            console.print(f"  {entry_words(entry, sky_of(comparison))}", highlight=False, soft_wrap=True)
     table = Table(title="\nfit", title_justify="left", box=None, pad_edge=False, title_style="bold")
     table.add_column("")
     for name in ("unseen, um rms", "repeatable part", "over the noise"):
@@ -234,6 +236,9 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
     values = ", ".join(_value_words(name, *pair) for name, pair in one.parameters.items())
     console.print(f"   model: {one.claim.physics.equation}", highlight=False, soft_wrap=True)
     console.print(f"   values: {values}", highlight=False, soft_wrap=True)
+    on_sky = finding_words(one, diagnosis.comparison.located, sky_of(diagnosis.comparison))
+    if on_sky:
+        console.print(f"   on the sky: {on_sky}", highlight=False, soft_wrap=True)
     console.print(f"   how sure: {how_sure(one)}", highlight=False, soft_wrap=True)
     before, after = repeatable(one.without.unseen, diagnosis.noise), repeatable(one.with_.unseen, diagnosis.noise)
     console.print(

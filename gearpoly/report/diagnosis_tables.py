@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from gearpoly.compare.entries import Entry, named
+from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.report.diagnosis_findings import table
@@ -23,24 +24,29 @@ NUMBERED = {
 }
 
 
-def entries(found: Sequence[Entry], *, none: str) -> str:
-    """A table of places where recordings and simulation differ."""
+def entries(found: Sequence[Entry], *, none: str, sky: Sky | None = None) -> str:
+    """A table of places where recordings and simulation differ; behind a telescope's worm as the sky shows them."""
     if not found:
         return f"<p>{none}</p>"
     first = [one for one in found if one.companion_of is None]
     along = [one for one in found if one.companion_of is not None]
     if len(along) <= ALONG:
-        return _entry_table(found)
+        return _entry_table(found, sky)
     return (
-        _entry_table(first)
+        _entry_table(first, sky)
         + f"<details><summary>{len(along)} weaker ones that come along with these</summary>"
-        + f"{_entry_table(along)}</details>"
+        + f"{_entry_table(along, sky)}</details>"
     )
 
 
-def _entry_table(found: Sequence[Entry]) -> str:
-    head = ("where", "size µm", "encoder", "mesh phase", "chance from noise", "recordings", "")
-    return table(head, [_entry_row(one) for one in found], name="places")
+def _entry_table(found: Sequence[Entry], sky: Sky | None) -> str:
+    head = ["where", "size µm", "encoder", "mesh phase", "chance from noise", "recordings", ""]
+    rows = [_entry_row(one) for one in found]
+    if sky is not None:
+        head.insert(2, "on the sky")
+        for row, one in zip(rows, found, strict=True):
+            row.insert(2, escape(sky.says(one).removesuffix(" on the sky")))
+    return table(head, rows, name="places")
 
 
 def _entry_row(one: Entry) -> list[str]:
@@ -49,6 +55,7 @@ def _entry_row(one: Entry) -> list[str]:
     else:
         size = NONE if one.rms_um is None else f"{number(one.rms_um, 3)} rms"
     notes = [one.label] if one.label else []
+    notes += [f"{part} falls there too" if one.of_the_pair else part for part in one.parts]
     if one.companion_of:
         notes.append(f"comes with {one.companion_of}")
     notes += [f"or {rival}" for rival in one.rivals]

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from gearpoly.recording.recording import COLUMNS, KEYS
 from tests import recording_files as files
 from tests.fuzz.mutate import NASTY
+from tests.made_guide_log import made_log
 from tests.made_readings import FORMATS
-from tests.test_guide_logs import made_log
 
 Draw = Any
 Columns = dict[str, Any]
@@ -59,6 +59,7 @@ GOOD: dict[str, object] = {
     "torque_nm": 25.5, "speed_rpm": 60.0, "flank": "drive", "driving_zero_deg": 1.0, "driven_zero_deg": -2.0,
     "driving_direction": 1, "driven_direction": -1, "reversed": 0, "driving_lines": 4, "driven_lines": 4,
     "driving_counts_per_line": 4, "driven_counts_per_line": 4, "driving_count_bits": 8, "sample_rate_hz": 50.0,
+    "driven_count_modulus": 256,
 }  # fmt: skip
 
 
@@ -245,14 +246,24 @@ def damaged(draw: Draw, whole: bytes) -> bytes:
 CELLS = ("nan", "inf", "-1e308", "1e999", "", "x", "0", "-5", "DROP", '"', "W", "9" * 400, "\x1b[2J")
 
 
+WORDS = (
+    "INFO: SET LOCK POSITION, new lock pos = 1.0, 2.0", "INFO: DITHER by 1e9, 0, new lock pos = 999999, -5",
+    "INFO: Server received PAUSE", "INFO: LOCK SHIFT, enabled = 1", "Calibration Begins at now", "AO = x, xRate = 3",
+    "Pixel scale = 0.5 arc-sec/px", "Dec = -89.0 deg",
+)  # fmt: skip
+"""Lines between the frames of a log."""
+
+
 @st.composite
 def guide_logs(draw: Draw) -> bytes:
     """A guide log with up to four lines wrong: a cell or a number of the header replaced, lines dropped, doubled, moved
-    or put into one, sections begun anew."""
+    or put into one, sections begun anew, words between frames, decimal commas."""
     lines = made_log(frames=draw(st.sampled_from((3, 90))), lost=2, dithered=(1, 4.0))[0].splitlines()
     for _ in range(draw(st.integers(0, 4))):
         at = draw(st.integers(0, len(lines) - 1) | st.integers(0, min(9, len(lines) - 1)))
-        change = draw(st.sampled_from(("cell", "number", "drop", "double", "move", "join", "section")))
+        change = draw(
+            st.sampled_from(("cell", "number", "drop", "double", "move", "join", "section", "words", "comma"))
+        )
         if change == "cell":
             cells = lines[at].split(",")
             cells[draw(st.integers(0, len(cells) - 1))] = draw(st.sampled_from(CELLS))
@@ -267,6 +278,10 @@ def guide_logs(draw: Draw) -> bytes:
             lines.append(lines[at])
         elif change == "join":
             lines[at] = lines[at] * 60
+        elif change == "words":
+            lines.insert(at, draw(st.sampled_from(WORDS)))
+        elif change == "comma":
+            lines = [line.replace(".", ",") for line in lines]
         else:
             lines[at:at] = lines[: draw(st.integers(1, 9))]
     return draw(damaged("\n".join(lines).encode()))

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from gearpoly.keys.sizes import addendum_of, dedendum_of, module_of, profile_shift_of
 from gearpoly.gear.gear import Gear, inv, inv_inverse
 from gearpoly.gear.metrology import thickness_from_pins, thickness_from_span
+from gearpoly.keys.sizes import addendum_of, dedendum_of, module_of, profile_shift_of
 from gearpoly.units import DEG
 
 # Seven decimals as involute tables print them.

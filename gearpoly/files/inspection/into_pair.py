@@ -13,14 +13,14 @@ from pydantic_core import PydanticCustomError
 from gearpoly.errors import InputFileError
 from gearpoly.files.faults import explain, parse
 from gearpoly.files.inspection.measured import MeasuredGear, OwnTrace, Translated, Which
-from gearpoly.keys.kinds import NAME_SHOWN
 from gearpoly.files.models import PairFile
 from gearpoly.files.output import write_text
 from gearpoly.files.paths import look
 from gearpoly.files.sheet_csv import with_sheets
-from gearpoly.keys.sizes import with_sizes
 from gearpoly.files.toml_text import table, value_text
 from gearpoly.files.traces import read_text
+from gearpoly.keys.kinds import NAME_SHOWN
+from gearpoly.keys.sizes import with_sizes
 
 SAME_GEAR = 1e-4
 """Relative. Sheets print module and angle to 4 decimals; the next module or angle differs by a hundredth."""

@@ -31,8 +31,8 @@ from gearpoly.files.inspection.klingelnberg_text import (
 )
 from gearpoly.files.inspection.measured import SIDES, MeasuredGear, closed
 from gearpoly.files.inspection.probes import counting
-from gearpoly.keys.kinds import NAME_SHOWN
 from gearpoly.files.traces import DEVIATION_LIMIT_UM
+from gearpoly.keys.kinds import NAME_SHOWN
 
 SHAPES = {"profile_slope_um": r"f_?Ha(?:lpha)?m?", "profile_crowning_um": r"C_?a(?:lpha)?m?"}
 SPAN, PINS = r"W_?k?\b|Zahnweite|span", r"M_?dK\b|Zweikugelma|Zweirollenma|over (balls|pins)"

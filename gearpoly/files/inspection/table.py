@@ -16,8 +16,8 @@ from gearpoly.files.inspection.klingelnberg_text import SIDE
 from gearpoly.files.inspection.measured import SIDES, MeasuredGear, closed
 from gearpoly.files.inspection.sheet_map import SheetMap
 from gearpoly.files.inspection.text import any_text
-from gearpoly.keys.kinds import NAME_SHOWN
 from gearpoly.files.traces import DEVIATION_LIMIT_UM, LINE_LIMIT, parse_number
+from gearpoly.keys.kinds import NAME_SHOWN
 
 SEPARATORS = (";", "\t", "|", ",")
 

@@ -12,7 +12,6 @@ from gearpoly.errors import InputFileError, shown
 from gearpoly.files.faults import explain
 from gearpoly.files.gde import Side
 from gearpoly.files.inspection.measured import Which
-from gearpoly.keys.kinds import NAME_SHOWN
 from gearpoly.files.models import PairFile
 from gearpoly.files.output import write_text
 from gearpoly.files.pairfile import dump_pair
@@ -20,6 +19,7 @@ from gearpoly.files.paths import look
 from gearpoly.files.rexs.gear import GearOfDesign, why_not
 from gearpoly.files.rexs.model import Component, Model, called
 from gearpoly.files.rexs.source import read_model
+from gearpoly.keys.kinds import NAME_SHOWN
 
 STAGE_DATA = ("cylindrical_stage_gear_data", "stage_gear_data")
 """What a stage says of one of its gears: the name of today, and that of old versions."""
