@@ -12,8 +12,12 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.models import WormSection
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.recording.apart import read_apart
+from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.table import Table
+from gearpoly.recording.taken import only, taken
+from gearpoly.recording.text.writing import Writing
 
 HEAD_BYTES = 4096
 """How much of a file is looked at to tell its format; HDF5 may begin as far in as 2048."""
@@ -27,15 +31,52 @@ def readers() -> tuple[Reader, ...]:
     return tuple(sorted(found, key=lambda reader: reader.fallback))
 
 
-def read_recording(path: Path | str, *, worm: WormSection | None = None) -> Recording:
-    """Read one recording of any format; a guide log through the ``worm`` of the pair file.
+def read_recording(
+    path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
+) -> Recording:
+    """Read the one recording of a file of any format; a guide log through the ``worm`` of the pair file, an owner's own
+    file by the map ``chart``.
 
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
-    recording, and ``MissingExtraError`` where its format needs a package that is not installed.
+    recording or holds several, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
     file = Path(path)
+    return recording_from_table(file, taken(file, only(file, read_tables(file, chart)), chart), worm=worm)
+
+
+def read_recordings(
+    path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
+) -> list[Recording]:
+    """Every recording of a file, as :func:`read_recording` reads one; each of several is called by its number."""
+    file = Path(path)
+    tables = read_tables(file, chart)
+    if len(tables) == 1:
+        return [recording_from_table(file, taken(file, tables[0], chart), worm=worm)]
+    out = []
+    for number, table in enumerate(tables, start=1):
+        table.remarks.insert(0, f"recording {number} of {len(tables)} in the file, each taken as one of the set")
+        called = file.with_name(f"{file.name}, recording {number}")
+        out.append(recording_from_table(called, taken(called, table, chart), worm=worm))
+    return out
+
+
+def read_tables(file: Path, chart: RecordingMap | None = None) -> list[Table]:
+    """What the reader of a file's format finds in it: one table for every recording, or that of the map's section."""
     reader = find_reader(file)
-    return recording_from_table(file, read_apart(reader, file) if reader.apart else reader.read(file), worm=worm)
+    if reader.several is not None:
+        tables = reader.several(file, chart.writing if chart is not None else Writing())
+    else:
+        if chart is not None and chart.writing != Writing():
+            wish = "want no [text] in a map for another format"
+            raise InputFileError(chart.file, where="text", found=f"{file.name} is {reader.name}, no text", wish=wish)
+        tables = [read_apart(reader, file) if reader.apart else reader.read(file)]
+    if chart is None or chart.section is None:
+        return tables
+    if chart.section > len(tables):
+        found = f"{chart.section}, and the file holds {len(tables)}"
+        wish = f"want a number from 1 to {len(tables)}, or no section where there is one recording"
+        raise InputFileError(chart.file, where="section", found=found, wish=wish)
+    return [tables[chart.section - 1]]
 
 
 def find_reader(file: Path) -> Reader:

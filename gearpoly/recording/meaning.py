@@ -1,0 +1,261 @@
+"""What a column under a name of the owner's own holds: by the words of its name, its unit, and its readings.
+
+Words are German, French, Spanish, Italian and English. A column is taken where nothing else can be meant: its quantity,
+its unit and its shaft are all stated, or shown by the readings. Everything else is a doubt that a map settles.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.errors import shown
+from gearpoly.recording.quantities import (
+    ANGLE,
+    COUNT,
+    DOUBTFUL,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    UNITS,
+    Unit,
+    column_unit,
+    unit_written,
+    units_written,
+)
+from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.table import Channel
+from gearpoly.units import FloatArray
+
+TE, OTHER = "transmission error", "something else"
+
+QUANTITIES: tuple[tuple[str, str, str], ...] = (
+    (
+        TE,
+        "te drehwegfehler",
+        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
+        "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
+    ),
+    (OTHER, "", "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force"),
+    (
+        SPEED,
+        "n rpm rev regime nan nab",
+        "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
+    ),
+    (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
+    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
+    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
+    (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
+)
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
+row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
+with a unit that fits."""
+
+SHAFT_WORDS = {
+    "driving": (
+        "driving drive driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
+        "antrieb|eingang|input|treibend",
+    ),
+    "driven": (
+        "driven output sortie salida uscita mene menee conducido conducida condotto condotta out",
+        "abtrieb|ausgang|output|getrieben",
+    ),
+}
+"""Words and parts of words that name one shaft of a pair and no other."""
+
+_GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
+
+WRAP_TOLERANCE = 0.01
+"""Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
+a tenth apart."""
+
+LEAST_WRAPS = 1
+
+NAME_LIMIT = 200
+"""Characters of a name that are looked at; the longest header of a logger seen has 60."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Meaning:
+    """What the channel ``channel`` was taken for, or may be.
+
+    ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
+    column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
+    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity.
+    """
+
+    channel: str
+    column: str = ""
+    unit: Unit | None = None
+    dimension: str = ""
+    why: str = ""
+    doubt: str = ""
+    ask: tuple[str, ...] = ()
+
+
+def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
+    """What each of the ``channels`` of a recording holds, in their order; no column is surely two of them."""
+    # "in" is a word of German and an inch; beside an "out" it is a shaft.
+    outs = any("out" in _tokens(name) for name in channels)
+    found = [_meaning(name, one, outs=outs) for name, one in channels.items()]
+    for column in {one.column for one in found if one.column and not one.doubt}:
+        rivals = [one for one in found if one.column == column and not one.doubt]
+        if len(rivals) > 1:
+            names = " and ".join(f'"{one.channel}"' for one in rivals)
+            for one in rivals:
+                doubt = f"{names} may each be {column}"
+                ask = _lines(column, one.channel, one.unit)
+                found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
+    return found
+
+
+def quantity_of(name: str) -> str:
+    """The quantity that the words of a channel's name say, or nothing."""
+    words, tokens = _plain(name), _tokens(name)
+    for quantity, whole, parts in QUANTITIES:
+        if (set(whole.split()) & tokens) or re.search(parts, words):
+            return quantity
+    return ""
+
+
+def shaft_of(name: str, *, outs: bool = False) -> str:
+    """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
+    words, tokens = _plain(name), _tokens(name)
+    if outs and "in" in tokens:
+        tokens.add("input")
+    found = [
+        shaft for shaft, (whole, parts) in SHAFT_WORDS.items() if set(whole.split()) & tokens or re.search(parts, words)
+    ]
+    return found[0] if len(found) == 1 else ""
+
+
+def header_unit(header: str) -> tuple[str, str]:
+    """The name and the unit in a header such as ``Winkel Antrieb [°]``, ``torque / Nm``, ``t (s)`` or ``angle_deg``."""
+    text = header.strip()
+    if len(text) > NAME_LIMIT:
+        return text, ""
+    if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
+        return found[1].strip(), found[2].strip()
+    for pattern in (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", r"(.*\S)[_,;]\s*(\S+)"):
+        found = re.fullmatch(pattern, text)
+        if found and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL):
+            return found[1].strip(), found[2].strip()
+    return text, ""
+
+
+def _plain(name: str) -> str:
+    """A name in small letters, without accents, its words parted by one blank."""
+    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
+    bare = unicodedata.normalize("NFKD", split.lower())
+    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
+
+
+def _tokens(name: str) -> set[str]:
+    return set(_plain(name).split())
+
+
+def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
+    name, in_name = header_unit(channel)
+    quantity = quantity_of(name)
+    stated = held.unit or in_name
+    if channel in COLUMNS:
+        return Meaning(channel=channel, column=channel, unit=column_unit(channel), why="the name of a column")
+    if quantity == OTHER:
+        return Meaning(channel=channel)
+    doubt = ""
+    if not quantity or (len(_plain(name)) == 1 and unit_written(stated, quantity) is None):
+        dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
+        if len(dimensions) != 1:
+            return Meaning(channel=channel)
+        quantity = dimensions.pop()
+        doubt = f"known by its unit alone, {stated}"
+    shaft = shaft_of(name, outs=outs)
+    if quantity == TIME:
+        return _settled(channel, "time_s", _unit_of(name, stated, TIME, held.values), stated, TIME, doubt)
+    if quantity == COUNT:
+        column = f"{shaft or 'driving'}_count"
+        doubt = "counts of an encoder whose lines are not stated"
+        ask = (
+            *_lines(column, channel, None),
+            "[keys]",
+            f"{shaft or 'driving'}_lines = 1000",
+            f"{shaft or 'driving'}_counts_per_line = 4",
+        )
+        return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=ask)
+    if quantity == TE:
+        unit = _unit_of(name, stated, ANGLE, held.values) or unit_written(stated, LENGTH)
+        column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
+        doubt = "a transmission error, whose sign no name tells (positive where the driven gear is ahead)"
+        ask = (*_lines(column, channel, unit), "sign = 1")
+        return Meaning(
+            channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask
+        )  # fmt: skip
+    columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
+    unit = _unit_of(name, stated, quantity, held.values)
+    doubts = [doubt] if doubt else []
+    if quantity == TORQUE and shaft == "driving":
+        doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
+    elif quantity == SPEED and shaft == "driven":
+        doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
+    elif not shaft:
+        doubts.append(f"no word says of which shaft the {quantity} is")
+    return _settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+
+
+def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str) -> Meaning:
+    """The meaning of a channel whose quantity is known; without a unit it is a doubt."""
+    if unit is None:
+        what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
+        doubt = f"{doubt}, and {what}" if doubt else what
+    name, _ = header_unit(channel)
+    known = f"unit {stated}" if stated else "its readings begin again after one turn"
+    return Meaning(
+        channel=channel,
+        column=column,
+        unit=unit,
+        dimension=dimension,
+        why=f'"{name}", {known}' if unit is not None else f'"{name}"',
+        doubt=doubt,
+        ask=_lines(column, channel, unit) if doubt else (),
+    )
+
+
+def _lines(column: str, channel: str, unit: Unit | None) -> tuple[str, ...]:
+    """The lines of a map that give the ``column`` to a channel."""
+    quoted = '"' + channel.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    known = unit.name if unit is not None else column.rpartition("_")[2].replace("nm", "N.m")
+    return (f"[columns.{column}]", f"from = {quoted}", *([f'unit = "{known}"'] if "_count" not in column else []))
+
+
+def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:
+    """The unit of a channel: the one stated, or that in which an angle begins again after one turn."""
+    if stated.strip().lower() in DOUBTFUL and dimension == ANGLE:
+        if re.search(_GERMAN, _plain(name)):
+            return UNITS[ANGLE]["deg"]
+        return wrapped_unit(values)
+    if stated:
+        return unit_written(stated, dimension)
+    return wrapped_unit(values) if dimension == ANGLE else None
+
+
+def wrapped_unit(values: FloatArray) -> Unit | None:
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
+    held = values[np.isfinite(values)]
+    if held.size < 8:
+        return None
+    steps = np.diff(held)
+    span = float(np.ptp(held))
+    jumps = steps[np.abs(steps) > 0.5 * span]
+    if not LEAST_WRAPS <= jumps.size <= held.size // 4:
+        return None
+    usual = float(np.median(np.abs(steps)))
+    modulus = float(np.median(np.abs(jumps))) + usual
+    for unit in (UNITS[ANGLE][one] for one in ("deg", "rad", "gon", "mrad")):
+        if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
+            return unit
+    return None

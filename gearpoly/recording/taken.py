@@ -1,0 +1,229 @@
+"""From an owner's table to the contract's: channels are taken for columns by their names and units, or by a map.
+
+What is sure is taken, and said. Where something a comparison needs is not sure nothing is guessed: one message names
+the lines of a map that settle it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import nearest, shorten
+from gearpoly.recording.agreement import rounding
+from gearpoly.recording.map_file import RecordingMap, Source
+from gearpoly.recording.meaning import Meaning, header_unit, meanings
+from gearpoly.recording.quantities import ANGLE, COUNT, TIME, TORQUE, UNITS, column_unit, unit_written
+from gearpoly.recording.recording import ANGLE_COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
+from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.table import AXIS_ERROR, Channel, Table
+from gearpoly.units import FloatArray
+
+SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
+
+ASKED = (TIME, TORQUE)
+"""Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
+is found without a word."""
+
+
+def only(file: Path, tables: Sequence[Table]) -> Table:
+    """The one recording of a file; ``InputFileError`` where there are more."""
+    if len(tables) > 1:
+        wish = "want one of them: section = 1 in a map, taken by --map"
+        raise InputFileError(file, found=f"{len(tables)} recordings", wish=wish)
+    return tables[0]
+
+
+def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
+    """The table with the contract's columns alone: those of the map ``chart``, then what names and units make sure.
+
+    Raises ``InputFileError`` of the recording where something is in doubt, with the lines that settle it, and of the
+    map where it names what is not there.
+    """
+    if table.doubts:
+        first = table.doubts[0]
+        raise InputFileError(file, found=first.says, wish=_wish(first.ask))
+    if not table.others and chart is None:
+        return table
+    keys = dict(table.keys)
+    if chart is not None:
+        keys.update(chart.keys)
+    out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks))
+    times: dict[str, FloatArray] = {}
+    used = _by_map(table, out, times, chart) if chart is not None else set()
+    held = {name: one for name, one in table.others.items() if name not in used}
+    found = meanings(held)
+    _by_meaning(held, found, out, times)
+    _ask(file, found, out)
+    _say_left(found, out)
+    _on_one_axis(file, out, times)
+    return out
+
+
+def _by_meaning(
+    held: Mapping[str, Channel], found: Iterable[Meaning], out: Table, times: dict[str, FloatArray]
+) -> None:
+    """Take what is sure."""
+    for one in found:
+        if not one.column or one.doubt or one.column in out.columns or one.unit is None:
+            continue
+        _put(out, times, one.column, held[one.channel], Source(channel=one.channel, unit=one.unit))
+        if one.channel != one.column:
+            out.remarks.append(f'"{shorten(one.channel)}" taken for {one.column}: {one.why}')
+
+
+def _by_map(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
+    """Take what the map says; the names of the channels that need no other meaning."""
+    channels = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
+    used = {find(channels, name, chart, "leave_out") for name in chart.leave_out}
+    sources = {
+        column: (find(channels, source.channel, chart, f"columns.{column}.from"), source)
+        for column, source in chart.columns.items()
+    }
+    for name in {*used, *(name for name, _ in sources.values()), *sources}:
+        out.columns.pop(name, None)
+    for column, (name, source) in sources.items():
+        used.add(name)
+        one, wanted = channels[name], column_unit(column)
+        unit = source.unit
+        if unit is None:
+            stated = one.unit or header_unit(name)[1]
+            unit = unit_written(stated, wanted.dimension)
+            if name in table.columns or name == column:
+                unit = column_unit(name) if column_unit(name).dimension == wanted.dimension else None
+            elif not stated:
+                unit = wanted if wanted.dimension == COUNT else None
+            if unit is None:
+                found = f'"{shorten(name)}" states {f"the unit {shorten(stated)}" if stated else "no unit"}'
+                wish = f'want its unit of {wanted.dimension}: unit = "{wanted.name}"'
+                raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
+        if not np.issubdtype(one.values.dtype, np.number):
+            raise InputFileError(
+                chart.file, where=f"columns.{column}.from", found=name, wish="want a column of numbers"
+            )
+        _put(out, times, column, one, replace(source, unit=unit))
+        out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
+        if column in ANGLE_COLUMNS:
+            shaft = column.partition("_")[0]
+            if source.sign < 0:
+                out.keys[f"{shaft}_direction"] = -1
+            if source.zero is not None:
+                out.keys[f"{shaft}_zero_deg"] = source.zero * source.scale * unit.size / wanted.size
+    return used
+
+
+def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:
+    """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3").
+
+    Raises ``InputFileError`` of the map where there is none, or more than one.
+    """
+    if name in channels:
+        return name
+    bare = [one for one in channels if header_unit(one)[0] == name or one.rpartition("/")[2] == name]
+    if len(bare) == 1:
+        return bare[0]
+    number = name.removeprefix("column ")
+    if name.startswith("column ") and number.isascii() and number.isdigit() and len(number) < 6:
+        order = list(channels)
+        if 1 <= int(number) <= len(order):
+            return order[int(number) - 1]
+    close = nearest(name, channels)
+    there = shorten(", ".join(channels), width=200)
+    found = f'"{shorten(name)}" is no column of the recording'
+    if len(bare) > 1:
+        found = f'"{shorten(name)}" is the name of {len(bare)} columns'
+    wish = f"want one of: {there}" if close is None else f'the nearest is "{shorten(close)}" (there are: {there})'
+    raise InputFileError(chart.file, where=where, found=found, wish=wish)
+
+
+def _put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, source: Source) -> None:
+    """Put a channel's numbers, as its source says, into ``out`` under the column's name and in its unit."""
+    unit = source.unit or UNITS[COUNT]["1"]
+    factor = source.scale * unit.size / column_unit(column).size
+    values = one.values
+    if source.wraps is not None:
+        read = np.isfinite(values)
+        values = values.copy()
+        values[read] = np.unwrap(values[read], period=source.wraps)
+    if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
+        values = values - source.zero if source.zero else values
+        factor *= source.sign
+    if factor != 1.0:
+        out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = values * factor
+    out.columns[column] = values
+    if one.time is not None:
+        times[column] = one.time
+
+
+def _angles_known(names: Iterable[str]) -> bool:
+    """Whether columns suffice for a transmission error."""
+    held = set(names)
+    shafts = sum(
+        angle in held or bool({"a", "count"} & set(raw_channels(held, shaft)))
+        for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
+    )
+    return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
+
+
+def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
+    """Raise where what a comparison needs is in doubt."""
+    doubtful = [one for one in found if one.doubt and one.column not in out.columns]
+    needed = [one for one in doubtful if one.dimension in ASKED and not one.doubt.startswith("known by its unit")]
+    if not _angles_known(out.columns):
+        needed = [one for one in doubtful if one.dimension == ANGLE] or [
+            one for one in doubtful if one.dimension not in ASKED
+        ]
+        if not needed:
+            there = shorten(", ".join(one.channel for one in found), width=200)
+            lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
+            ask = (
+                "[columns.driving_angle_deg]",
+                'from = "..."',
+                'unit = "deg"',
+                "and [columns.driven_angle_deg] alike",
+            )
+            raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
+    if needed:
+        one = needed[0]
+        more = f" (and {len(needed) - 1} more in doubt)" if len(needed) > 1 else ""
+        raise InputFileError(
+            file, where=f'column "{shorten(one.channel)}"', found=f"{one.doubt}{more}", wish=_wish(one.ask)
+        )
+
+
+def _wish(ask: Sequence[str]) -> str:
+    return f"want in a map: {' '.join(ask)} ({SETTLE})"
+
+
+def _say_left(found: Iterable[Meaning], out: Table) -> None:
+    """Say which channels were left out, and why where it might have been another way."""
+    left = [one for one in found if one.channel not in out.columns and (not one.column or one.doubt)]
+    plain = [shorten(one.channel) for one in left if not one.column and one.channel not in PASSED_OVER]
+    if plain:
+        out.remarks.append(f"not read, since no columns of a recording: {shorten(', '.join(plain), width=200)}")
+    for one in left:
+        if one.channel in PASSED_OVER:
+            out.remarks.append(f"{one.channel} passed over: it belongs to a simulation")
+        elif one.column:
+            out.remarks.append(f'"{shorten(one.channel)}" not read: {one.doubt}; in a map {" ".join(one.ask)} takes it')
+
+
+def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> None:
+    """Bring columns that the format read at times of their own to common times."""
+    if not times or "time_s" in out.columns:
+        return
+    if len(times) < len(out.columns):
+        lacking = next(name for name in out.columns if name not in times)
+        wish = "want columns that all have times, or one that is time_s"
+        raise InputFileError(file, where=f"column {lacking}", found="no times, which others have", wish=wish)
+    first = next(iter(times.values()))
+    if all(one.size == first.size and np.array_equal(one, first) for one in times.values()):
+        out.columns["time_s"] = first
+        return
+    put_on_one_axis(file, out, times)
