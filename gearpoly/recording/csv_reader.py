@@ -71,7 +71,9 @@ def read_tables(file: Path, writing: Writing) -> list[Table]:
         return [read_table(file)]
     except InputFileError as fault:
         try:
-            tables = read_foreign(file, writing)
+            tables = read_foreign(file, writing, footer=False)
+            for table in tables:
+                check_complete(file, "", table.others)
         except InputFileError:
             raise fault from None
         known = {*COLUMNS, *PASSED_OVER}

@@ -6,6 +6,7 @@ its unit and its shaft are all stated, or shown by the readings. Everything else
 
 from __future__ import annotations
 
+import json
 import re
 import unicodedata
 from collections.abc import Mapping
@@ -28,7 +29,7 @@ from gearpoly.recording.quantities import (
     unit_written,
     units_written,
 )
-from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
 from gearpoly.recording.table import Channel
 from gearpoly.units import FloatArray
 
@@ -54,7 +55,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
 )
 """Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
 row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
-with a unit that fits."""
+with a unit that fits, but for t."""
 
 SHAFT_WORDS = {
     "driving": (
@@ -67,6 +68,11 @@ SHAFT_WORDS = {
     ),
 }
 """Words and parts of words that name one shaft of a pair and no other."""
+
+_SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
+
+NO_SUFFIX = ("in", "min", "m", "as", "h")
+"""Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
@@ -103,13 +109,18 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     # "in" is a word of German and an inch; beside an "out" it is a shaft.
     outs = any("out" in _tokens(name) for name in channels)
     found = [_meaning(name, one, outs=outs) for name, one in channels.items()]
+    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shaft_of(one.channel, outs=outs)]
+    taken = {one.column for one in found if not one.doubt}
+    for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
+        ask = (entry(column, one.channel, one.unit),)
+        found[found.index(one)] = replace(one, column=column, ask=ask)
     for column in {one.column for one in found if one.column and not one.doubt}:
         rivals = [one for one in found if one.column == column and not one.doubt]
         if len(rivals) > 1:
             names = " and ".join(f'"{one.channel}"' for one in rivals)
             for one in rivals:
                 doubt = f"{names} may each be {column}"
-                ask = _lines(column, one.channel, one.unit)
+                ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
 
@@ -141,9 +152,10 @@ def header_unit(header: str) -> tuple[str, str]:
         return text, ""
     if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
         return found[1].strip(), found[2].strip()
-    for pattern in (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", r"(.*\S)[_,;]\s*(\S+)"):
+    for pattern in (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):
         found = re.fullmatch(pattern, text)
-        if found and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL):
+        known = found is not None and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL)
+        if found and known and not (pattern is _SUFFIX and found[2].lower() in NO_SUFFIX):
             return found[1].strip(), found[2].strip()
     return text, ""
 
@@ -168,7 +180,8 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
     if quantity == OTHER:
         return Meaning(channel=channel)
     doubt = ""
-    if not quantity or (len(_plain(name)) == 1 and unit_written(stated, quantity) is None):
+    letter = len(_plain(name)) == 1 and name.strip() != "t"
+    if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
         if len(dimensions) != 1:
             return Meaning(channel=channel)
@@ -180,18 +193,14 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
         doubt = "counts of an encoder whose lines are not stated"
-        ask = (
-            *_lines(column, channel, None),
-            "[keys]",
-            f"{shaft or 'driving'}_lines = 1000",
-            f"{shaft or 'driving'}_counts_per_line = 4",
-        )
-        return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=ask)
+        own = f"keys.{shaft or 'driving'}"
+        counts = (entry(column, channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
+        return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=counts)
     if quantity == TE:
         unit = _unit_of(name, stated, ANGLE, held.values) or unit_written(stated, LENGTH)
         column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
         doubt = "a transmission error, whose sign no name tells (positive where the driven gear is ahead)"
-        ask = (*_lines(column, channel, unit), "sign = 1")
+        ask = (entry(column, channel, unit, "sign = 1"),)
         return Meaning(
             channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask
         )  # fmt: skip
@@ -221,15 +230,21 @@ def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimensio
         dimension=dimension,
         why=f'"{name}", {known}' if unit is not None else f'"{name}"',
         doubt=doubt,
-        ask=_lines(column, channel, unit) if doubt else (),
+        ask=(entry(column, channel, unit),) if doubt else (),
     )
 
 
-def _lines(column: str, channel: str, unit: Unit | None) -> tuple[str, ...]:
-    """The lines of a map that give the ``column`` to a channel."""
-    quoted = '"' + channel.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    known = unit.name if unit is not None else column.rpartition("_")[2].replace("nm", "N.m")
-    return (f"[columns.{column}]", f"from = {quoted}", *([f'unit = "{known}"'] if "_count" not in column else []))
+def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
+    """The line of a map that gives the ``column`` to a channel, in the contract's unit where none is known."""
+    held = [f"from = {quoted(channel)}"]
+    if column_unit(column).dimension != COUNT:
+        held.append(f"unit = {quoted((unit or column_unit(column)).name)}")
+    return f"columns.{column} = {{ {', '.join([*held, *more])} }}"
+
+
+def quoted(text: str) -> str:
+    """A text as TOML writes it, whatever it holds."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:

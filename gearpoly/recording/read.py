@@ -5,14 +5,15 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from gearpoly import recording as package
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.files.models import WormSection
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.recording.apart import read_apart
-from gearpoly.recording.map_file import RecordingMap
+from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.table import Table
@@ -58,6 +59,20 @@ def read_recordings(
         called = file.with_name(f"{file.name}, recording {number}")
         out.append(recording_from_table(called, taken(called, table, chart), worm=worm))
     return out
+
+
+def read_set(paths: Sequence[Path], maps: Sequence[Path] | None, *, worm: WormSection | None = None) -> list[Recording]:
+    """The recordings of all files, by one map for all, or by one for each in their order; raises as they are read, and
+    ``OutOfRangeError`` where the numbers of maps and files do not fit."""
+    charts = [read_map(one) for one in maps or ()]
+    if len(charts) not in (0, 1, len(paths)):
+        raise OutOfRangeError(
+            f"--map: {len(charts)} maps for {len(paths)} recordings; want one for all of them, or one for each in order"
+        )
+    each = charts if len(charts) == len(paths) else [charts[0] if charts else None] * len(paths)
+    return [
+        one for path, chart in zip(paths, each, strict=True) for one in read_recordings(path, worm=worm, chart=chart)
+    ]
 
 
 def read_tables(file: Path, chart: RecordingMap | None = None) -> list[Table]:

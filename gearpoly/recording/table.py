@@ -47,3 +47,4 @@ class Table:
     layout: dict[str, str] = field(default_factory=dict)
     places: dict[str, float] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
+    taken_from: dict[str, str] = field(default_factory=dict)

@@ -6,6 +6,7 @@ the lines of a map that settle it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import Meaning, header_unit, meanings
+from gearpoly.recording.meaning import Meaning, entry, header_unit, meanings
 from gearpoly.recording.quantities import ANGLE, COUNT, TIME, TORQUE, UNITS, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.sources import put_on_one_axis
@@ -28,6 +29,10 @@ SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes 
 ASKED = (TIME, TORQUE)
 """Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
 is found without a word."""
+
+
+SAME_SPEED = 0.01
+"""Relative. A speed display is as true, and speeds of the two shafts differ by a tooth or more, unless they are one."""
 
 
 def only(file: Path, tables: Sequence[Table]) -> Table:
@@ -49,19 +54,56 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
         raise InputFileError(file, found=first.says, wish=_wish(first.ask))
     if not table.others and chart is None:
         return table
-    keys = dict(table.keys)
-    if chart is not None:
-        keys.update(chart.keys)
-    out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks))
+    out, found = assigned(file, table, chart)
+    _ask(file, found, out)
+    return out
+
+
+def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tuple[Table, list[Meaning]]:
+    """The columns as :func:`taken` has them, whatever else is in doubt, and what all channels mean that no map names.
+
+    Raises ``InputFileError`` of the map where it names what is not there.
+    """
+    keys = {**table.keys, **(chart.keys if chart is not None else {})}
+    out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
+    out.taken_from = {name: name for name in table.columns}
     times: dict[str, FloatArray] = {}
     used = _by_map(table, out, times, chart) if chart is not None else set()
     held = {name: one for name, one in table.others.items() if name not in used}
     found = meanings(held)
     _by_meaning(held, found, out, times)
-    _ask(file, found, out)
+    found = _confirmed(held, found, out, times)
     _say_left(found, out)
     _on_one_axis(file, out, times)
-    return out
+    return out, found
+
+
+def _confirmed(
+    held: Mapping[str, Channel], found: list[Meaning], out: Table, times: dict[str, FloatArray]
+) -> list[Meaning]:
+    """The meanings with a speed settled that is the driving shaft's by its readings, and taken as that."""
+    time, angle = out.columns.get("time_s"), out.columns.get("driving_angle_deg")
+    other = out.columns.get("driven_angle_deg")
+    if time is None or angle is None or "speed_rpm" in out.columns or times:
+        return found
+    for k, one in enumerate(found):
+        if one.column != "speed_rpm" or not one.doubt or one.unit is None or one.doubt.startswith("known by"):
+            continue
+        read = float(np.nanmedian(held[one.channel].values)) * one.unit.size
+        driving, driven = (abs(_speed_rpm(time, a)) if a is not None else math.nan for a in (angle, other))
+        if abs(read / driving - 1.0) < SAME_SPEED and not abs(read / driven - 1.0) < SAME_SPEED:
+            sure = replace(one, doubt="", ask=(), why=f"{one.why}, and the driving shaft's by its readings")
+            _by_meaning(held, [sure], out, times)
+            return [*found[:k], sure, *found[k + 1 :]]
+    return found
+
+
+def _speed_rpm(time: FloatArray, angle: FloatArray) -> float:
+    """The usual speed in rpm of a shaft with readings (n,) in deg, wrapped or not."""
+    good = np.isfinite(time) & np.isfinite(angle)
+    step, pause = np.diff(np.unwrap(angle[good], period=360.0)), np.diff(time[good])
+    moving = (pause > 0.0) & (step != 0.0)
+    return float(np.median(step[moving] / pause[moving])) / 6.0 if moving.any() else math.nan
 
 
 def _by_meaning(
@@ -86,12 +128,13 @@ def _by_map(table: Table, out: Table, times: dict[str, FloatArray], chart: Recor
     }
     for name in {*used, *(name for name, _ in sources.values()), *sources}:
         out.columns.pop(name, None)
+        out.taken_from.pop(name, None)
     for column, (name, source) in sources.items():
         used.add(name)
         one, wanted = channels[name], column_unit(column)
         unit = source.unit
         if unit is None:
-            stated = one.unit or header_unit(name)[1]
+            stated = stated_unit(name, one)
             unit = unit_written(stated, wanted.dimension)
             if name in table.columns or name == column:
                 unit = column_unit(name) if column_unit(name).dimension == wanted.dimension else None
@@ -105,7 +148,7 @@ def _by_map(table: Table, out: Table, times: dict[str, FloatArray], chart: Recor
             raise InputFileError(
                 chart.file, where=f"columns.{column}.from", found=name, wish="want a column of numbers"
             )
-        _put(out, times, column, one, replace(source, unit=unit))
+        _put(out, times, column, one, replace(source, channel=name, unit=unit))
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
             shaft = column.partition("_")[0]
@@ -156,7 +199,9 @@ def _put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, so
         out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
         with np.errstate(over="ignore", invalid="ignore"):
             values = values * factor
-    out.columns[column] = values
+    # A recording takes over the numbers it gets, and a channel may be read again.
+    out.columns[column] = values.copy() if values is one.values else values
+    out.taken_from[column] = source.channel
     if one.time is not None:
         times[column] = one.time
 
@@ -182,12 +227,12 @@ def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
         if not needed:
             there = shorten(", ".join(one.channel for one in found), width=200)
             lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
-            ask = (
-                "[columns.driving_angle_deg]",
-                'from = "..."',
-                'unit = "deg"',
-                "and [columns.driven_angle_deg] alike",
-            )
+            first = next((one.channel for one in found if one.channel not in out.columns), "name")
+            wanted = next(name for name in ANGLE_COLUMNS if name not in out.columns)
+            ask = (entry(wanted, first, None),)
+            if all(one.channel == f"column {k}" for k, one in enumerate(found, start=1)):
+                wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
+                raise InputFileError(file, found=f"{len(found)} columns of numbers without names", wish=wish)
             raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
     if needed:
         one = needed[0]
@@ -198,7 +243,7 @@ def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
 
 
 def _wish(ask: Sequence[str]) -> str:
-    return f"want in a map: {' '.join(ask)} ({SETTLE})"
+    return f"want in a map, if so: {' '.join(ask)} ({SETTLE})"
 
 
 def _say_left(found: Iterable[Meaning], out: Table) -> None:
@@ -211,7 +256,7 @@ def _say_left(found: Iterable[Meaning], out: Table) -> None:
         if one.channel in PASSED_OVER:
             out.remarks.append(f"{one.channel} passed over: it belongs to a simulation")
         elif one.column:
-            out.remarks.append(f'"{shorten(one.channel)}" not read: {one.doubt}; in a map {" ".join(one.ask)} takes it')
+            out.remarks.append(f'"{shorten(one.channel)}" not read: {one.doubt}; in a map, if so: {" ".join(one.ask)}')
 
 
 def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> None:
@@ -227,3 +272,8 @@ def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> Non
         out.columns["time_s"] = first
         return
     put_on_one_axis(file, out, times)
+
+
+def stated_unit(name: str, one: Channel) -> str:
+    """The unit that a channel states, in its own place or in its name."""
+    return one.unit or header_unit(name)[1]

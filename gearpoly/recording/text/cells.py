@@ -24,7 +24,8 @@ MISSING = frozenset({"", "nan", "n/a", "na", "null", "none", "#nv", "#n/a", "#na
 """Cells that hold no reading, in small letters."""
 
 _SIGN = "[+\\-\u2212]?"
-_NUMBER = re.compile(rf"{_SIGN}(?:\d[\d.,{BLANKS}{APOSTROPHES}]*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_GROUPS = rf"\d{{1,3}}(?:[{BLANKS}{APOSTROPHES}]\d{{3}})+"  # a blank elsewhere parts two numbers
+_NUMBER = re.compile(rf"{_SIGN}(?:(?:{_GROUPS}|\d)[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 TURN_DEG = 360.0
 NEARLY_TURN = (0.9, 1.001)

@@ -39,8 +39,9 @@ LINE_BYTES = 64
 """Memory that a line takes beside its characters."""
 
 
-def read_foreign(file: Path, writing: Writing) -> list[Table]:
-    """Every recording in a text file, its columns under ``others``, in the order of the file.
+def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[Table]:
+    """Every recording in a text file, its columns under ``others``, in the order of the file; ``footer`` allows text
+    below the last row.
 
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
@@ -51,7 +52,7 @@ def read_foreign(file: Path, writing: Writing) -> list[Table]:
     lines = text.split("\n")
     del text
     separator = writing.separator or find_separator(file, lines)
-    blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line)
+    blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns, beside=CELL_BYTES * CHUNK_ROWS * max(len(one.names) for one in blocks))
     shared = _keys(file, lines, blocks[0])
@@ -200,7 +201,7 @@ def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int],
         f'"{shorten(example)}" may be {shorten(example.replace(mark, "."))} or {shorten(example.replace(mark, ""))}, '
         "and no number of the file tells which"
     )
-    ask = ("[text]", f'decimal = "{mark}"', f'or decimal = "{other}" and thousands = "{mark}"')
+    ask = (f'text.decimal = "{mark}"', f'or text.decimal = "{other}" and text.thousands = "{mark}"')
     table.doubts.append(Doubt(says=says, ask=ask))
     return Marks(decimal=mark, why="for the time being")
 
@@ -218,7 +219,7 @@ def _order(part: _Part, cells: Sequence[str], table: Table) -> str:
     if not order:
         first = next(cell for cell in cells if not is_missing(cell))
         says = f'the date in "{shorten(first)}" may begin with the day or the month'
-        ask = ("[text]", 'dates = "day first"', 'or dates = "month first"')
+        ask = ('text.dates = "day first"', 'or text.dates = "month first"')
         table.doubts.append(Doubt(says=says, ask=ask))
         return ORDERS["day first"]
     called = next(name for name, letters in ORDERS.items() if letters == order)

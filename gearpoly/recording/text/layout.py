@@ -96,16 +96,20 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
     return best
 
 
-def find_blocks(file: Path, lines: Sequence[str], separator: str, *, header: int = 0, units: int = 0) -> list[Block]:
-    """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them.
+def find_blocks(
+    file: Path, lines: Sequence[str], separator: str, *, header: int = 0, units: int = 0, footer: bool = True
+) -> list[Block]:
+    """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them,
+    ``footer`` allows text below the last row.
 
     Raises ``InputFileError`` where a row among others is none.
     """
     runs = _runs(lines, separator)
     if header:
         runs = [(max(first, header, units), end, width) for first, end, width in runs if end > header]
-    longest = max((end - first for first, end, _ in runs), default=0)
-    runs = [run for run in runs if run[1] - run[0] >= min(LEAST_ROWS, longest)]
+    longest = max(runs, key=lambda run: run[1] - run[0], default=(0, 0, 0))
+    least = min(LEAST_ROWS, longest[1] - longest[0])
+    runs = [run for run in runs if run[1] - run[0] >= least or run[2] == longest[2]]
     if len(runs) > SECTIONS_LIMIT:
         wish = f"want at most {SECTIONS_LIMIT}; split the file"
         raise InputFileError(file, found=f"{len(runs)} tables of numbers", wish=wish)
@@ -121,7 +125,7 @@ def find_blocks(file: Path, lines: Sequence[str], separator: str, *, header: int
         blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
         before = end
     tail = [k for k in range(before, len(lines)) if lines[k].strip()]
-    if tail and len(split(lines[tail[0]], separator)) > 1 and _part_read(split(lines[tail[0]], separator)):
+    if tail and (not footer or _is_row(split(lines[tail[0]], separator), len(blocks[-1].names))):
         raise _bad_line(file, lines, tail, separator, blocks[-1])
     return blocks
 
@@ -149,6 +153,11 @@ def _runs(lines: Sequence[str], separator: str) -> list[tuple[int, int, int]]:
             runs.append((k, k + 1, width))
         open_ = width > 0
     return runs
+
+
+def _is_row(cells: Sequence[str], width: int) -> bool:
+    """Whether a line below the rows was meant for one: it begins with a number, or has as many cells."""
+    return len(cells) == width or is_number(cells[0]) or is_stamp(cells[0])
 
 
 def _part_read(cells: Sequence[str]) -> bool:
