@@ -10,8 +10,8 @@ from gearpoly.recording.survey import Seen, Survey
 def map_text(found: Survey) -> str:
     """The map of one recording, as TOML; of a file with several it holds for each of them."""
     lines = [
-        f"# Map of {quoted(found.file.name)}, by gearpoly read. What is in doubt stands behind a #: read the line above,",
-        "# and take the # away where it is so.",
+        f"# Map of {quoted(found.file.name)}, by gearpoly read. What is in doubt stands behind a #:",
+        "# read the line above it, and take the # away where it is so.",
     ]
     if found.of > 1:
         lines.append(f"# The file holds {found.of} recordings. To take one alone:")
