@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.clean import BACKWARD_LIMIT, STANDS_SHARE
@@ -266,7 +267,10 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     if angle.size <= window:
         return ()
     usual = float(np.median(moving)) / hold
-    still = np.abs(angle[window:] - angle[:-window]) < STANDS_SHARE * usual * window
+    # The reach, not the way from end to end, which is nothing where a shaft turns round.
+    size, middle = window + 1, slice((window + 1) // 2, angle.size - window + (window + 1) // 2)
+    reach = (maximum_filter1d(angle, size) - minimum_filter1d(angle, size))[middle]
+    still = reach < STANDS_SHARE * usual * window
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
     return tuple(
         (int(rows[a]) + 1, int(rows[b - 1 + window]) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)

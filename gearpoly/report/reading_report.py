@@ -79,7 +79,7 @@ def _clock_words(clock: Clock) -> str:
 def _turning_words(turning: Turning, one: Seen) -> str:
     words = [f"{turning.turns:.4g} turns"]
     if turning.wraps:
-        at = "" if turning.modulus is None else f" at {turning.modulus:.4g} {shorten(one.unit)}".rstrip()
+        at = "" if turning.modulus is None else f" at about {turning.modulus:.4g} {shorten(one.unit)}".rstrip()
         words.append(f"begins again {turning.wraps} times{at}")
     words.append(_places("stop", [f"rows {first} to {last}" for first, last in turning.stops]))
     words.append(_places("reversal", [f"at row {row}" for row in turning.reversals]))

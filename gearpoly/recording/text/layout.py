@@ -178,7 +178,7 @@ def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator:
     """The error for a line among rows that is none."""
     width = len(block.names)
     if not above:
-        at = block.rows[1]
+        at = block.rows[1] - 1
         cells = split(lines[at], separator)
         wish = f"want {width}, as above{_cut(lines, at)}"
         return InputFileError(file, where=f"line {at + 1}", found=f"{len(cells)} cells", wish=wish)
