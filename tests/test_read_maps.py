@@ -345,6 +345,30 @@ def test_a_map_names_a_channel_by_its_path(tmp_path: Path) -> None:
     assert apart.size == np.count_nonzero(RUN["time_s"] >= 2.0)
 
 
+def test_a_parquet_table_under_names_of_its_own(tmp_path: Path) -> None:
+    """Units stand in the metadata of its fields; what is sure is taken, what is not is asked for, a map settles it."""
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+
+    def file(driven: str) -> Path:
+        columns = (("Zeit", "s"), ("Winkel Antrieb", "deg"), (driven, "deg"), ("Drehmoment Abtrieb", "Nm"))
+        schema = pa.schema([pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in columns])
+        schema = schema.append(pa.field("Bemerkung", pa.string()))
+        target = tmp_path / "a.parquet"
+        parquet.write_table(pa.table([*(pa.array(v) for v in RUN.values()), pa.array(["x"] * 1200)], schema), target)
+        return target
+
+    sure = read_recording(file("Winkel Abtrieb"))
+    same(sure.driven_angle_rad, RUN["driven_angle_deg"] * DEGREE, half=0.0)
+    same(sure.torque_samples_nm, RUN["torque_nm"], half=0.0)
+    with pytest.raises(InputFileError, match="of which shaft"):
+        read_recording(file("Winkel 2"))
+    mapped = read_recording(
+        file("Winkel 2"), chart=chart(tmp_path, 'columns.driven_angle_deg = { from = "Winkel 2", sign = -1 }')
+    )
+    same(mapped.driven_angle_rad, RUN["driven_angle_deg"] * DEGREE, half=0.0)
+    assert mapped.driven_direction == -1
+
+
 def test_one_channel_twice_is_not_scaled_twice(tmp_path: Path) -> None:
     lines = BOTH.replace('"C"', '"B"')
     recording = read_recording(written(tmp_path, table(list(RUN.values()), NAMES)), chart=chart(tmp_path, lines))
