@@ -11,15 +11,16 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.clean import clean
-from gearpoly.recording.map_file import read_map
+from gearpoly.recording.map_file import COLUMN, TEXT, TOP, read_map
 from gearpoly.recording.map_text import map_text
-from gearpoly.recording.quantities import UNITS, unit_written, units_written
+from gearpoly.recording.quantities import COUNT, UNITS, unit_written, units_written
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.reader import recording_from_table
 from gearpoly.recording.survey import survey
 from gearpoly.recording.table import Channel, Table
 from gearpoly.recording.taken import taken
 from tests import recording_files
+from tests.at_hand import ROOT
 from tests.made_texts import DEGREE, RATIO, chart, own, run, same, table, written
 
 RUN = run(1200)
@@ -409,3 +410,20 @@ def test_a_map_that_is_no_map(tmp_path: Path) -> None:
         read_map(tmp_path / "absent.toml")
     with pytest.raises(InputFileError, match="line 1"):
         chart(tmp_path, "columns = {")
+
+
+PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+
+
+def test_the_documented_map_is_one(tmp_path: Path) -> None:
+    (example,) = re.findall(r"```toml\n(columns\..*?)```", PAGE, flags=re.DOTALL)
+    held = chart(tmp_path, example)
+    assert len(held.columns) == 4 and held.section == 2
+    for key in (*TOP, *TEXT, *COLUMN):
+        assert re.search(rf"\b{key}\b", PAGE[PAGE.index("### Maps") :]), key
+
+
+def test_the_documented_units_are_those_that_are_known() -> None:
+    for dimension, units in UNITS.items():
+        if dimension != COUNT:
+            assert f"| {dimension} | {', '.join(units)} |" in PAGE

@@ -92,7 +92,8 @@ class Meaning:
 
     ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
     column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
-    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity.
+    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, ``named`` whether the words
+    of the name say it, and not the unit alone.
     """
 
     channel: str
@@ -101,6 +102,7 @@ class Meaning:
     dimension: str = ""
     why: str = ""
     doubt: str = ""
+    named: bool = True
     ask: tuple[str, ...] = ()
 
 
@@ -189,7 +191,8 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
         doubt = f"known by its unit alone, {stated}"
     shaft = shaft_of(name, outs=outs)
     if quantity == TIME:
-        return _settled(channel, "time_s", _unit_of(name, stated, TIME, held.values), stated, TIME, doubt)
+        unit = unit_written(stated, TIME)
+        return replace(_settled(channel, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
         doubt = "counts of an encoder whose lines are not stated"
@@ -197,13 +200,11 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
         counts = (entry(column, channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
         return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=counts)
     if quantity == TE:
-        unit = _unit_of(name, stated, ANGLE, held.values) or unit_written(stated, LENGTH)
+        unit = unit_written(stated, ANGLE) or unit_written(stated, LENGTH)
         column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
         doubt = "a transmission error, whose sign no name tells (positive where the driven gear is ahead)"
         ask = (entry(column, channel, unit, "sign = 1"),)
-        return Meaning(
-            channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask
-        )  # fmt: skip
+        return Meaning(channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask)
     columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
     unit = _unit_of(name, stated, quantity, held.values)
     doubts = [doubt] if doubt else []
@@ -213,7 +214,7 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
         doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
-    return _settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    return replace(_settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts)), named=not doubt)
 
 
 def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str) -> Meaning:

@@ -15,6 +15,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.clean import BACKWARD_LIMIT, STANDS_SHARE
 from gearpoly.recording.map_file import RecordingMap
+from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
 from gearpoly.recording.quantities import Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
@@ -23,7 +24,7 @@ from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
 from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.table import Channel, Doubt, Table
-from gearpoly.recording.taken import assigned, stated_unit, taken
+from gearpoly.recording.taken import assigned, taken
 from gearpoly.recording.unwrapping import GAP_STEPS, continuous
 from gearpoly.units import DEG, FloatArray, IntArray
 

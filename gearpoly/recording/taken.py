@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import nearest, shorten
-from gearpoly.recording.agreement import rounding
+from gearpoly.files.traces import shorten
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import Meaning, entry, header_unit, meanings
-from gearpoly.recording.quantities import ANGLE, COUNT, TIME, TORQUE, UNITS, column_unit, unit_written
+from gearpoly.recording.mapped import put, take_mapped
+from gearpoly.recording.meaning import Meaning, entry, meanings
+from gearpoly.recording.quantities import ANGLE, TIME, TORQUE
 from gearpoly.recording.recording import ANGLE_COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.table import AXIS_ERROR, Channel, Table
@@ -29,7 +29,6 @@ SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes 
 ASKED = (TIME, TORQUE)
 """Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
 is found without a word."""
-
 
 SAME_SPEED = 0.01
 """Relative. A speed display is as true, and speeds of the two shafts differ by a tooth or more, unless they are one."""
@@ -68,7 +67,7 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
     out.taken_from = {name: name for name in table.columns}
     times: dict[str, FloatArray] = {}
-    used = _by_map(table, out, times, chart) if chart is not None else set()
+    used = take_mapped(table, out, times, chart) if chart is not None else set()
     held = {name: one for name, one in table.others.items() if name not in used}
     found = meanings(held)
     _by_meaning(held, found, out, times)
@@ -87,7 +86,7 @@ def _confirmed(
     if time is None or angle is None or "speed_rpm" in out.columns or times:
         return found
     for k, one in enumerate(found):
-        if one.column != "speed_rpm" or not one.doubt or one.unit is None or one.doubt.startswith("known by"):
+        if one.column != "speed_rpm" or not one.doubt or one.unit is None or not one.named:
             continue
         read = float(np.nanmedian(held[one.channel].values)) * one.unit.size
         driving, driven = (abs(_speed_rpm(time, a)) if a is not None else math.nan for a in (angle, other))
@@ -113,97 +112,9 @@ def _by_meaning(
     for one in found:
         if not one.column or one.doubt or one.column in out.columns or one.unit is None:
             continue
-        _put(out, times, one.column, held[one.channel], Source(channel=one.channel, unit=one.unit))
+        put(out, times, one.column, held[one.channel], Source(channel=one.channel, unit=one.unit))
         if one.channel != one.column:
             out.remarks.append(f'"{shorten(one.channel)}" taken for {one.column}: {one.why}')
-
-
-def _by_map(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
-    """Take what the map says; the names of the channels that need no other meaning."""
-    channels = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
-    used = {find(channels, name, chart, "leave_out") for name in chart.leave_out}
-    sources = {
-        column: (find(channels, source.channel, chart, f"columns.{column}.from"), source)
-        for column, source in chart.columns.items()
-    }
-    for name in {*used, *(name for name, _ in sources.values()), *sources}:
-        out.columns.pop(name, None)
-        out.taken_from.pop(name, None)
-    for column, (name, source) in sources.items():
-        used.add(name)
-        one, wanted = channels[name], column_unit(column)
-        unit = source.unit
-        if unit is None:
-            stated = stated_unit(name, one)
-            unit = unit_written(stated, wanted.dimension)
-            if name in table.columns or name == column:
-                unit = column_unit(name) if column_unit(name).dimension == wanted.dimension else None
-            elif not stated:
-                unit = wanted if wanted.dimension == COUNT else None
-            if unit is None:
-                found = f'"{shorten(name)}" states {f"the unit {shorten(stated)}" if stated else "no unit"}'
-                wish = f'want its unit of {wanted.dimension}: unit = "{wanted.name}"'
-                raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
-        if not np.issubdtype(one.values.dtype, np.number):
-            raise InputFileError(
-                chart.file, where=f"columns.{column}.from", found=name, wish="want a column of numbers"
-            )
-        _put(out, times, column, one, replace(source, channel=name, unit=unit))
-        out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
-        if column in ANGLE_COLUMNS:
-            shaft = column.partition("_")[0]
-            if source.sign < 0:
-                out.keys[f"{shaft}_direction"] = -1
-            if source.zero is not None:
-                out.keys[f"{shaft}_zero_deg"] = source.zero * source.scale * unit.size / wanted.size
-    return used
-
-
-def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:
-    """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3").
-
-    Raises ``InputFileError`` of the map where there is none, or more than one.
-    """
-    if name in channels:
-        return name
-    bare = [one for one in channels if header_unit(one)[0] == name or one.rpartition("/")[2] == name]
-    if len(bare) == 1:
-        return bare[0]
-    number = name.removeprefix("column ")
-    if name.startswith("column ") and number.isascii() and number.isdigit() and len(number) < 6:
-        order = list(channels)
-        if 1 <= int(number) <= len(order):
-            return order[int(number) - 1]
-    close = nearest(name, channels)
-    there = shorten(", ".join(channels), width=200)
-    found = f'"{shorten(name)}" is no column of the recording'
-    if len(bare) > 1:
-        found = f'"{shorten(name)}" is the name of {len(bare)} columns'
-    wish = f"want one of: {there}" if close is None else f'the nearest is "{shorten(close)}" (there are: {there})'
-    raise InputFileError(chart.file, where=where, found=found, wish=wish)
-
-
-def _put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, source: Source) -> None:
-    """Put a channel's numbers, as its source says, into ``out`` under the column's name and in its unit."""
-    unit = source.unit or UNITS[COUNT]["1"]
-    factor = source.scale * unit.size / column_unit(column).size
-    values = one.values
-    if source.wraps is not None:
-        read = np.isfinite(values)
-        values = values.copy()
-        values[read] = np.unwrap(values[read], period=source.wraps)
-    if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
-        values = values - source.zero if source.zero else values
-        factor *= source.sign
-    if factor != 1.0:
-        out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
-        with np.errstate(over="ignore", invalid="ignore"):
-            values = values * factor
-    # A recording takes over the numbers it gets, and a channel may be read again.
-    out.columns[column] = values.copy() if values is one.values else values
-    out.taken_from[column] = source.channel
-    if one.time is not None:
-        times[column] = one.time
 
 
 def _angles_known(names: Iterable[str]) -> bool:
@@ -219,7 +130,7 @@ def _angles_known(names: Iterable[str]) -> bool:
 def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
     """Raise where what a comparison needs is in doubt."""
     doubtful = [one for one in found if one.doubt and one.column not in out.columns]
-    needed = [one for one in doubtful if one.dimension in ASKED and not one.doubt.startswith("known by its unit")]
+    needed = [one for one in doubtful if one.dimension in ASKED and one.named]
     if not _angles_known(out.columns):
         needed = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in ASKED
@@ -272,8 +183,3 @@ def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> Non
         out.columns["time_s"] = first
         return
     put_on_one_axis(file, out, times)
-
-
-def stated_unit(name: str, one: Channel) -> str:
-    """The unit that a channel states, in its own place or in its name."""
-    return one.unit or header_unit(name)[1]
