@@ -42,7 +42,12 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
         "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
         "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
     ),
-    (OTHER, "", "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force"),
+    (
+        OTHER,
+        "",
+        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
+        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
+    ),
     (
         SPEED,
         "n rpm rev regime nan nab",
@@ -59,7 +64,7 @@ with a unit that fits, but for t."""
 
 SHAFT_WORDS = {
     "driving": (
-        "driving drive driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
+        "driving driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
         "antrieb|eingang|input|treibend",
     ),
     "driven": (
@@ -68,6 +73,11 @@ SHAFT_WORDS = {
     ),
 }
 """Words and parts of words that name one shaft of a pair and no other."""
+
+_NO_SHAFT = re.compile(
+    r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
+)
+"""Names of a logger's own inputs and outputs, which are no shafts."""
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
@@ -92,8 +102,8 @@ class Meaning:
 
     ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
     column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
-    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, ``named`` whether the words
-    of the name say it, and not the unit alone.
+    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
+    whether words of the name tell it, and not the unit alone.
     """
 
     channel: str
@@ -139,6 +149,8 @@ def quantity_of(name: str) -> str:
 def shaft_of(name: str, *, outs: bool = False) -> str:
     """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
     words, tokens = _plain(name), _tokens(name)
+    if _NO_SHAFT.search(words):
+        return ""
     if outs and "in" in tokens:
         tokens.add("input")
     found = [

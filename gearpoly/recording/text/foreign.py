@@ -17,7 +17,7 @@ from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.comments import read_comment
 from gearpoly.recording.meaning import header_unit, quantity_of
 from gearpoly.recording.quantities import ANGLE, unit_written
-from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, check_few, check_numbers
+from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import decoded
@@ -38,6 +38,10 @@ CELL_BYTES = 80
 LINE_BYTES = 64
 """Memory that a line takes beside its characters."""
 
+TEXT_LIMIT_BYTES = 2**30
+"""Largest text file that is held as lines, which take three times its size; the contract's own CSV is read as a stream
+up to 4 GB."""
+
 
 def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[Table]:
     """Every recording in a text file, its columns under ``others``, in the order of the file; ``footer`` allows text
@@ -45,10 +49,12 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
 
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
-    check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
-    check_numbers(file, 0, beside=4 * file.stat().st_size)
+    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, encoding = decoded(file, stated=writing.encoding)
-    check_numbers(file, 0, beside=4 * len(text) + LINE_BYTES * (text.count("\n") + 1))
+    count = text.count("\n") + 1
+    if LINE_BYTES * count > memory_limit(file):
+        wish = "want rows of numbers; take empty lines out, or split the file"
+        raise InputFileError(file, found=f"{count} lines of {len(text) / count:.1f} characters", wish=wish)
     lines = text.split("\n")
     del text
     separator = writing.separator or find_separator(file, lines)

@@ -54,10 +54,12 @@ def date_order(cells: Sequence[str], *, stated: str = "") -> tuple[str, str]:
         return "ymd", "the year stands first"
     if dates[0][1] == ".":
         return "dmy", "dates with points have the day first"
-    able = [order for order in ("dmy", "mdy") if all(_day(*d, order=order) is not None for d in dates)]
+    short = all(len(year) <= 2 for _, _, _, year in dates)
+    orders = ("dmy", "mdy", "ymd") if short else ("dmy", "mdy")
+    able = [order for order in orders if all(_day(*d, order=order) is not None for d in dates)]
     if len(able) == 1:
         return able[0], "the other order makes no dates"
-    if len(able) == 2 and len(dates) == 1:
+    if able and len(dates) == 1:
         return "dmy", "one date, so its order does not matter"
     runs = [order for order in able if _next_days(dates, order)]
     if len(runs) == 1:
