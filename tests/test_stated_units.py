@@ -13,7 +13,7 @@ import pytest
 from gearpoly.errors import InputFileError
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import COLUMNS
-from gearpoly.recording.stated_units import SPELLINGS, check_unit
+from gearpoly.recording.stated_units import check_unit
 from tests import recording_files as files
 from tests.made_readings import needs, refusal
 
@@ -127,6 +127,17 @@ def test_units_of_uff58_ordinates(tmp_path: Path) -> None:
             assert read_recording(file).size == 5
         else:
             assert 'the unit "m/s^2"' in refusal(file).found
+
+
+SPELLINGS = {
+    "deg": ("degree", "degrees", "°"),
+    "um": ("µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
+    "urad": ("µrad", "μrad", "microradian", "microradians"),
+    "arcsec": ("arcsecs", "arcsecond", "arcseconds", '"', "″"),
+    "nm": ("n.m", "n m", "n*m", "n·m", "n⋅m", "newton metre", "newton metres", "newton meter", "newton meters"),
+    "rpm": ("1/min", "r/min", "rev/min", "min-1", "min^-1", "u/min"),
+    "s": ("sec", "second", "seconds"),
+}
 
 
 def test_every_column_knows_how_its_unit_is_written() -> None:

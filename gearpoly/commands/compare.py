@@ -15,6 +15,10 @@ def compare(
     recordings: Annotated[
         list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
     ],
+    map: Annotated[
+        list[Path] | None,
+        typer.Option(help="Read recordings by this map (TOML, from gearpoly read): one for all, or one for each."),
+    ] = None,
     json: Annotated[
         Path | None, typer.Option(help="Write alignment, noise and where they differ (JSON; - for standard output).")
     ] = None,
@@ -27,12 +31,12 @@ def compare(
     from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair
-    from gearpoly.recording.read import read_recording
+    from gearpoly.recording.read import read_set
     from gearpoly.report.compare_report import json_text, print_comparison
     from gearpoly.report.progress import steps
     from gearpoly.report.terminal import Terminal
 
-    check_targets([json, plot], inputs=[pair, *recordings])
+    check_targets([json, plot], inputs=[pair, *recordings, *(map or [])])
     if plot is not None:
         from gearpoly.report.compare_plots import plot_comparison
         from gearpoly.report.plots import check_format
@@ -41,9 +45,7 @@ def compare(
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        comparison = run(
-            file, [read_recording(recording, worm=file.worm) for recording in recordings], path=pair, step=step
-        )
+        comparison = run(file, read_set(recordings, map, worm=file.worm), path=pair, step=step)
     if json is not None:
         write_text(json, json_text(comparison))
     if plot is not None:

@@ -15,6 +15,10 @@ def diagnose(
     recordings: Annotated[
         list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
     ],
+    map: Annotated[
+        list[Path] | None,
+        typer.Option(help="Read recordings by this map (TOML, from gearpoly read): one for all, or one for each."),
+    ] = None,
     json: Annotated[Path | None, typer.Option(help="Write the verdict (JSON; - for standard output).")] = None,
     html: Annotated[
         Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network (- likewise).")
@@ -31,17 +35,17 @@ def diagnose(
     from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import dump_pair, moved, read_pair
-    from gearpoly.recording.read import read_recording
+    from gearpoly.recording.read import read_set
     from gearpoly.report.diagnosis_page import page
     from gearpoly.report.diagnosis_report import json_text, print_diagnosis
     from gearpoly.report.progress import steps
     from gearpoly.report.terminal import Terminal
 
-    check_targets([json, html, fitted], inputs=[pair, *recordings])
+    check_targets([json, html, fitted], inputs=[pair, *recordings, *(map or [])])
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
-        read = [read_recording(recording, worm=file.worm) for recording in recordings]
+        read = read_set(recordings, map, worm=file.worm)
         diagnosis = run(file, read, path=pair, step=step, reached=step.reached, within=within)
     # All are made before any is written.
     made: list[tuple[Path, str, str]] = []

@@ -39,6 +39,7 @@ def simulate(
     ] = None,
     points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
+    map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
     fast: Annotated[
         bool,
         typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
@@ -67,7 +68,9 @@ def simulate(
     outputs = [target for target in (csv, json, plot) if target is not None]
     if sum(str(target) == "-" for target in outputs) > 1:
         raise OutOfRangeError("only one of --csv and --json can go to standard output")
-    check_targets(outputs, inputs=[pair] if at is None else [pair, at])
+    check_targets(outputs, inputs=[one for one in (pair, at, map) if one is not None])
+    if map is not None and at is None:
+        raise OutOfRangeError(f"--map {map}: a map is of a recording; want --at beside it")
     if plot is not None:
         from gearpoly.report.plots import check_format, plot_run
 
@@ -84,10 +87,11 @@ def simulate(
             raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
         from gearpoly.recording.chain import corrected
         from gearpoly.recording.load import relative_load
+        from gearpoly.recording.map_file import read_map
         from gearpoly.recording.read import read_recording
 
         recording = corrected(
-            read_recording(at, worm=file.worm),
+            read_recording(at, worm=file.worm, chart=None if map is None else read_map(map)),
             *assembled.encoders,
             ratio=assembled.pair.ratio,
             r_b2=assembled.pair.r_b2,

@@ -23,6 +23,7 @@ def view(
     recording: Annotated[
         Path | None, typer.Option(help="Show this recording's mismatch beside the geometry, under its condition.")
     ] = None,
+    map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
     flank: Annotated[
         FlankChoice | None, typer.Option(help="Which flank carries; default drive, or the recording's.")
     ] = None,
@@ -43,6 +44,8 @@ def view(
 
     if not math.isfinite(at):
         raise OutOfRangeError(f"--at {at}: want a driven angle in deg, such as 12.5")
+    if map is not None and recording is None:
+        raise OutOfRangeError(f"--map {map}: a map is of a recording; want --recording beside it")
     target = Path(f"{pair.stem}.html") if html is None else html
     if str(target) != "-" and target.suffix.lower() not in {".html", ".htm"}:
         raise OutOfRangeError(f"--html {target}: the contact debugger is a page; want a name ending in .html")
@@ -54,11 +57,13 @@ def view(
                 "--recording brings its flank, and nothing is drawn by chance beside it; leave out --flank and --seed"
             )
         from gearpoly.compare.compare import compare
+        from gearpoly.recording.map_file import read_map
         from gearpoly.recording.read import read_recording
 
         with steps() as step:
             step("reading")
-            comparison = compare(file, [read_recording(recording, worm=file.worm)], path=pair, step=step)
+            read = read_recording(recording, worm=file.worm, chart=None if map is None else read_map(map))
+            comparison = compare(file, [read], path=pair, step=step)
         with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
             scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
     else:

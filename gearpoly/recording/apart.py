@@ -19,6 +19,7 @@ import os
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -26,7 +27,8 @@ import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.recording.reader import Reader, memory_limit, optional
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import Channel, Table
+from gearpoly.units import FloatArray
 
 SECONDS = 12.0
 """s for a small file, which takes 10 ms; with the start of the process, one that never ends is refused within 20 s."""
@@ -66,7 +68,11 @@ def read_apart(reader: Reader, file: Path) -> Table:
         raise InputFileError(file, **answer["refused"])
     if "bug" in answer:
         raise RuntimeError(answer["bug"])
-    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"])
+    others = {
+        path: Channel(values=columns.pop(f"{k} values"), unit=unit, time=columns.pop(f"{k} time", None))
+        for k, (path, unit) in enumerate(answer["others"])
+    }
+    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others)
 
 
 class _CrashedError(Exception):
@@ -178,8 +184,19 @@ def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
     except Exception as error:
         traceback = importlib.import_module("traceback")
         return {"bug": "".join(traceback.format_exception(error))}, None
-    sizes = [(name, values.size) for name, values in table.columns.items()]
-    return {"columns": sizes, "keys": table.keys, "remarks": table.remarks}, table
+    sizes = [(name, values.size) for name, values in _series(table)]
+    others = [(path, one.unit) for path, one in table.others.items()]
+    return {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others}, table
+
+
+def _series(table: Table) -> Iterator[tuple[str, FloatArray]]:
+    """All numbers of a table under names that tell them apart: columns, then values and times of the other channels,
+    whose own names may be those of columns."""
+    yield from table.columns.items()
+    for k, one in enumerate(table.others.values()):
+        yield f"{k} values", one.values
+        if one.time is not None:
+            yield f"{k} time", one.time
 
 
 def serve(orders: BinaryIO, answers: BinaryIO) -> None:
@@ -187,7 +204,7 @@ def serve(orders: BinaryIO, answers: BinaryIO) -> None:
     for line in orders:
         answer, table = _answer(json.loads(line))
         answers.write(json.dumps(answer).encode("ascii") + b"\n")
-        for values in table.columns.values() if table is not None else ():
+        for _, values in _series(table) if table is not None else ():
             if values.size:
                 answers.write(np.ascontiguousarray(values).data.cast("B"))
         answers.flush()

@@ -15,7 +15,6 @@ from typing import TextIO
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.toml import load
 from gearpoly.files.traces import (
     check_file,
     check_header,
@@ -25,17 +24,20 @@ from gearpoly.files.traces import (
     split_row,
     unreadable,
 )
+from gearpoly.recording.comments import read_comment
 from gearpoly.recording.reader import (
     RECORDING_LIMIT_BYTES,
     Reader,
     check_few,
-    check_short,
-    is_key,
     pass_over,
     recording_from_table,
 )
-from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete, check_key
+from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete
 from gearpoly.recording.table import Table
+from gearpoly.recording.taken import only, taken
+from gearpoly.recording.text.encoding import wide
+from gearpoly.recording.text.foreign import read_foreign
+from gearpoly.recording.text.writing import Writing
 from gearpoly.units import FloatArray
 
 LINE_LIMIT = 2**20
@@ -51,11 +53,54 @@ def read_csv(path: Path | str) -> Recording:
     column at fault.
     """
     file = Path(path)
-    return recording_from_table(file, read_table(file))
+    return recording_from_table(file, taken(file, only(file, read_tables(file, Writing()))))
+
+
+def read_tables(file: Path, writing: Writing) -> list[Table]:
+    """The recordings of a text file: the contract's own CSV by its plain path, any other as its logger wrote it.
+
+    A file whose header has the contract's names is held to its rules, unless all that differs is how it is written.
+    Raises ``InputFileError`` with the line at fault.
+    """
+    if writing != Writing():
+        return read_foreign(file, writing)
+    if not _is_own(file):
+        _check_lines(file)
+        return read_foreign(file, writing)
+    try:
+        return [read_table(file)]
+    except InputFileError as fault:
+        try:
+            tables = read_foreign(file, writing, footer=False)
+            for table in tables:
+                check_complete(file, "", table.others)
+        except InputFileError:
+            raise fault from None
+        known = {*COLUMNS, *PASSED_OVER}
+        if any(table.doubts or not known.issuperset(table.others) for table in tables):
+            raise
+        return tables
+
+
+def _is_own(file: Path) -> bool:
+    """Whether the header of a file, in UTF-8 and with commas, has a name of the contract; so has one without header,
+    whose faults are told by the contract's rules."""
+    check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
+    try:
+        with file.open(encoding="utf-8-sig", errors="replace") as stream:
+            while line := stream.readline(LINE_LIMIT):
+                if "\0" in line:
+                    return False
+                if line.strip() and not line.lstrip().startswith("#"):
+                    names = split_row(line)
+                    return len(line) >= LINE_LIMIT or any(name in COLUMNS for name in names)
+    except OSError as error:
+        raise unreadable(file, error) from None
+    return True
 
 
 def read_table(file: Path) -> Table:
-    """The columns and keys of one CSV file."""
+    """The columns and keys of one file with the contract's own header."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open("rb") as start:
@@ -107,7 +152,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
         if line.lstrip().startswith("#"):
             stated += "=" in line
             check_few(file, where, stated, "comment lines with =")
-            _read_comment(file, where, line.strip()[1:].strip(), keys)
+            read_comment(file, where, line.strip()[1:].strip(), keys)
         elif line.strip():
             names = split_row(line)
             check_header(file, where, names, (*COLUMNS, *PASSED_OVER))
@@ -119,25 +164,6 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
         found=found,
         wish="want a header row with driving_angle_deg, driven_angle_deg, then numbers",
     )
-
-
-def _read_comment(file: Path, where: str, text: str, keys: dict[str, object]) -> None:
-    """Take ``key = value`` from a comment line into ``keys``; leave remarks alone."""
-    key, equals, value = (part.strip() for part in text.partition("="))
-    if not equals:
-        return
-    if not is_key(file, where, key):
-        return
-    if key in keys:
-        raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
-    check_short(file, where, key, value)
-    try:
-        found = load(text)[key]
-    except (ValueError, KeyError):  # TOMLDecodeError, an integer with too many digits, or a dotted key
-        wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
-        raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
-    check_key(file, where, key, found)
-    keys[key] = found
 
 
 def _read_numbers(file: Path, names: list[str], head_lines: int, stream: TextIO) -> FloatArray:
@@ -204,8 +230,10 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
 
 
 def _recognises(head: bytes) -> bool:
-    """Whether it may be text; UTF-16 counts, since only the reader's message says what to do about it."""
-    return b"\0" not in head or head.startswith((b"\xff\xfe", b"\xfe\xff"))
+    """Whether it may be text, of one or two bytes a character."""
+    return b"\0" not in head or bool(wide(head)) or head.startswith(b"\xff\xfe\0\0")
 
 
-READER = Reader(name="CSV", endings=(".csv", ".txt"), recognises=_recognises, read=read_table, fallback=True)
+READER = Reader(
+    name="CSV", endings=(".csv", ".txt"), recognises=_recognises, read=read_table, fallback=True, several=read_tables
+)

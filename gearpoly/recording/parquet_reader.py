@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
-from gearpoly.files.traces import check_header
+from gearpoly.files.traces import check_header, shorten
 from gearpoly.recording.reader import (
     Reader,
     check_few,
@@ -23,7 +23,7 @@ from gearpoly.recording.reader import (
 )
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER
 from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
 PYARROW_LEAST = 15
@@ -33,7 +33,8 @@ PYARROW_LEAST = 15
 def read_table(file: Path) -> Table:
     """The columns and keys of one Parquet file; nulls are drop-outs.
 
-    A table holds the columns of a recording and no others, as a CSV does.
+    A table with a name of the contract holds the columns of a recording and no others, as a CSV does; any other has
+    names of the owner's own.
     """
     version = str(optional(file, "pyarrow", extra="parquet").__version__)
     if int(version.split(".")[0]) < PYARROW_LEAST:
@@ -43,16 +44,21 @@ def read_table(file: Path) -> Table:
     types = optional(file, "pyarrow.types", extra="parquet")
     with damage_reported(file, "Parquet"), parquet.ParquetFile(file, memory_map=True) as source:
         schema = source.schema_arrow
-        check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
-        for column in schema:
-            stamps = column.name == "time_s" and types.is_timestamp(column.type)
-            plain = types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)
-            if not (plain or stamps):
-                found = f"values of type {column.type}"
-                raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
-            for key in UNIT_NAMES:
-                if key.encode() in (column.metadata or {}):
-                    check_unit(file, column.name, column.metadata[key.encode()])
+        check_few(file, "schema", len(schema.names), "columns")
+        plain = {
+            column.name: types.is_floating(column.type)
+            or types.is_integer(column.type)
+            or types.is_boolean(column.type)
+            for column in schema
+        }
+        if own := any(name in COLUMNS for name in schema.names):
+            check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
+            for column in schema:
+                stamps = column.name == "time_s" and types.is_timestamp(column.type)
+                if not (plain[column.name] or stamps):
+                    found = f"values of type {column.type}"
+                    raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
+                check_unit(file, column.name, _unit(column))
         _check_size(file, source.metadata)
         keys: dict[str, object] = {}
         check_few(file, "metadata", len(schema.metadata or {}), "keys")
@@ -61,12 +67,25 @@ def read_table(file: Path) -> Table:
             if is_key(file, "metadata", name):
                 take_key(file, "metadata", name, text_value(value.decode("utf-8", errors="replace")), keys)
         columns: dict[str, FloatArray] = {}
-        for name in schema.names:  # one at a time, so that only one column is held twice
+        for name in dict.fromkeys(name for name in schema.names if plain[name] or (own and name == "time_s")):
+            # One at a time, so that only one column is held twice.
             values = source.read(columns=[name], use_threads=True).column(0)
             columns[name] = numbers(file, name, np.asarray(values.to_numpy()))
+        if not own:
+            units = {column.name: _unit(column) for column in schema}
+            others = {name: Channel(values=values, unit=units[name]) for name, values in columns.items()}
+            left = [shorten(name) for name in schema.names if not plain[name]]
+            remarks = [f"not read, since no numbers: {shorten(', '.join(left), width=200)}"] if left else []
+            return Table(columns={}, keys=keys, others=others, remarks=remarks)
     table = Table(columns=columns, keys=keys)
     pass_over(table)
     return table
+
+
+def _unit(column: Any) -> str:
+    """The unit that a column's metadata state, or nothing."""
+    held = column.metadata or {}
+    return next((held[key.encode()].decode("utf-8", "replace") for key in UNIT_NAMES if key.encode() in held), "")
 
 
 def _check_size(file: Path, metadata: Any) -> None:

@@ -5,16 +5,21 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from gearpoly import recording as package
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.apart import read_apart
+from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.table import Table
+from gearpoly.recording.taken import only, taken
+from gearpoly.recording.text.writing import Writing
 
 HEAD_BYTES = 4096
 """How much of a file is looked at to tell its format; HDF5 may begin as far in as 2048."""
@@ -28,23 +33,78 @@ def readers() -> tuple[Reader, ...]:
     return tuple(sorted(found, key=lambda reader: reader.fallback))
 
 
-def read_recording(path: Path | str, *, worm: WormSection | None = None) -> Recording:
-    """Read one recording of any format; a guide log through the ``worm`` of the pair file. ``FILE#2`` is the second
-    recording of a file that holds several.
+def read_recording(
+    path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
+) -> Recording:
+    """Read the one recording of a file of any format; a guide log through the ``worm`` of the pair file, an owner's own
+    file by the map ``chart``. ``FILE#2`` is the second recording of a file that holds several.
 
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
-    recording, and ``MissingExtraError`` where its format needs a package that is not installed.
+    recording or holds several, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
-    file, part = parted(Path(path))
+    file = Path(path)
+    return recording_from_table(file, taken(file, only(file, read_tables(file, chart)), chart), worm=worm)
+
+
+def read_recordings(
+    path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
+) -> list[Recording]:
+    """Every recording of a file, as :func:`read_recording` reads one; each of several is called by its number."""
+    file = Path(path)
+    tables = read_tables(file, chart)
+    if len(tables) == 1:
+        return [recording_from_table(file, taken(file, tables[0], chart), worm=worm)]
+    out = []
+    for number, table in enumerate(tables, start=1):
+        table.remarks.insert(0, f"recording {number} of {len(tables)} in the file, each taken as one of the set")
+        called = file.with_name(f"{file.name}, recording {number}")
+        out.append(recording_from_table(called, taken(called, table, chart), worm=worm))
+    return out
+
+
+def read_set(paths: Sequence[Path], maps: Sequence[Path] | None, *, worm: WormSection | None = None) -> list[Recording]:
+    """The recordings of all files, by one map for all, or by one for each in their order; raises as they are read, and
+    ``OutOfRangeError`` where the numbers of maps and files do not fit."""
+    charts = [read_map(one) for one in maps or ()]
+    if len(charts) not in (0, 1, len(paths)):
+        raise OutOfRangeError(
+            f"--map: {len(charts)} maps for {len(paths)} recordings; want one for all of them, or one for each in order"
+        )
+    each = charts if len(charts) == len(paths) else [charts[0] if charts else None] * len(paths)
+    return [
+        one for path, chart in zip(paths, each, strict=True) for one in read_recordings(path, worm=worm, chart=chart)
+    ]
+
+
+def read_tables(path: Path, chart: RecordingMap | None = None) -> list[Table]:
+    """What the reader of a file's format finds in it: one table for every recording, or that of the number behind its
+    name, or of the map's section."""
+    file, part = parted(path)
     reader = find_reader(file)
-    if part is not None:
-        if not reader.parts:
-            wish = f"want {file.name} without #{part}: a {reader.name} file holds one recording"
-            raise InputFileError(path, found=f"part {part} asked for", wish=wish)
-        table = reader.read(file, part)
+    if chart is not None and reader.several is None and chart.writing != Writing():
+        wish = "want no [text] in a map for another format"
+        raise InputFileError(chart.file, where="text", found=f"{file.name} is {reader.name}, no text", wish=wish)
+    section = chart.section if chart is not None and part is None else None
+    number = section if part is None else part
+    if reader.parts:
+        return [reader.read(file, number)]
+    if reader.several is not None:
+        tables = reader.several(file, chart.writing if chart is not None else Writing())
+    elif part is not None:
+        wish = f"want {file.name} without #{part}: a {reader.name} file holds one recording"
+        raise InputFileError(path, found=f"part {part} asked for", wish=wish)
     else:
-        table = read_apart(reader, file) if reader.apart else reader.read(file)
-    return recording_from_table(Path(path), table, worm=worm)
+        tables = [read_apart(reader, file) if reader.apart else reader.read(file)]
+    if number is None:
+        return tables
+    if number > len(tables):
+        if chart is not None and part is None:
+            found = f"{number}, and the file holds {len(tables)}"
+            wish = f"want a number from 1 to {len(tables)}, or no section where there is one recording"
+            raise InputFileError(chart.file, where="section", found=found, wish=wish)
+        wish = f"want {file.name}#1 to #{len(tables)}" if len(tables) > 1 else f"want {file.name} without #{number}"
+        raise InputFileError(path, found=f"part {number} of {len(tables)}", wish=wish)
+    return [tables[number - 1]]
 
 
 def find_reader(file: Path) -> Reader:

@@ -36,6 +36,7 @@ from gearpoly.recording.recording import (
     recording_from_columns,
 )
 from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
@@ -76,7 +77,8 @@ class Reader:
     ``recognises`` gets the first 4096 bytes. ``module`` is the optional package that ``read`` imports and ``extra``
     the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
     file can bring the library to crash or to go round for ever, so it reads in a process of its own. ``parts``: a file
-    may hold several recordings, of which ``read`` takes the number, from 1, as a second argument.
+    may hold several recordings, of which ``read`` takes the number, from 1, as a second argument. ``several`` reads a
+    format whose files may hold more than one recording and be written in more than one way.
     """
 
     name: str
@@ -88,6 +90,7 @@ class Reader:
     fallback: bool = False
     apart: bool = False
     parts: bool = False
+    several: Callable[[Path, Writing], list[Table]] | None = None
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:
@@ -144,7 +147,9 @@ def _last_places(table: Table) -> dict[str, float]:
     tied = [name for name in table.columns if name in ANGLE_COLUMNS or name in TE_COLUMNS]
     if len(tied) < 3 and sum(name in TE_COLUMNS for name in tied) < 2:
         return {}
-    return {name: float(np.nanmax(rounding(table.columns[name]), initial=0.0)) for name in tied}
+    return {
+        name: table.places.get(name) or float(np.nanmax(rounding(table.columns[name]), initial=0.0)) for name in tied
+    }
 
 
 def _take_one_error(file: Path, table: Table) -> None:

@@ -17,19 +17,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-
-SPELLINGS = {
-    "deg": ("degree", "degrees", "°"),
-    "um": ("µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
-    "urad": ("µrad", "μrad", "microradian", "microradians"),
-    "arcsec": ("arcsecs", "arcsecond", "arcseconds", '"', "″"),
-    "nm": ("n.m", "n m", "n*m", "n·m", "n⋅m", "newton metre", "newton metres", "newton meter", "newton meters"),
-    "rpm": ("1/min", "r/min", "rev/min", "min-1", "min^-1", "u/min"),
-    "s": ("sec", "second", "seconds"),
-}
-"""How units are written, by the ending of the column's name; in small letters."""
-
-UNSTATED = ("", "none", "-", "n/a", "unknown")
+from gearpoly.recording.quantities import COUNT, UNSTATED, column_unit, unit_written
 
 UNIT_NAMES = ("units", "unit", "unit_string")
 """Attributes that hold a unit: netCDF and HDF5, others, TDMS."""
@@ -42,11 +30,10 @@ def check_unit(file: Path, name: str, stated: object) -> None:
     """Raise ``InputFileError`` where the unit that is ``stated`` for column ``name`` is not the one in its name."""
     text = (stated.decode("utf-8", "replace") if isinstance(stated, bytes) else str(stated)).strip()
     unit = text.lower().split(" since ")[0].strip()  # netCDF: seconds since a date
-    ending = name.rpartition("_")[2]
-    if unit in UNSTATED or ending not in SPELLINGS or unit == ending or unit in SPELLINGS[ending]:
+    wanted = column_unit(name)
+    if wanted.dimension == COUNT or unit in UNSTATED or unit_written(unit, wanted.dimension) == wanted:
         return
-    called = "N.m" if ending == "nm" else ending
-    wish = f"want {called}, as its name says; convert the values, or take the unit out where it is wrong"
+    wish = f"want {wanted.name}, as its name says; convert the values, or take the unit out where it is wrong"
     raise InputFileError(file, where=f"column {name}", found=f'the unit "{shorten(text)}"', wish=wish)
 
 

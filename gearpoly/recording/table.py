@@ -11,10 +11,40 @@ AXIS_ERROR, AXIS_CORRECTION = "axis_error_arcsec", "axis_correction_arcsec"
 by. Only the pair file knows the worm between that axis and the pair."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Channel:
+    """A series of numbers under a name of the owner's own: ``values`` (m,) in the ``unit`` that the file states, empty
+    where it states none; ``time`` (m,) in s where the format gives the channel times of its own."""
+
+    values: FloatArray
+    unit: str = ""
+    time: FloatArray | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Doubt:
+    """What a reader could not tell, as a sentence (``says``), and the lines of a map that settle it (``ask``), the
+    likeliest first: the file was read so for the time being."""
+
+    says: str
+    ask: tuple[str, ...]
+
+
 @dataclass
 class Table:
-    """What a reader found: columns (n,) and keys under the contract's names, and remarks for the user."""
+    """What a reader found: columns (n,) and keys under the contract's names, and remarks for the user.
+
+    ``others`` are channels under names of the owner's own, by their path in the file (``rig/angle``, ``run.angle``, or
+    the header of a column); names and units, or a map, say which columns they are. ``layout`` says how a text file was
+    read, key by key of a map. ``places`` is half of the last place that a column was written to, where its numbers no
+    longer show it.
+    """
 
     columns: dict[str, FloatArray]
     keys: dict[str, object]
     remarks: list[str] = field(default_factory=list)
+    others: dict[str, Channel] = field(default_factory=dict)
+    layout: dict[str, str] = field(default_factory=dict)
+    places: dict[str, float] = field(default_factory=dict)
+    doubts: list[Doubt] = field(default_factory=list)
+    taken_from: dict[str, str] = field(default_factory=dict)

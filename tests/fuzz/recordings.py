@@ -285,3 +285,72 @@ def guide_logs(draw: Draw) -> bytes:
         else:
             lines[at:at] = lines[: draw(st.integers(1, 9))]
     return draw(damaged("\n".join(lines).encode()))
+
+
+HEADS = ("", "Prüfstand;3\n", "# torque_nm = 25.0\n", "Datum: 03.04.2026\n\n", "s;°;°;Nm\n", "1;2;3;4\n" * 9, '"\n')
+SURE = ("Zeit [s]", "Winkel Antrieb [°]", "Winkel Abtrieb [°]", "Kraft [N]", "Temperatur", "Druck")
+NAMES = (
+    *SURE, "Winkel 1", "Drehmoment [Nm]", "angle_out (rad)", "t", "", "TE [arcsec]",
+    "Drehzahl / 1/min", "Zähler Antrieb",
+    "time_s", "driving_angle_deg", "x" * 300, '"', "[", "/", "(in)",
+)  # fmt: skip
+STAMPS = ("03/04/2026 10:00:{:02d}", "2026-04-03T10:00:{:02d}Z", "10:{:02d}", "99.99.9999", "{:d}/{:d}", "24:00:00 PM")
+
+
+@st.composite
+def foreign_texts(draw: Draw) -> bytes:
+    """A table as loggers of several countries write it, with up to four lines or cells wrong, in any encoding."""
+    columns = list(run(draw(st.sampled_from((3, 40, 300)))).values())[: draw(st.integers(1, 6))]
+    separator = draw(st.sampled_from((";", ";", "\t", ",", " ", "|")))
+    decimal = draw(st.sampled_from((",", ".")))
+    number = draw(st.sampled_from(("{:.3f}", "{:.5f}", "{:,.1f}", "{:.0f}", "{:.4g}")))
+    rows = [[number.format(v).replace(".", decimal) for v in row] for row in zip(*columns, strict=True)]
+    if draw(st.integers(0, 3)) == 0:
+        stamp = draw(st.sampled_from(STAMPS))
+        rows = [[stamp.format(k % 60, k % 13), *row] for k, row in enumerate(rows)]
+    names = [*SURE, ""][: len(rows[0])]
+    if draw(st.booleans()):
+        names = [draw(st.sampled_from(NAMES)) for _ in rows[0]]
+    lines = [separator.join(row) for row in (names, *rows)]
+    for _ in range(draw(st.integers(0, 4))):
+        at = draw(st.integers(0, len(lines) - 1) | st.integers(0, min(4, len(lines) - 1)))
+        change = draw(st.sampled_from(("cell", "drop", "double", "head", "again", "join")))
+        if change == "cell":
+            cells = lines[at].split(separator)
+            cells[draw(st.integers(0, len(cells) - 1))] = draw(st.sampled_from((*CELLS, *NASTY[:8], "1.2.3", "1,2,3")))
+            lines[at] = separator.join(cells)
+        elif change == "drop" and len(lines) > 1:
+            del lines[at]
+        elif change == "double":
+            lines[at:at] = [lines[at]] * draw(st.sampled_from((1, 50)))
+        elif change == "head":
+            lines[at:at] = draw(st.sampled_from(HEADS)).split("\n")
+        elif change == "again":
+            lines += lines[: draw(st.integers(1, len(lines)))]
+        else:
+            lines[at] = separator.join(lines)
+    codec = draw(st.sampled_from(("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-32", "cp1252")))
+    end = draw(st.sampled_from(("\n", "\r\n", "\r")))
+    text = end.join([*lines, ""]).encode(codec, errors="replace")
+    return draw(damaged(text)) if draw(st.booleans()) else text
+
+
+ENTRIES = (
+    'columns.driving_angle_deg = { from = "column 2", unit = "deg" }',
+    'columns.driven_angle_deg = { from = "Winkel Abtrieb", unit = "rad", scale = 1e300 }',
+    'columns.driven_angle_deg = { from = "column 3", unit = "rev", zero = -1e308, wraps = 1e-300 }',
+    'columns.torque_nm = { from = "column 3", unit = "lbf.ft", sign = -1 }',
+    'columns.time_s = { from = "column 1", unit = "ms", wraps = 3 }',
+    'columns.driving_count = { from = "column 2" }\nkeys.driving_lines = 4\nkeys.driving_counts_per_line = 4',
+    'text = { decimal = ",", thousands = "." }', 'text.separator = " "', 'text.encoding = "utf-16"',
+    "text = { header_line = 2, units_line = 3 }", "section = 2", 'leave_out = ["column 1"]', 'keys.flank = "coast"',
+    "keys.torque_nm = 1e999", "columns = 3", "text.encoding = \"idna\"", "text.header_line = 999999",
+)  # fmt: skip
+
+
+@st.composite
+def maps(draw: Draw) -> bytes:
+    """A map of some lines that may contradict one another, whole or damaged."""
+    lines = draw(st.lists(st.sampled_from(ENTRIES), max_size=4))
+    text = "\n".join(lines).encode()
+    return draw(damaged(text)) if draw(st.integers(0, 3)) == 0 else text

@@ -1,0 +1,57 @@
+"""``gearpoly read``: what a recording's file holds, before anything is computed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ORDER = 15
+
+
+def read(
+    files: Annotated[list[Path], typer.Argument(help="Recordings of any format, as a logger wrote them.")],
+    write: Annotated[
+        Path | None, typer.Option(help="Write the map (TOML; - for standard output) that makes one file certain.")
+    ] = None,
+    map: Annotated[Path | None, typer.Option(help="Read the files by this map, to see what it makes of them.")] = None,
+    json: Annotated[Path | None, typer.Option(help="Write all of it (JSON; - for standard output).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw every column over time (png, svg or pdf).")] = None,
+) -> None:
+    """Show what files hold: columns, units, rate, turns, gaps, stops, and what each column was taken for and why."""
+    from gearpoly.errors import OutOfRangeError
+    from gearpoly.files.output import check_targets, say_written, write_text
+    from gearpoly.recording.map_file import read_map
+    from gearpoly.recording.map_text import map_text
+    from gearpoly.recording.survey import survey
+    from gearpoly.report.reading_report import json_text, print_survey
+    from gearpoly.report.terminal import Terminal
+
+    check_targets([write, json, plot], inputs=[*files, *([map] if map is not None else [])])
+    if plot is not None:
+        from gearpoly.report.plots import check_format
+        from gearpoly.report.reading_plots import plot_surveys
+
+        check_format(plot)
+    if write is not None and len(files) > 1:
+        raise OutOfRangeError(f"--write {write}: a map is of one file, and {len(files)} are given; want one of them")
+    if write is not None and map is not None:
+        raise OutOfRangeError(
+            f"--write {write}: the map is there, {map}; leave out --write, or --map to write a new one"
+        )
+    chart = None if map is None else read_map(map)
+    found = [one for file in files for one in survey(file, chart)]
+    if write is not None:
+        write_text(write, map_text(found[0]))
+    if json is not None:
+        write_text(json, json_text(found))
+    if plot is not None:
+        plot_surveys(found, target=plot)
+    if "-" not in (str(write), str(json)):
+        console = Terminal()
+        for one in found:
+            print_survey(console, one)
+    say_written(write, "the map, with what is in doubt behind a #")
+    say_written(json, "what the files hold")
+    say_written(plot, "every column over time")

@@ -1,0 +1,30 @@
+"""Keys in comment lines: ``# torque_nm = 25.0``, as a text file states the condition of a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.toml import load
+from gearpoly.files.traces import shorten
+from gearpoly.recording.reader import check_short, is_key
+from gearpoly.recording.recording import check_key
+
+
+def read_comment(file: Path, where: str, text: str, keys: dict[str, object]) -> None:
+    """Take ``key = value`` from the text of a comment line into ``keys``; leave remarks alone."""
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals:
+        return
+    if not is_key(file, where, key):
+        return
+    if key in keys:
+        raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
+    check_short(file, where, key, value)
+    try:
+        found = load(text)[key]
+    except (ValueError, KeyError):  # TOMLDecodeError, an integer with too many digits, or a dotted key
+        wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
+        raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
+    check_key(file, where, key, found)
+    keys[key] = found

@@ -1,0 +1,112 @@
+"""What a map says of a recording's columns, done to the channels that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import nearest, shorten
+from gearpoly.recording.agreement import rounding
+from gearpoly.recording.map_file import RecordingMap, Source
+from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
+from gearpoly.recording.recording import ANGLE_COLUMNS
+from gearpoly.recording.table import Channel, Table
+from gearpoly.units import FloatArray
+
+
+def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
+    """Take what the map says; the names of the channels that need no other meaning."""
+    channels = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
+    used = {find(channels, name, chart, "leave_out") for name in chart.leave_out}
+    sources = {
+        column: (find(channels, source.channel, chart, f"columns.{column}.from"), source)
+        for column, source in chart.columns.items()
+    }
+    for name in {*used, *(name for name, _ in sources.values()), *sources}:
+        out.columns.pop(name, None)
+        out.taken_from.pop(name, None)
+    for column, (name, source) in sources.items():
+        used.add(name)
+        one, wanted = channels[name], column_unit(column)
+        unit = source.unit or _unit(chart, column, name, one, own=name in table.columns)
+        put(out, times, column, one, replace(source, channel=name, unit=unit))
+        out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
+        if column in ANGLE_COLUMNS:
+            shaft = column.partition("_")[0]
+            if source.sign < 0:
+                out.keys[f"{shaft}_direction"] = -1
+            if source.zero is not None:
+                out.keys[f"{shaft}_zero_deg"] = source.zero * source.scale * unit.size / wanted.size
+    return used
+
+
+def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: bool) -> Unit:
+    """The unit of a channel of which the map states none: the file's, or that of its ``own`` name of the contract."""
+    wanted = column_unit(column)
+    stated = stated_unit(name, one)
+    unit = unit_written(stated, wanted.dimension)
+    if own or name == column:
+        unit = column_unit(name) if column_unit(name).dimension == wanted.dimension else None
+    elif not stated and wanted.dimension == COUNT:
+        unit = wanted
+    if unit is None:
+        found = f'"{shorten(name)}" states {f"the unit {shorten(stated)}" if stated else "no unit"}'
+        wish = f'want its unit of {wanted.dimension}: unit = "{wanted.name}"'
+        raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
+    return unit
+
+
+def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:
+    """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3").
+
+    Raises ``InputFileError`` of the map where there is none, or more than one.
+    """
+    if name in channels:
+        return name
+    bare = [one for one in channels if header_unit(one)[0] == name or one.rpartition("/")[2] == name]
+    if len(bare) == 1:
+        return bare[0]
+    number = name.removeprefix("column ")
+    if name.startswith("column ") and number.isascii() and number.isdigit() and len(number) < 6:
+        order = list(channels)
+        if 1 <= int(number) <= len(order):
+            return order[int(number) - 1]
+    close = nearest(name, channels)
+    there = shorten(", ".join(channels), width=200)
+    found = f'"{shorten(name)}" is no column of the recording'
+    if len(bare) > 1:
+        found = f'"{shorten(name)}" is the name of {len(bare)} columns'
+    wish = f"want one of: {there}" if close is None else f'the nearest is "{shorten(close)}" (there are: {there})'
+    raise InputFileError(chart.file, where=where, found=found, wish=wish)
+
+
+def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, source: Source) -> None:
+    """Put a channel's numbers, as its source says, into ``out`` under the column's name and in its unit."""
+    unit = source.unit or UNITS[COUNT]["1"]
+    factor = source.scale * unit.size / column_unit(column).size
+    values = one.values
+    if source.wraps is not None:
+        read = np.isfinite(values)
+        values = values.copy()
+        values[read] = np.unwrap(values[read], period=source.wraps)
+    if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
+        values = values - source.zero if source.zero else values
+        factor *= source.sign
+    if factor != 1.0:
+        out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = values * factor
+    # A recording takes over the numbers it gets, and a channel may be read again.
+    out.columns[column] = values.copy() if values is one.values else values
+    out.taken_from[column] = source.channel
+    if one.time is not None:
+        times[column] = one.time
+
+
+def stated_unit(name: str, one: Channel) -> str:
+    """The unit that a channel states, in its own place or in its name."""
+    return one.unit or header_unit(name)[1]

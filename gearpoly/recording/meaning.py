@@ -1,0 +1,289 @@
+"""What a column under a name of the owner's own holds: by the words of its name, its unit, and its readings.
+
+Words are German, French, Spanish, Italian and English. A column is taken where nothing else can be meant: its quantity,
+its unit and its shaft are all stated, or shown by the readings. Everything else is a doubt that a map settles.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.errors import shown
+from gearpoly.recording.quantities import (
+    ANGLE,
+    COUNT,
+    DOUBTFUL,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    UNITS,
+    Unit,
+    column_unit,
+    unit_written,
+    units_written,
+)
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
+from gearpoly.recording.table import Channel
+from gearpoly.units import FloatArray
+
+TE, OTHER = "transmission error", "something else"
+
+QUANTITIES: tuple[tuple[str, str, str], ...] = (
+    (
+        TE,
+        "te drehwegfehler",
+        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
+        "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
+    ),
+    (
+        OTHER,
+        "",
+        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
+        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
+    ),
+    (
+        SPEED,
+        "n rpm rev regime nan nab",
+        "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
+    ),
+    (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
+    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
+    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
+    (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
+)
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
+row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
+with a unit that fits, but for t."""
+
+SHAFT_WORDS = {
+    "driving": (
+        "driving driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
+        "antrieb|eingang|input|treibend",
+    ),
+    "driven": (
+        "driven output sortie salida uscita mene menee conducido conducida condotto condotta out",
+        "abtrieb|ausgang|output|getrieben",
+    ),
+}
+"""Words and parts of words that name one shaft of a pair and no other."""
+
+_NO_SHAFT = re.compile(
+    r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
+)
+"""Names of a logger's own inputs and outputs, which are no shafts."""
+
+_SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
+
+NO_SUFFIX = ("in", "min", "m", "as", "h")
+"""Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
+
+_GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
+
+WRAP_TOLERANCE = 0.01
+"""Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
+a tenth apart."""
+
+LEAST_WRAPS = 1
+
+NAME_LIMIT = 200
+"""Characters of a name that are looked at; the longest header of a logger seen has 60."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Meaning:
+    """What the channel ``channel`` was taken for, or may be.
+
+    ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
+    column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
+    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
+    whether words of the name tell it, and not the unit alone.
+    """
+
+    channel: str
+    column: str = ""
+    unit: Unit | None = None
+    dimension: str = ""
+    why: str = ""
+    doubt: str = ""
+    named: bool = True
+    ask: tuple[str, ...] = ()
+
+
+def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
+    """What each of the ``channels`` of a recording holds, in their order; no column is surely two of them."""
+    # "in" is a word of German and an inch; beside an "out" it is a shaft.
+    outs = any("out" in _tokens(name) for name in channels)
+    found = [_meaning(name, one, outs=outs) for name, one in channels.items()]
+    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shaft_of(one.channel, outs=outs)]
+    taken = {one.column for one in found if not one.doubt}
+    for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
+        ask = (entry(column, one.channel, one.unit),)
+        found[found.index(one)] = replace(one, column=column, ask=ask)
+    for column in {one.column for one in found if one.column and not one.doubt}:
+        rivals = [one for one in found if one.column == column and not one.doubt]
+        if len(rivals) > 1:
+            names = " and ".join(f'"{one.channel}"' for one in rivals)
+            for one in rivals:
+                doubt = f"{names} may each be {column}"
+                ask = (entry(column, one.channel, one.unit),)
+                found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
+    return found
+
+
+def quantity_of(name: str) -> str:
+    """The quantity that the words of a channel's name say, or nothing."""
+    words, tokens = _plain(name), _tokens(name)
+    for quantity, whole, parts in QUANTITIES:
+        if (set(whole.split()) & tokens) or re.search(parts, words):
+            return quantity
+    return ""
+
+
+def shaft_of(name: str, *, outs: bool = False) -> str:
+    """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
+    words, tokens = _plain(name), _tokens(name)
+    if _NO_SHAFT.search(words):
+        return ""
+    if outs and "in" in tokens:
+        tokens.add("input")
+    found = [
+        shaft for shaft, (whole, parts) in SHAFT_WORDS.items() if set(whole.split()) & tokens or re.search(parts, words)
+    ]
+    return found[0] if len(found) == 1 else ""
+
+
+def header_unit(header: str) -> tuple[str, str]:
+    """The name and the unit in a header such as ``Winkel Antrieb [°]``, ``torque / Nm``, ``t (s)`` or ``angle_deg``."""
+    text = header.strip()
+    if len(text) > NAME_LIMIT:
+        return text, ""
+    if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
+        return found[1].strip(), found[2].strip()
+    for pattern in (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):
+        found = re.fullmatch(pattern, text)
+        known = found is not None and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL)
+        if found and known and not (pattern is _SUFFIX and found[2].lower() in NO_SUFFIX):
+            return found[1].strip(), found[2].strip()
+    return text, ""
+
+
+def _plain(name: str) -> str:
+    """A name in small letters, without accents, its words parted by one blank."""
+    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
+    bare = unicodedata.normalize("NFKD", split.lower())
+    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
+
+
+def _tokens(name: str) -> set[str]:
+    return set(_plain(name).split())
+
+
+def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
+    name, in_name = header_unit(channel)
+    quantity = quantity_of(name)
+    stated = held.unit or in_name
+    if channel in COLUMNS:
+        return Meaning(channel=channel, column=channel, unit=column_unit(channel), why="the name of a column")
+    if quantity == OTHER:
+        return Meaning(channel=channel)
+    doubt = ""
+    letter = len(_plain(name)) == 1 and name.strip() != "t"
+    if not quantity or (letter and unit_written(stated, quantity) is None):
+        dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
+        if len(dimensions) != 1:
+            return Meaning(channel=channel)
+        quantity = dimensions.pop()
+        doubt = f"known by its unit alone, {stated}"
+    shaft = shaft_of(name, outs=outs)
+    if quantity == TIME:
+        unit = unit_written(stated, TIME)
+        return replace(_settled(channel, "time_s", unit, stated, TIME, doubt), named=not doubt)
+    if quantity == COUNT:
+        column = f"{shaft or 'driving'}_count"
+        doubt = "counts of an encoder whose lines are not stated"
+        own = f"keys.{shaft or 'driving'}"
+        counts = (entry(column, channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
+        return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=counts)
+    if quantity == TE:
+        unit = unit_written(stated, ANGLE) or unit_written(stated, LENGTH)
+        column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
+        doubt = "a transmission error, whose sign no name tells (positive where the driven gear is ahead)"
+        ask = (entry(column, channel, unit, "sign = 1"),)
+        return Meaning(channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask)
+    columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
+    unit = _unit_of(name, stated, quantity, held.values)
+    doubts = [doubt] if doubt else []
+    if quantity == TORQUE and shaft == "driving":
+        doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
+    elif quantity == SPEED and shaft == "driven":
+        doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
+    elif not shaft:
+        doubts.append(f"no word says of which shaft the {quantity} is")
+    return replace(_settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts)), named=not doubt)
+
+
+def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str) -> Meaning:
+    """The meaning of a channel whose quantity is known; without a unit it is a doubt."""
+    if unit is None:
+        what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
+        doubt = f"{doubt}, and {what}" if doubt else what
+    name, _ = header_unit(channel)
+    known = f"unit {stated}" if stated else "its readings begin again after one turn"
+    return Meaning(
+        channel=channel,
+        column=column,
+        unit=unit,
+        dimension=dimension,
+        why=f'"{name}", {known}' if unit is not None else f'"{name}"',
+        doubt=doubt,
+        ask=(entry(column, channel, unit),) if doubt else (),
+    )
+
+
+def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
+    """The line of a map that gives the ``column`` to a channel, in the contract's unit where none is known."""
+    held = [f"from = {quoted(channel)}"]
+    if column_unit(column).dimension != COUNT:
+        held.append(f"unit = {quoted((unit or column_unit(column)).name)}")
+    return f"columns.{column} = {{ {', '.join([*held, *more])} }}"
+
+
+def quoted(text: str) -> str:
+    """A text as TOML writes it, whatever it holds."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:
+    """The unit of a channel: the one stated, or that in which an angle begins again after one turn."""
+    if stated.strip().lower() in DOUBTFUL and dimension == ANGLE:
+        if re.search(_GERMAN, _plain(name)):
+            return UNITS[ANGLE]["deg"]
+        return wrapped_unit(values)
+    if stated:
+        return unit_written(stated, dimension)
+    return wrapped_unit(values) if dimension == ANGLE else None
+
+
+def wrapped_unit(values: FloatArray) -> Unit | None:
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
+    held = values[np.isfinite(values)]
+    if held.size < 8:
+        return None
+    steps = np.diff(held)
+    span = float(np.ptp(held))
+    jumps = steps[np.abs(steps) > 0.5 * span]
+    if not LEAST_WRAPS <= jumps.size <= held.size // 4:
+        return None
+    usual = float(np.median(np.abs(steps)))
+    modulus = float(np.median(np.abs(jumps))) + usual
+    for unit in (UNITS[ANGLE][one] for one in ("deg", "rad", "gon", "mrad")):
+        if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
+            return unit
+    return None

@@ -1,0 +1,297 @@
+"""What a recording's file holds, before anything is computed: columns, rate, turns, and whatever is odd in them.
+
+Nothing is put right here and nothing refused: what a comparison would refuse is told, with the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from gearpoly.errors import GearpolyError
+from gearpoly.recording.clean import BACKWARD_LIMIT, STANDS_SHARE
+from gearpoly.recording.map_file import RecordingMap
+from gearpoly.recording.mapped import stated_unit
+from gearpoly.recording.meaning import Meaning
+from gearpoly.recording.quantities import Unit, column_unit
+from gearpoly.recording.read import find_reader, read_tables
+from gearpoly.recording.reader import recording_from_table
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
+from gearpoly.recording.repeats import new_readings
+from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.table import Channel, Doubt, Table
+from gearpoly.recording.taken import assigned, taken
+from gearpoly.recording.unwrapping import GAP_STEPS, continuous
+from gearpoly.units import DEG, FloatArray, IntArray
+
+STAND_SAMPLES = 12
+"""Least samples of a stop: an encoder that is read slowly repeats its value for fewer."""
+
+REVERSALS_LIMIT = 200
+"""Reversals that are looked for; each takes a pass over the rest."""
+
+FEWEST = 8
+"""Samples below which nothing is said of rates and turns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clock:
+    """Times of the samples: ``rate_hz`` of the usual step, its ``spread`` (5 to 95 % of the steps, relative),
+    ``seconds`` from first to last, ``gaps`` of more than three steps as (row, s) and ``backs``, rows before which the
+    time runs back."""
+
+    rate_hz: float
+    spread: float
+    seconds: float
+    gaps: tuple[tuple[int, float], ...]
+    backs: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turning:
+    """How a shaft turns: ``turns`` from the lowest to the highest angle, ``wraps``, and the ``modulus`` in the file's
+    own unit where readings begin again; ``stops`` as rows (first, last), ``reversals`` as rows, ``repeats`` of the
+    reading before and single ``spikes`` as counts."""
+
+    turns: float
+    wraps: int
+    modulus: float | None
+    stops: tuple[tuple[int, int], ...]
+    reversals: tuple[int, ...]
+    repeats: int
+    spikes: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """One channel: its ``name`` and ``unit`` in the file, its ``values`` (n,), the contract's ``column`` that it was
+    taken for or may be (empty: none), whether that is ``sure``, ``why``, how it turns where it is an angle, and the
+    unit that its numbers are ``known`` to have."""
+
+    name: str
+    unit: str
+    values: FloatArray
+    column: str
+    sure: bool
+    why: str
+    turning: Turning | None
+    known: Unit | None
+
+    @property
+    def missing(self) -> int:
+        """Samples without a reading."""
+        return int(np.count_nonzero(~np.isfinite(self.values)))
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """Least and largest reading."""
+        held = self.values[np.isfinite(self.values)]
+        return (float(held.min()), float(held.max())) if held.size else None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Survey:
+    """One recording of a file: its ``number`` among those in the ``file`` (from 1) and ``of`` how many, the ``format``,
+    the ``channels``, ``clock``, ``keys``, ``layout`` of the text, what is in doubt, remarks, and the ``refusal`` that a
+    comparison would give, empty where it takes the recording."""
+
+    file: Path
+    number: int
+    of: int
+    format: str
+    channels: tuple[Seen, ...]
+    time: FloatArray | None
+    clock: Clock | None
+    keys: Mapping[str, object]
+    layout: Mapping[str, str]
+    doubts: tuple[Doubt, ...]
+    remarks: tuple[str, ...]
+    refusal: str
+
+    @property
+    def rows(self) -> int:
+        """Samples of the longest channel."""
+        return max((one.values.size for one in self.channels), default=0)
+
+
+def survey(file: Path, chart: RecordingMap | None = None) -> list[Survey]:
+    """What every recording in a file holds, read as the map ``chart`` has it.
+
+    Raises ``InputFileError`` only where the file cannot be read at all.
+    """
+    tables = read_tables(file, chart)
+    name = find_reader(file).name
+    return [
+        _survey(file, table, chart, number=number, of=len(tables), format_name=name)
+        for number, table in enumerate(tables, start=1)
+    ]
+
+
+def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int, of: int, format_name: str) -> Survey:
+    refusal = ""
+    try:
+        recording_from_table(file, taken(file, _copied(table), chart))
+    except GearpolyError as error:
+        refusal = str(error)
+    out, found = assigned(file, table, chart)
+    doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt)]
+    time = next((v for v in (out.columns.get("time_s"), _likely_time(table, found)) if v is not None), None)
+    channels = _channels(table, out, found, time)
+    return Survey(
+        file=file,
+        number=number,
+        of=of,
+        format=format_name,
+        channels=tuple(channels),
+        time=time,
+        clock=None if time is None or time.size < FEWEST else _clock(time),
+        keys=out.keys,
+        layout=table.layout,
+        doubts=tuple(doubts),
+        remarks=tuple(table.remarks),
+        refusal=refusal,
+    )
+
+
+def _copied(table: Table) -> Table:
+    """The table with arrays of its own, since a recording takes over those it gets."""
+    return Table(
+        columns={name: values.copy() for name, values in table.columns.items()},
+        keys=dict(table.keys),
+        remarks=list(table.remarks),
+        others={
+            name: Channel(values=one.values.copy(), unit=one.unit, time=one.time) for name, one in table.others.items()
+        },
+        doubts=table.doubts,
+        places=table.places,
+    )
+
+
+def _doubt(one: Meaning) -> str:
+    return f'"{one.channel}": {one.doubt}'
+
+
+def _likely_time(table: Table, found: list[Meaning]) -> FloatArray | None:
+    """The times in s by a column that is not surely time; samples of a format may have times of their own."""
+    for one in found:
+        if one.column == "time_s":
+            return table.others[one.channel].values * (one.unit.size if one.unit is not None else 1.0)
+    return next((one.time for one in table.others.values() if one.time is not None), None)
+
+
+def _channels(table: Table, out: Table, found: list[Meaning], time: FloatArray | None) -> list[Seen]:
+    """Every channel in the order of the file."""
+    meant = {one.channel: one for one in found}
+    given = {channel: column for column, channel in out.taken_from.items()}
+    held = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
+    return [_seen(name, one, meant.get(name), given.get(name, ""), table, out, time) for name, one in held.items()]
+
+
+def _seen(
+    name: str, one: Channel, meaning: Meaning | None, given: str, table: Table, out: Table, time: FloatArray | None
+) -> Seen:
+    """One channel, ``given`` to that column for sure."""
+    column = given or (meaning.column if meaning is not None else "")
+    if meaning is not None:
+        why = meaning.doubt or meaning.why
+    elif given == name:
+        why = "the name of a column" if name in COLUMNS else "a telescope's axis, watched through the pair's worm"
+    else:
+        why = "the map says so" if given else ""
+    unit = stated_unit(name, one) or (column_unit(name).name if name in table.columns else "")
+    turning = None
+    known = meaning.unit if meaning is not None else None
+    if column in ANGLE_COLUMNS and (given or known is not None):
+        degrees = out.columns[column] if given else one.values * (known.size if known is not None else 1.0)
+        timed = time if time is not None and time.size == degrees.size else None
+        turning = _turning(degrees, one.values, timed)
+    return Seen(
+        name=name, unit=unit, values=one.values, column=column, sure=bool(given), why=why, turning=turning, known=known
+    )
+
+
+def _clock(time: FloatArray) -> Clock:
+    rows = np.flatnonzero(np.isfinite(time))
+    steps = np.diff(time[rows])
+    rising = steps[steps > 0.0]
+    usual = float(np.median(rising)) if rising.size else float("nan")
+    low, high = (float(q) for q in np.quantile(rising, [0.05, 0.95])) if rising.size else (usual, usual)
+    wide = np.flatnonzero(steps > GAP_STEPS * usual)
+    return Clock(
+        rate_hz=1.0 / usual,
+        spread=(high - low) / usual,
+        seconds=float(time[rows[-1]] - time[rows[0]]) if rows.size else 0.0,
+        gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
+        backs=tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0)),
+    )
+
+
+def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -> Turning | None:
+    """How a shaft with readings (n,) in deg, which are ``values`` in the file, turns."""
+    rows = np.flatnonzero(np.isfinite(degrees) & (np.isfinite(time) if time is not None else True))
+    if rows.size < FEWEST:
+        return None
+    position = rows.astype(np.float64) if time is None else time[rows]
+    if np.any(np.diff(position) < 0.0):
+        position = rows.astype(np.float64)
+    one = continuous(degrees[rows] * DEG, position, rows)
+    angle = one.angle
+    spikes = single_spikes(angle)
+    kept, _ = new_readings(np.arange(rows.size), {"shaft": degrees[rows]}, [])
+    steps = np.abs(np.diff(values[rows]))
+    jumps = steps[one.wraps != 0]
+    modulus = float(np.median(jumps) + np.median(steps)) if jumps.size else None
+    return Turning(
+        turns=float(np.ptp(angle[~spikes])) / (360.0 * DEG),
+        wraps=int(np.count_nonzero(one.wraps)),
+        modulus=modulus,
+        stops=_stops(angle, rows),
+        reversals=tuple(int(rows[k]) + 1 for k in _reversals(angle[~spikes], np.flatnonzero(~spikes))),
+        repeats=int(rows.size - kept.size),
+        spikes=int(spikes.sum()),
+    )
+
+
+def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
+    """Rows (first, last) between which a shaft stands: below a fiftieth of its usual speed."""
+    travel = np.abs(np.diff(angle))
+    moving = travel[travel > 0.0]
+    if not moving.size:
+        return ((int(rows[0]) + 1, int(rows[-1]) + 1),)
+    # Samples between two new readings: an encoder that is read slowly does not stand still.
+    hold = angle.size / moving.size
+    window = max(STAND_SAMPLES, round(3.0 * hold))
+    if angle.size <= window:
+        return ()
+    usual = float(np.median(moving)) / hold
+    # The reach, not the way from end to end, which is nothing where a shaft turns round.
+    size, middle = window + 1, slice((window + 1) // 2, angle.size - window + (window + 1) // 2)
+    reach = (maximum_filter1d(angle, size) - minimum_filter1d(angle, size))[middle]
+    still = reach < STANDS_SHARE * usual * window
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
+    return tuple(
+        (int(rows[a]) + 1, int(rows[b - 1 + window]) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)
+    )
+
+
+def _reversals(angle: FloatArray, rows: IntArray) -> list[int]:
+    """Samples at which a shaft turns round for more than jitter."""
+    out: list[int] = []
+    begin, way = 0, 0.0
+    far = np.flatnonzero(np.abs(angle - angle[0]) > BACKWARD_LIMIT)
+    if not far.size:
+        return out
+    way = float(np.sign(angle[far[0]] - angle[0]))
+    while len(out) < REVERSALS_LIMIT:
+        run = way * angle[begin:]
+        back = np.flatnonzero(np.maximum.accumulate(run) - run > BACKWARD_LIMIT)
+        if not back.size:
+            return out
+        at = begin + int(np.argmax(run[: back[0] + 1]))
+        out.append(int(rows[at]))
+        begin, way = at, -way
+    return out

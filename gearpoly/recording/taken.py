@@ -1,0 +1,185 @@
+"""From an owner's table to the contract's: channels are taken for columns by their names and units, or by a map.
+
+What is sure is taken, and said. Where something a comparison needs is not sure nothing is guessed: one message names
+the lines of a map that settle it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import shorten
+from gearpoly.recording.map_file import RecordingMap, Source
+from gearpoly.recording.mapped import put, take_mapped
+from gearpoly.recording.meaning import Meaning, entry, meanings
+from gearpoly.recording.quantities import ANGLE, TIME, TORQUE
+from gearpoly.recording.recording import ANGLE_COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
+from gearpoly.recording.sources import put_on_one_axis
+from gearpoly.recording.table import AXIS_ERROR, Channel, Table
+from gearpoly.units import FloatArray
+
+SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
+
+ASKED = (TIME, TORQUE)
+"""Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
+is found without a word."""
+
+SAME_SPEED = 0.01
+"""Relative. A speed display is as true, and speeds of the two shafts differ by a tooth or more, unless they are one."""
+
+
+def only(file: Path, tables: Sequence[Table]) -> Table:
+    """The one recording of a file; ``InputFileError`` where there are more."""
+    if len(tables) > 1:
+        wish = "want one of them: section = 1 in a map, taken by --map"
+        raise InputFileError(file, found=f"{len(tables)} recordings", wish=wish)
+    return tables[0]
+
+
+def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
+    """The table with the contract's columns alone: those of the map ``chart``, then what names and units make sure.
+
+    Raises ``InputFileError`` of the recording where something is in doubt, with the lines that settle it, and of the
+    map where it names what is not there.
+    """
+    if table.doubts:
+        first = table.doubts[0]
+        raise InputFileError(file, found=first.says, wish=_wish(first.ask))
+    if not table.others and chart is None:
+        return table
+    out, found = assigned(file, table, chart)
+    _ask(file, found, out)
+    return out
+
+
+def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tuple[Table, list[Meaning]]:
+    """The columns as :func:`taken` has them, whatever else is in doubt, and what all channels mean that no map names.
+
+    Raises ``InputFileError`` of the map where it names what is not there.
+    """
+    keys = {**table.keys, **(chart.keys if chart is not None else {})}
+    out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
+    out.taken_from = {name: name for name in table.columns}
+    times: dict[str, FloatArray] = {}
+    used = take_mapped(table, out, times, chart) if chart is not None else set()
+    held = {name: one for name, one in table.others.items() if name not in used}
+    found = meanings(held)
+    _by_meaning(held, found, out, times)
+    found = _confirmed(held, found, out, times)
+    _say_left(found, out)
+    _on_one_axis(file, out, times)
+    return out, found
+
+
+def _confirmed(
+    held: Mapping[str, Channel], found: list[Meaning], out: Table, times: dict[str, FloatArray]
+) -> list[Meaning]:
+    """The meanings with a speed settled that is the driving shaft's by its readings, and taken as that."""
+    time, angle = out.columns.get("time_s"), out.columns.get("driving_angle_deg")
+    other = out.columns.get("driven_angle_deg")
+    if time is None or angle is None or "speed_rpm" in out.columns or times:
+        return found
+    for k, one in enumerate(found):
+        if one.column != "speed_rpm" or not one.doubt or one.unit is None or not one.named:
+            continue
+        read = float(np.nanmedian(held[one.channel].values)) * one.unit.size
+        driving, driven = (abs(_speed_rpm(time, a)) if a is not None else math.nan for a in (angle, other))
+        if abs(read / driving - 1.0) < SAME_SPEED and not abs(read / driven - 1.0) < SAME_SPEED:
+            sure = replace(one, doubt="", ask=(), why=f"{one.why}, and the driving shaft's by its readings")
+            _by_meaning(held, [sure], out, times)
+            return [*found[:k], sure, *found[k + 1 :]]
+    return found
+
+
+def _speed_rpm(time: FloatArray, angle: FloatArray) -> float:
+    """The usual speed in rpm of a shaft with readings (n,) in deg, wrapped or not."""
+    good = np.isfinite(time) & np.isfinite(angle)
+    step, pause = np.diff(np.unwrap(angle[good], period=360.0)), np.diff(time[good])
+    moving = (pause > 0.0) & (step != 0.0)
+    return float(np.median(step[moving] / pause[moving])) / 6.0 if moving.any() else math.nan
+
+
+def _by_meaning(
+    held: Mapping[str, Channel], found: Iterable[Meaning], out: Table, times: dict[str, FloatArray]
+) -> None:
+    """Take what is sure."""
+    for one in found:
+        if not one.column or one.doubt or one.column in out.columns or one.unit is None:
+            continue
+        put(out, times, one.column, held[one.channel], Source(channel=one.channel, unit=one.unit))
+        if one.channel != one.column:
+            out.remarks.append(f'"{shorten(one.channel)}" taken for {one.column}: {one.why}')
+
+
+def _angles_known(names: Iterable[str]) -> bool:
+    """Whether columns suffice for a transmission error."""
+    held = set(names)
+    shafts = sum(
+        angle in held or bool({"a", "count"} & set(raw_channels(held, shaft)))
+        for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
+    )
+    return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
+
+
+def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
+    """Raise where what a comparison needs is in doubt."""
+    doubtful = [one for one in found if one.doubt and one.column not in out.columns]
+    needed = [one for one in doubtful if one.dimension in ASKED and one.named]
+    if not _angles_known(out.columns):
+        needed = [one for one in doubtful if one.dimension == ANGLE] or [
+            one for one in doubtful if one.dimension not in ASKED
+        ]
+        if not needed:
+            there = shorten(", ".join(one.channel for one in found), width=200)
+            lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
+            first = next((one.channel for one in found if one.channel not in out.columns), "name")
+            wanted = next(name for name in ANGLE_COLUMNS if name not in out.columns)
+            ask = (entry(wanted, first, None),)
+            if all(one.channel == f"column {k}" for k, one in enumerate(found, start=1)):
+                wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
+                raise InputFileError(file, found=f"{len(found)} columns of numbers without names", wish=wish)
+            raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
+    if needed:
+        one = needed[0]
+        more = f" (and {len(needed) - 1} more in doubt)" if len(needed) > 1 else ""
+        raise InputFileError(
+            file, where=f'column "{shorten(one.channel)}"', found=f"{one.doubt}{more}", wish=_wish(one.ask)
+        )
+
+
+def _wish(ask: Sequence[str]) -> str:
+    return f"want in a map, if so: {' '.join(ask)} ({SETTLE})"
+
+
+def _say_left(found: Iterable[Meaning], out: Table) -> None:
+    """Say which channels were left out, and why where it might have been another way."""
+    left = [one for one in found if one.channel not in out.columns and (not one.column or one.doubt)]
+    plain = [shorten(one.channel) for one in left if not one.column and one.channel not in PASSED_OVER]
+    if plain:
+        out.remarks.append(f"not read, since no columns of a recording: {shorten(', '.join(plain), width=200)}")
+    for one in left:
+        if one.channel in PASSED_OVER:
+            out.remarks.append(f"{one.channel} passed over: it belongs to a simulation")
+        elif one.column:
+            out.remarks.append(f'"{shorten(one.channel)}" not read: {one.doubt}; in a map, if so: {" ".join(one.ask)}')
+
+
+def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> None:
+    """Bring columns that the format read at times of their own to common times."""
+    if not times or "time_s" in out.columns:
+        return
+    if len(times) < len(out.columns):
+        lacking = next(name for name in out.columns if name not in times)
+        wish = "want columns that all have times, or one that is time_s"
+        raise InputFileError(file, where=f"column {lacking}", found="no times, which others have", wish=wish)
+    first = next(iter(times.values()))
+    if all(one.size == first.size and np.array_equal(one, first) for one in times.values()):
+        out.columns["time_s"] = first
+        return
+    put_on_one_axis(file, out, times)

@@ -1,0 +1,78 @@
+"""The characters of a text file whose encoding nobody states.
+
+Byte order marks are certain, so are the zero bytes of UTF-16 without one, and bytes that are no UTF-8 are none. What is
+left is one byte a character, read as Windows has it in the west (cp1252), which holds latin-1. Statistics were tried
+instead: charset-normalizer 3.5 takes German bench logs in cp1252 for cp1250, and their Ø for Ř.
+"""
+
+from __future__ import annotations
+
+import codecs
+from pathlib import Path
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import shorten, unreadable
+
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+"""Byte order marks; that of UTF-32 begins as that of UTF-16 does."""
+
+LOOKED_AT = 4096
+"""Bytes in which the zero bytes of UTF-16 are counted."""
+
+ZEROS = 0.4
+"""Part of the even or of the odd bytes that is zero in UTF-16 of western text, where nearly all are; none is in any
+encoding of one byte."""
+
+
+def wide(head: bytes) -> str:
+    """The encoding of two bytes a character that the first bytes of a text show, or nothing."""
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF32_BE)):
+        return "utf-16"
+    part = head[: LOOKED_AT - LOOKED_AT % 2]
+    first, second = part[0::2].count(0), part[1::2].count(0)
+    least = ZEROS * (len(part) // 2)
+    if len(part) >= 8 and second > least and first == 0:
+        return "utf-16-le"
+    if len(part) >= 8 and first > least and second == 0:
+        return "utf-16-be"
+    return ""
+
+
+def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
+    """The text of ``file`` and the name of its encoding; ``stated`` settles it. Line ends become ``\\n``.
+
+    Raises ``InputFileError`` where the file cannot be opened or is not in the encoding stated, and where zero bytes
+    say that it is no text.
+    """
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise unreadable(file, error) from None
+    for name in (stated,) if stated else _candidates(data):
+        try:
+            text = data.decode(name)
+        except (UnicodeDecodeError, UnicodeError):
+            continue
+        if "\0" in text:
+            wish = "want a text file (other formats need their own file name ending)"
+            raise InputFileError(file, found="not a text file", wish=wish)
+        return text.replace("\r\n", "\n").replace("\r", "\n").removeprefix("\ufeff"), name
+    if stated:
+        wish = "want the encoding that the file was saved in: leave encoding out of [text] to have it found"
+        raise InputFileError(file, found=f'bytes that are not in the encoding "{shorten(stated)}"', wish=wish)
+    wish = "want a text file; export it again as UTF-8"
+    raise InputFileError(file, found="text in no encoding that is known", wish=wish)
+
+
+def _candidates(data: bytes) -> tuple[str, ...]:
+    if marked := next((name for mark, name in MARKS if data.startswith(mark)), ""):
+        return (marked,)
+    if two := wide(data[:LOOKED_AT]):
+        return (two,)
+    return ("utf-8", "cp1252", "latin-1")

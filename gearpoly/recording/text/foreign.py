@@ -1,0 +1,235 @@
+"""Text files as loggers of all countries write them: each recording of the file as a table, under the owner's names.
+
+Nothing here knows what a column means. What could not be told for certain is left in the table's doubts, with the line
+of a map that settles it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import check_file, shorten
+from gearpoly.recording.comments import read_comment
+from gearpoly.recording.meaning import header_unit, quantity_of
+from gearpoly.recording.quantities import ANGLE, unit_written
+from gearpoly.recording.reader import check_few, check_numbers, memory_limit
+from gearpoly.recording.table import Channel, Doubt, Table
+from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
+from gearpoly.recording.text.encoding import decoded
+from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
+from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
+from gearpoly.recording.text.writing import Writing
+from gearpoly.units import FloatArray
+
+SAMPLE_ROWS = 5000
+"""Rows whose cells are looked at first for the decimal mark; one cell may settle it."""
+
+CHUNK_ROWS = 20_000
+"""Rows that are held as text at a time: 60 bytes a cell."""
+
+CELL_BYTES = 80
+"""Memory of one cell as text, beside its line."""
+
+LINE_BYTES = 64
+"""Memory that a line takes beside its characters."""
+
+TEXT_LIMIT_BYTES = 2**30
+"""Largest text file that is held as lines, which take three times its size; the contract's own CSV is read as a stream
+up to 4 GB."""
+
+
+def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[Table]:
+    """Every recording in a text file, its columns under ``others``, in the order of the file; ``footer`` allows text
+    below the last row.
+
+    Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
+    """
+    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
+    text, encoding = decoded(file, stated=writing.encoding)
+    count = text.count("\n") + 1
+    if LINE_BYTES * count > memory_limit(file):
+        wish = "want rows of numbers; take empty lines out, or split the file"
+        raise InputFileError(file, found=f"{count} lines of {len(text) / count:.1f} characters", wish=wish)
+    lines = text.split("\n")
+    del text
+    separator = writing.separator or find_separator(file, lines)
+    blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
+    columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
+    check_numbers(file, columns, beside=CELL_BYTES * CHUNK_ROWS * max(len(one.names) for one in blocks))
+    shared = _keys(file, lines, blocks[0])
+    tables = []
+    for block in blocks:
+        table = _table(file, lines, block, separator, writing)
+        own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
+        table.keys.update(own)
+        table.layout = {"encoding": encoding, "separator": separator, **table.layout}
+        table.remarks.insert(
+            0,
+            f"text in {encoding}, cells parted by {SEPARATORS.get(separator, shorten(separator))}, names in line "
+            f"{block.header or 'none'}, rows from line {block.rows[0]}",
+        )
+        tables.append(table)
+    return tables
+
+
+def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
+    """The keys in the comment lines above a recording."""
+    keys: dict[str, object] = {}
+    stated = 0
+    for number in range(block.head[0], block.head[1]):
+        line = lines[number - 1].strip()
+        if line.startswith("#"):
+            stated += "=" in line
+            check_few(file, f"line {number}", stated, "comment lines with =")
+            read_comment(file, f"line {number}", line[1:].strip(), keys)
+    return keys
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """One recording in the lines of a file: its block, and the numbers from 0 of its ``rows``, none of them blank."""
+
+    file: Path
+    lines: Sequence[str]
+    block: Block
+    separator: str
+    writing: Writing
+    rows: Sequence[int]
+
+    def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
+        """The cells of some rows, column by column."""
+        mark = self.separator
+        cells = [
+            [cell.strip() for cell in line.split(mark)] if mark != " " and '"' not in line else split(line, mark)
+            for line in (self.lines[k] for k in rows)
+        ]
+        return list(zip(*cells, strict=True))
+
+    def column(self, k: int) -> list[str]:
+        """All cells of one column."""
+        return [split(self.lines[row], self.separator)[k] for row in self.rows]
+
+    def bad(self, k: int, row: int, cell: str, wish: str) -> InputFileError:
+        """The error for a cell of column ``k`` in a row, both from 0."""
+        where = f"line {row + 1}, column {self.block.names[k]}"
+        return InputFileError(self.file, where=where, found=f'"{shorten(cell)}"', wish=wish)
+
+
+def _table(file: Path, lines: Sequence[str], block: Block, separator: str, writing: Writing) -> Table:
+    table = Table(columns={}, keys={})
+    rows = [k for k in range(block.rows[0] - 1, block.rows[1] - 1) if lines[k] and not lines[k].isspace()]
+    part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing, rows=rows)
+    few = rows if len(rows) <= SAMPLE_ROWS else [*rows[: SAMPLE_ROWS // 2], *rows[-SAMPLE_ROWS // 2 :]]
+    sample = part.cells(few)
+    stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
+    marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
+    series = _numbers(part, marks, leave=stamped)
+    series.update(_times(part, stamped, sample, table))
+    for k, name in enumerate(block.names):
+        if k not in series or (name == f"column {k + 1}" and not np.isfinite(series[k]).any()):
+            continue  # a date whose time stands beside it; rows that end in a separator
+        table.others[name] = Channel(values=series[k], unit="s" if k in stamped else block.units[k])
+    table.layout["decimal"] = marks.decimal
+    if marks.thousands:
+        table.layout["thousands"] = marks.thousands
+    return table
+
+
+def _numbers(part: _Part, marks: Marks, *, leave: Sequence[int]) -> dict[int, FloatArray]:
+    """The numbers (n,) of every column but those to ``leave``, by its number from 0."""
+    read: dict[int, list[FloatArray]] = {k: [] for k in range(len(part.block.names)) if k not in leave}
+    wish = f'want a finite number with the decimal mark "{marks.decimal}" ({marks.why}), or an empty cell'
+    for begin in range(0, len(part.rows), CHUNK_ROWS):
+        rows = part.rows[begin : begin + CHUNK_ROWS]
+        cells = part.cells(rows)
+        for k, held in read.items():
+            try:
+                held.append(marks.values(cells[k]))
+            except BadCellError as bad:
+                raise part.bad(k, rows[bad.at], cells[k][bad.at], wish) from None
+    return {k: np.concatenate(held) for k, held in read.items()}
+
+
+def _times(part: _Part, stamped: Sequence[int], sample: Sequence[Sequence[str]], table: Table) -> dict[int, FloatArray]:
+    """Seconds (n,) of every column of time stamps; a column of dates beside one of times says their days."""
+    dates = next((k for k in stamped if _all(sample[k], is_date_alone)), None) if len(stamped) > 1 else None
+    days = None if dates is None else part.column(dates)
+    out: dict[int, FloatArray] = {}
+    for k in stamped:
+        if k == dates:
+            continue
+        cells = part.column(k)
+        order = _order(part, cells if days is None else days, table)
+        try:
+            out[k] = seconds(cells, order=order, dates=days)
+        except BadCellError as bad:
+            wish = "want a time stamp like those above, or an empty cell"
+            raise part.bad(k, part.rows[bad.at], cells[bad.at], wish) from None
+        table.remarks.append(f"{shorten(part.block.names[k])}: time stamps, in s after the first")
+    return out
+
+
+def _all(cells: Sequence[str], holds: Callable[[str], bool]) -> bool:
+    return all(holds(cell) for cell in cells if not is_missing(cell))
+
+
+def _are_stamps(cells: Sequence[str]) -> bool:
+    """Whether a column is of time stamps."""
+    return any(is_stamp(cell) for cell in cells) and _all(cells, is_stamp)
+
+
+def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
+    """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
+    if part.writing.decimal:
+        return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
+    quoted = any('"' in part.lines[k] for k in part.rows[:SAMPLE_ROWS])
+    cells = [sample[k] for k in numbers]
+    found = marks_proved(cells, separator=part.separator, quoted=quoted)
+    if found is None and cells and len(part.rows) > len(cells[0]):
+        whole = part.cells(part.rows)
+        cells = [whole[k] for k in numbers]
+        found = marks_proved(cells, separator=part.separator, quoted=quoted)
+    found = found or marks_confirmed(cells, angles=[j for j, k in enumerate(numbers) if _is_degrees(part.block, k)])
+    if found is not None:
+        if found.decimal == "," or found.thousands:
+            parts = f', "{found.thousands}" parts thousands' if found.thousands else ""
+            table.remarks.append(f'"{found.decimal}" is the decimal mark{parts}: {found.why}')
+        return found
+    mark = next(m for held in cells for cell in held for m in ",." if m in cell)
+    example = next(cell for held in cells for cell in held if mark in cell)
+    other = {",": ".", ".": ","}[mark]
+    says = (
+        f'"{shorten(example)}" may be {shorten(example.replace(mark, "."))} or {shorten(example.replace(mark, ""))}, '
+        "and no number of the file tells which"
+    )
+    ask = (f'text.decimal = "{mark}"', f'or text.decimal = "{other}" and text.thousands = "{mark}"')
+    table.doubts.append(Doubt(says=says, ask=ask))
+    return Marks(decimal=mark, why="for the time being")
+
+
+def _is_degrees(block: Block, k: int) -> bool:
+    """Whether the column is an angle in deg by its name and unit."""
+    name, unit = header_unit(block.names[k])
+    stated = unit_written(block.units[k] or unit, ANGLE)
+    return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
+
+
+def _order(part: _Part, cells: Sequence[str], table: Table) -> str:
+    """The order of the dates in ``cells``, the letters of its parts."""
+    order, why = date_order(cells, stated=part.writing.dates)
+    if not order:
+        first = next(cell for cell in cells if not is_missing(cell))
+        says = f'the date in "{shorten(first)}" may begin with the day or the month'
+        ask = ('text.dates = "day first"', 'or text.dates = "month first"')
+        table.doubts.append(Doubt(says=says, ask=ask))
+        return ORDERS["day first"]
+    called = next(name for name, letters in ORDERS.items() if letters == order)
+    if called != "year first":
+        table.layout["dates"] = called
+        table.remarks.append(f"dates have the {called}: {why}")
+    return order

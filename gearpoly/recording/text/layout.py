@@ -1,0 +1,282 @@
+"""Where the numbers stand in a text file: what parts its cells, where each recording begins, which lines name columns.
+
+A line is data where each of its cells is a number, a time stamp or a word for nothing read. The separator is the one
+that makes the longest run of data lines of one width; what stands above such a run are names, units and remarks.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gearpoly.errors import InputFileError
+from gearpoly.files.traces import shorten
+from gearpoly.recording.quantities import UNSTATED, units_written
+from gearpoly.recording.text.cells import is_missing, is_number
+from gearpoly.recording.text.stamps import is_stamp
+
+SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
+"""What parts cells, the surest first: where two part a file alike, the first was meant."""
+
+SAMPLE_LINES = 2000
+"""Lines that are looked at for the separator; the longest head of a logger seen has some hundred."""
+
+LEAST_ROWS = 8
+"""Rows from which a table is a recording where another one of the file has as many; fewer are a logger's settings."""
+
+SECTIONS_LIMIT = 100
+"""Most recordings in a file."""
+
+CELLS_LIMIT = 2000
+"""Most columns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """One recording in a file: the ``names`` and stated ``units`` of its columns, and the numbers of its lines.
+
+    ``header`` is the line of the names, 0 where there is none, ``head`` the lines of remarks above it; ``rows`` (first,
+    last + 1) bound its lines, blank ones among them. Lines count from 1.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    header: int
+    head: tuple[int, int]
+    rows: tuple[int, int]
+
+
+def split(line: str, separator: str) -> list[str]:
+    """The cells of a line without blanks and quotes around them."""
+    if '"' in line and separator != " ":
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+        except csv.Error:  # a cell without end
+            return [line]
+    if separator == " ":
+        return [cell.strip('"') for cell in line.split()]
+    return [cell.strip() for cell in line.split(separator)]
+
+
+def is_data(cells: Sequence[str]) -> bool:
+    """Whether a line is a row: every cell is a number, a stamp or nothing read, and one at least was read."""
+    read = False
+    for cell in cells:
+        if is_number(cell) or is_stamp(cell):
+            read = True
+        elif not is_missing(cell):
+            return False
+    return read
+
+
+def find_separator(file: Path, lines: Sequence[str]) -> str:
+    """The separator that makes the longest run of rows of one width in the first lines with rows.
+
+    Raises ``InputFileError`` where none makes a row of two columns.
+    """
+    best, longest = "", 0
+    for separator in SEPARATORS:
+        run, width, most = 0, 0, 0
+        for line in lines[:SAMPLE_LINES]:
+            cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
+            if len(cells) > 1 and is_data(cells):
+                run, width = (run + 1 if len(cells) == width else 1), len(cells)
+                most = max(most, run)
+            elif line.strip():
+                run = 0
+        if most > longest:
+            best, longest = separator, most
+    if not best:
+        ways = ", ".join(SEPARATORS.values())
+        wish = f"want rows of at least two numbers parted by {ways}, below a line with names"
+        raise InputFileError(file, found="text without a table of numbers", wish=wish)
+    return best
+
+
+def find_blocks(
+    file: Path, lines: Sequence[str], separator: str, *, header: int = 0, units: int = 0, footer: bool = True
+) -> list[Block]:
+    """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them,
+    ``footer`` allows text below the last row.
+
+    Raises ``InputFileError`` where a row among others is none.
+    """
+    runs = _runs(lines, separator)
+    if header:
+        runs = [(max(first, header, units), end, width) for first, end, width in runs if end > header]
+    longest = max(runs, key=lambda run: run[1] - run[0], default=(0, 0, 0))
+    least = min(LEAST_ROWS, longest[1] - longest[0])
+    runs = [run for run in runs if run[1] - run[0] >= least or run[2] == longest[2]]
+    if len(runs) > SECTIONS_LIMIT:
+        wish = f"want at most {SECTIONS_LIMIT}; split the file"
+        raise InputFileError(file, found=f"{len(runs)} tables of numbers", wish=wish)
+    if not runs:
+        found = f"no row of numbers parted by {SEPARATORS.get(separator, 'it')}"
+        raise InputFileError(file, found=found, wish="want another separator, or none in [text] to have it found")
+    blocks: list[Block] = []
+    before = 0
+    for first, end, width in runs:
+        above = [k for k in range(before, first) if lines[k].strip()]
+        if blocks and not _begins(lines, above, separator, width):
+            raise _bad_line(file, lines, above, separator, blocks[-1])
+        blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
+        before = end
+    tail = [k for k in range(before, len(lines)) if lines[k].strip()]
+    if tail and (not footer or _is_row(split(lines[tail[0]], separator), len(blocks[-1].names))):
+        raise _bad_line(file, lines, tail, separator, blocks[-1])
+    return blocks
+
+
+def _runs(lines: Sequence[str], separator: str) -> list[tuple[int, int, int]]:
+    """Runs of rows of one width: first line, end (both from 0), width."""
+    runs: list[tuple[int, int, int]] = []
+    quick: re.Pattern[str] | None = None
+    if separator != " ":
+        mark = re.escape(separator)
+        cell = r"[ ]*[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?[ ]*" if separator != "," else r"[ ]*[+-]?\d+(?:\.\d+)?[ ]*"
+        quick = re.compile(rf"{cell}(?:{mark}{cell})+")
+    open_ = False
+    for k, line in enumerate(lines):
+        if not line or line.isspace():
+            continue
+        if quick is not None and quick.fullmatch(line):
+            width = line.count(separator) + 1
+        else:
+            cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
+            width = len(cells) if len(cells) > 1 and is_data(cells) else 0
+        if width and open_ and runs[-1][2] == width:
+            runs[-1] = (runs[-1][0], k + 1, width)
+        elif width:
+            runs.append((k, k + 1, width))
+        open_ = width > 0
+    return runs
+
+
+def _is_row(cells: Sequence[str], width: int) -> bool:
+    """Whether a line below the rows was meant for one: it begins with a number, or has as many cells."""
+    return len(cells) == width or is_number(cells[0]) or is_stamp(cells[0])
+
+
+def _part_read(cells: Sequence[str]) -> bool:
+    """Whether a line that is no row holds a number all the same."""
+    return any(is_number(cell) for cell in cells)
+
+
+def _begins(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> bool:
+    """Whether the lines between two runs of rows begin another recording: one of them names as many columns."""
+    for k in above:
+        cells = _words(lines[k], separator, width)
+        if any(cells) and not _part_read(cells):
+            return True
+    return False
+
+
+def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block) -> InputFileError:
+    """The error for a line among rows that is none."""
+    width = len(block.names)
+    if not above:
+        at = block.rows[1] - 1
+        cells = split(lines[at], separator)
+        wish = f"want {width}, as above{_cut(lines, at)}"
+        return InputFileError(file, where=f"line {at + 1}", found=f"{len(cells)} cells", wish=wish)
+    at = above[0]
+    cells = split(lines[at], separator)
+    if len(cells) != width:
+        wish = f"want {width} cells, as above, or a line of names where another recording begins{_cut(lines, at)}"
+        found = f"`{shorten(lines[at].strip())}`"
+        return InputFileError(file, where=f"line {at + 1}", found=found, wish=wish)
+    bad = next((k for k, cell in enumerate(cells) if not is_data([cell, "0"])), 0)
+    wish = f"want a finite number (an empty cell or nan for a drop-out){_cut(lines, at)}"
+    where = f"line {at + 1}, column {block.names[bad]}"
+    return InputFileError(file, where=where, found=f'"{shorten(cells[bad])}"', wish=wish)
+
+
+def _cut(lines: Sequence[str], at: int) -> str:
+    """What is said of the last line, which a logger may have been stopped in."""
+    last = not any(line.strip() for line in lines[at + 1 :])
+    return "; the last line looks cut off, delete it" if last else ""
+
+
+def _block(
+    file: Path,
+    lines: Sequence[str],
+    above: Sequence[int],
+    separator: str,
+    run: tuple[int, int, int],
+    *,
+    header: int,
+    units: int,
+) -> Block:
+    """The recording of one run of rows, with what the lines above it say of its columns."""
+    first, end, width = run
+    named, unit_line = header - 1, units - 1
+    if not header:
+        named, unit_line = _heading(lines, above, separator, width)
+    names = _words(lines[named], separator, width) if 0 <= named < len(lines) else []
+    stated = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
+    for asked, key, held in ((header, "header_line", names), (units, "units_line", stated)):
+        if asked and not held:
+            found = f"no {width} cells in line {asked}, as the rows have"
+            raise InputFileError(file, found=found, wish=f"want {key} in [text] of the map to be another line, or none")
+    return Block(
+        names=tuple(_distinct(names or [""] * width)),
+        units=tuple(_bare(cell) for cell in stated or [""] * width),
+        header=named + 1 if names else 0,
+        head=(above[0] + 1 if above else first + 1, (named if names else first) + 1),
+        rows=(first + 1, end + 1),
+    )
+
+
+def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> tuple[int, int]:
+    """The lines (from 0) of the names and of the units above a run of rows; -1 where there is none."""
+    wide = {k: cells for k in above if (cells := _words(lines[k], separator, width)) and not _part_read(cells)}
+    if not wide:
+        return -1, -1
+    *others, last = wide
+    if others and _are_units(wide[last]):
+        return others[-1], last
+    # Some write the units above the names, most of which are no units.
+    return last, others[-1] if others and _are_units(wide[others[-1]]) else -1
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether most cells that hold anything hold a unit."""
+    held = [cell for cell in map(_bare, cells) if cell not in UNSTATED]
+    known = sum(bool(units_written(cell)) for cell in held)
+    return known > 0 and 2 * known > len(held)
+
+
+def _bare(unit: str) -> str:
+    """A unit without brackets about it, and nothing for what stands where none is stated."""
+    inside = unit.strip("[]() ")
+    return "" if inside in UNSTATED else inside
+
+
+def _words(line: str, separator: str, width: int) -> list[str]:
+    """The cells of a line above rows of ``width`` cells, or none where it has another number of them."""
+    text = line.lstrip()
+    if text[:1] in ("#", "%") and "=" not in text:
+        text = text[1:]
+    ways = [split(text, separator)]
+    if separator == " ":  # names may hold blanks where more of them part the columns
+        ways.append(re.split(r"\s{2,}|\t", text.strip()))
+    for cells in ways:
+        if len(cells) == width + 1 and not cells[-1]:
+            cells.pop()
+        if len(cells) == width:
+            return [cell.strip() for cell in cells]
+        if len(cells) == width - 1 and width > 2:  # rows end in a separator, names do not
+            return [*(cell.strip() for cell in cells), ""]
+    return []
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """The names with a number to those that came before, and one for columns without."""
+    out: list[str] = []
+    for k, name in enumerate(names, start=1):
+        called = name or f"column {k}"
+        out.append(called if called not in out else f"{called} (column {k})")
+    return out
