@@ -95,9 +95,9 @@ def test_a_mount_without_known_gears_says_what_to_fill_in(tmp_path: Path, gearpo
         (("--mount", "EQ66", "x.toml"), "the nearest known are EQ6"),
         (("--mount", "zzzz", "x.toml"), "known are EQ6"),
         (("--mount", "EQ6"), "want --mount EQ6 PAIR.toml"),
-        (("--mount", "EQ6", "--new", "x.toml"), "--new or --sheet beside it"),
-        (("x.toml",), "without --new or --mount"),
-        ((), "neither --new nor --mount"),
+        (("--mount", "EQ6", "--new", "x.toml"), "want one of --new FILE"),
+        (("x.toml",), "want one of --new FILE"),
+        ((), "want one of --new FILE"),
     ],
 )
 def test_what_is_not_known_is_one_message(given: tuple[str, ...], says: str, gearpoly_command: Command) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.compare.zeros import Alignment, Zeros
-from gearpoly.diagnose.diagnose import _numbered
+from gearpoly.diagnose.told import numbered
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import GEARS, changed, on_gear
 from gearpoly.physics import catalogue
@@ -59,7 +59,7 @@ def test_only_the_teeth_of_that_gear_are_told_by_their_numbers() -> None:
     pitch = catalogue()["tooth_pitch"]
     for gear, number in ((0, 3), (1, None)):
         claim = Claim(physics=pitch, place=Place(gear=gear, tooth=3, flank="drive"), values=(1.0,))
-        assert _numbered(found, claim) == number
+        assert numbered(found, claim) == number
 
 
 def test_a_gear_that_moves_on_by_a_tooth_was_not_numbered() -> None:

@@ -157,7 +157,8 @@ def held_places(search: Search) -> list[int]:
     layout, claims = search.linear.layout, search.model.claims
     wandering = (SLOW - 1) * sum(search.model.scope.wanders)
     slow = [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
-    return [*range(layout.foreign.stop - wandering, layout.foreign.stop), *slow, *shaped_teeth(search)]
+    last = layout.foreign.stop - wandering - search.model.slow_courses
+    return [*range(last, layout.foreign.stop), *slow, *shaped_teeth(search)]
 
 
 def shaped_teeth(search: Search) -> list[int]:

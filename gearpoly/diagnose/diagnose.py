@@ -12,11 +12,9 @@ import numpy as np
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.compare.entries import Cause, Entry, Gear
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
-from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.earned import earned
@@ -35,39 +33,23 @@ from gearpoly.diagnose.leftovers import (
     slow_or_sudden,
     taken_back,
     unexplained,
-    with_causes,
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
-from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
+from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
-from gearpoly.infer.posterior import Posterior
-from gearpoly.physics.base import Claim
-from gearpoly.physics.words import Reported
 from gearpoly.recording.recording import Recording
-from gearpoly.units import FloatArray
-
-SHAPE_DOUBT = 4.0
-"""Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
-formulas, and another shape would put its edge elsewhere."""
-
-ONE_TORQUE = 2.0
-"""Factor on what laws are doubted by where bending that nobody declared was found under one load, which tells no law; a
-length is then doubted too. Of 28 reliefs of 14 pairs at the torque of their design seven were off by more than twice
-the plain error, four lengths as well, by up to 0.08 of themselves."""
 
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
 the next, two of three sizes are less than three times the least."""
-
-GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
@@ -134,8 +116,8 @@ def diagnose(
     findings = gathered(search, each, hold=held_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
-    left_over = with_causes(comparison, left_over, unearned, [_causes(model, one.posterior) for one in unearned])
-    left_over = _explained(search, comparison, left_over)
+    left_over = with_causes(comparison, left_over, unearned, [causes_of(model, one.posterior) for one in unearned])
+    left_over = explained(search, comparison, left_over)
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
     stopped = search.over
@@ -206,7 +188,7 @@ def _finding(
             claim=one,
             parameters=parameters(model, one, np.zeros((len(one.values),) * 2)),
             probability=chance,
-            tooth=_numbered(comparison, one),
+            tooth=numbered(comparison, one),
             encoder_deg=encoder_deg(comparison, one),
         )
         for one, chance in judged.posterior.told
@@ -224,7 +206,7 @@ def _finding(
             parameters(model, claim, covariance),
             ((parameters(model, one.claim, np.zeros_like(covariance)), one.chance) for one in shapes),
         ),
-        tooth=_numbered(comparison, claim),
+        tooth=numbered(comparison, claim),
         encoder_deg=encoder_deg(comparison, claim),
         gain=judged.gain,
         probability=judged.posterior.of(claim),
@@ -236,72 +218,6 @@ def _finding(
         at_least=at_least,
         foretold=elsewhere(search, k),
     )
-
-
-def _explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
-    """The entries of which nobody has asked yet, each with the probability that it is there at all and what may be
-    behind it."""
-    found = zip(entries, causes(search, comparison, entries), strict=True)
-    return tuple(
-        one
-        if posterior is None
-        else replace(one, probability=1.0 - posterior.nothing, could_be=_causes(search.model, posterior))
-        for one, posterior in found
-    )
-
-
-def _causes(model: Model, found: Posterior) -> tuple[Cause, ...]:
-    """The physics that may be behind a place, each with its probability."""
-    return tuple(
-        Cause(
-            physics=claim.physics.name,
-            gear=None if claim.place.gear is None else GEAR_NAMES[claim.place.gear],
-            probability=chance,
-            parameters=tuple(
-                (name, value)
-                for name, (value, _) in parameters(model, claim, np.zeros((len(claim.values),) * 2)).items()
-            ),
-            says=claim.says,
-        ) for claim, chance in found.told
-    )  # fmt: skip
-
-
-def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
-    """The contract's parameters of a claim, each with its standard error."""
-    a = claim.physics.amplitudes
-    covariance = covariance.copy()
-    # What laws differ by is no noise: it does not shrink with more data.
-    by_laws = claim.physics.law_doubt * np.array(claim.values)
-    if claim.physics.mean_tooth and _bends_alone(model):
-        by_laws[:a] *= ONE_TORQUE
-    else:
-        by_laws[a:] = 0.0
-    by_shape = np.array([SHAPE_DOUBT * one.step if k >= a else 0.0 for k, one in enumerate(claim.physics.coordinates)])
-    covariance += np.diag(by_laws**2 + by_shape**2)
-    found = claim.physics.report(claim.place, np.array(claim.values), covariance)
-    scale = found.pop("compliance_scale", None)
-    if scale is not None:
-        scale = model.ratio * scale[0], model.ratio * scale[1]
-        unit = pitch_point_compliance(model)
-        found = {"compliance_um_per_n": (scale[0] * unit, scale[1] * unit), "compliance_scale": scale, **found}
-    return found
-
-
-def _bends_alone(model: Model) -> bool:
-    """Whether teeth were found to bend, of which the file says nothing, by recordings under one load only."""
-    return len(set(model.scope.torques)) == 1 and model.bending is not None
-
-
-def _numbered(comparison: Comparison, claim: Claim) -> int | None:
-    """The number of a claimed tooth, None where the numbering of its gear is open."""
-    return claim.place.tooth if comparison.alignment.numbered[claim.place.gear or 0] else None
-
-
-def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
-    """Reading of its shaft's encoder at which a claimed tooth's pitch point passes the line of centres."""
-    if claim.place.tooth is None or claim.place.gear is None:
-        return None
-    return comparison.gears[claim.place.gear].encoder_deg(claim.place.tooth)
 
 
 def _declared(comparison: Comparison, model: Model) -> Rms:

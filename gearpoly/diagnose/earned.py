@@ -91,9 +91,14 @@ def _give_up(search: Search, k: int, effect: Sequence[FloatArray]) -> None:
     try:
         search.join([], instead=k)
         many = curve[0].shape[1]
-        search.foreign = [np.concatenate((mine, own), axis=1) for mine, own in zip(curve, search.foreign, strict=True)]
-        moved = tuple(tuple(column + many for column in wave) for wave in search.model.strangers)
-        search.model.strangers = (tuple(range(many)), *moved)
+        both = zip(curve, search.foreign, strict=True)
+        if claim.physics.slow:
+            search.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
+            search.model.slow_courses += many
+        else:
+            search.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
+            moved = tuple(tuple(column + many for column in wave) for wave in search.model.strangers)
+            search.model.strangers = (tuple(range(many)), *moved)
         search.linear = search.linearised()
         search.settle()
     except GearpolyError:

@@ -51,6 +51,7 @@ class Model:
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
     which the declared ones give as much in the mean;
     ``strangers`` are the waves that the recordings hold and no gear pair makes, each by its foreign columns;
+    ``slow_courses`` how many foreign columns, the last ones, are of slow courses without a name;
     ``claims`` the physics accepted so far; ``method`` what of the method is in use; ``budget`` how long may be looked.
     """
 
@@ -72,6 +73,7 @@ class Model:
     turned_by: float = 0.0
     offset: float = 0.0
     strangers: tuple[tuple[int, ...], ...] = ()
+    slow_courses: int = 0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
     budget: Budget = field(default_factory=Budget)
@@ -98,6 +100,7 @@ class Model:
             "law": self.law,
             "claims": list(self.claims),
             "strangers": self.strangers,
+            "slow_courses": self.slow_courses,
         }
 
     def restore(self, kept: dict[str, object]) -> None:
