@@ -33,6 +33,7 @@ from gearpoly.diagnose.leftovers import (
     slow_or_sudden,
     taken_back,
     unexplained,
+    with_causes,
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
