@@ -53,7 +53,7 @@ class Checked:
             names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
             without, with_ = self.rms
             yield (
-                f"not named, since unseen data do not surely fit better with it than without: {names} (mean square "
+                f"not named, since unseen data fit no better with it than without: {names} (mean square "
                 f"over that of the noise: {self.named:.4g} with names, {self.as_built:.4g} with as-built teeth alone, "
                 f"{self.declared:.4g} as declared, +- {self.std:.2g}; rms {with_ / UM:.4g} um with names, "
                 f"{without / UM:.4g} without)"

@@ -26,7 +26,8 @@ from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray, IntArray
 
 SURELY = 2.0
-"""Standard errors by which unseen data must fit better with names than without: one in fifty refused by chance."""
+"""Standard errors by which unseen data must fit better with two claims that cancel than without both: one in fifty
+refused by chance."""
 
 LEAST, MOST, TURNS = 8, 12, 3
 """Blocks of a recording: at least so many, or what is slow is not foretold at its ends; at most so many, since more
@@ -140,12 +141,13 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     named = Blocks(_held(search), number).unseen()
     gains = [gained(one, named, number) for one in (declared, as_built)]
     rms = _told(search, before_any)
-    worse = any(gain <= SURELY * std for gain, std in gains) or rms[1] > rms[0]
+    # How probable names are was weighed before: here they must only not be worse where no fit looked.
+    worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0]
     if len(unchecked) < len(model.claims) and worse:
         refused += [(one, _rms(search, one)) for one in model.claims]
         unchecked = ()
         search.restore(begun)
-    least = min(gains, key=lambda one: one[0] - SURELY * one[1])
+    least = min(gains)
     count = number.size
     return Checked(
         declared=declared.misfit / count,
