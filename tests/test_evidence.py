@@ -118,3 +118,13 @@ def test_a_place_among_many_needs_more_evidence() -> None:
     ]
     odds = [math.log(one.unknown / one.nothing) for one in at]
     assert odds[0] - odds[1] == pytest.approx(math.log(43.0))
+
+
+def test_rounding_of_what_is_told_from_nothing_counts_for_nothing() -> None:
+    """Of columns that all else takes whole a little negative information is left, and a score of rounding."""
+    information = np.array([[2.0, 0.0], [0.0, -1e-11]])
+    plain = log_bayes_factor(np.array([1.0]), np.array([[2.0]]), std=np.array([1e3]))
+    got = log_bayes_factor(np.array([1.0, 1e-6]), information, std=np.array([1e3, 1e9]))
+    assert got == pytest.approx(plain, abs=1e-3)
+    _, covariance = posterior(np.array([1.0, 0.0]), information, std=np.array([1e3, 1e9]))
+    assert covariance[1, 1] == pytest.approx(1e18)

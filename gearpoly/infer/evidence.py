@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.special import log_ndtr, logsumexp
 
 from gearpoly.units import FloatArray
@@ -19,24 +18,35 @@ from gearpoly.units import FloatArray
 Bounds = tuple[float, float]
 
 
+TOLD = 1e-11
+"""Part of the largest information below which a combination of sizes is told from nothing: what is left of it once all
+else is fitted beside is rounding."""
+
+
 def log_bayes_factor(score: FloatArray, information: FloatArray, *, std: FloatArray) -> float:
     """Log of the evidence with columns over that without, their sizes normal about 0 with standard deviations ``std``
     (q,), no dimension; exact (MacKay 1992, Neural Computation 4, 415)."""
-    lower = _factor(information, std)
-    explained = solve_triangular(lower, std * score, lower=True)
-    return 0.5 * float(explained @ explained) - float(np.sum(np.log(np.diag(lower))))
+    known, vectors = _told(information, std)
+    along = vectors.T @ (std * score)
+    return 0.5 * float(np.sum(along**2 / (1.0 + known))) - 0.5 * float(np.sum(np.log1p(known)))
 
 
 def posterior(score: FloatArray, information: FloatArray, *, std: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean (q,) and covariance (q, q) of the sizes, given the data."""
-    covariance = std[:, None] * cho_solve((_factor(information, std), True), np.diag(std))
-    return covariance @ score, covariance
+    known, vectors = _told(information, std)
+    # What the data do not tell stays as it was believed.
+    narrowed = np.eye(std.size) - (vectors * (known / (1.0 + known))) @ vectors.T
+    covariance = std[:, None] * narrowed * std
+    return std * (vectors @ ((vectors.T @ (std * score)) / (1.0 + known))), covariance
 
 
-def _factor(information: FloatArray, std: FloatArray) -> FloatArray:
-    """Lower Cholesky factor of 1 + S I S, S the diagonal of ``std``: never singular, whatever the data leave."""
+def _told(information: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Information (p,) over that of the prior along the directions (q, p), no dimension, of which the data say
+    anything."""
     scaled = std[:, None] * information * std
-    return np.asarray(cholesky(0.5 * (scaled + scaled.T) + np.eye(std.size), lower=True))
+    known, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    told = known > TOLD * max(float(known[-1]), 0.0)
+    return known[told], vectors[:, told]
 
 
 def log_truncated(mean: float, std: float, *, prior: float, bounds: Bounds) -> float:
