@@ -167,8 +167,22 @@ def _in_order() -> list[Physics]:
 
 
 def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
-    """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven."""
-    return sum((one.shapes(section, gear, which) for one in _in_order()), start=Deviations())
+    """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven, and what they
+    have beside all physics."""
+    return sum((one.shapes(section, gear, which) for one in _in_order()), start=_forms(section, gear.z))
+
+
+def _forms(section: GearSection, z: int) -> Deviations:
+    """The curves that the flanks of a gear of ``z`` teeth have beside all else."""
+    sides: dict[str, list[Shape]] = {"drive": [], "coast": []}
+    empty = np.empty(0)
+    for one in section.form:
+        l, d = np.array(one.roll_length_mm), np.array(one.deviation_um) * UM
+        mine = [one.tooth in (None, tooth) for tooth in range(z)]
+        sides[one.flank].append(
+            Traces(tuple(l if here else empty for here in mine), tuple(d if here else empty for here in mine))
+        )
+    return Deviations(drive=tuple(sides["drive"]), coast=tuple(sides["coast"]))
 
 
 def brought_parts(file: PairFile) -> Parts:

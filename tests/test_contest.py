@@ -131,8 +131,9 @@ class Ends:
     def restore(self, kept: list[Any]) -> None:
         self.model.claims = list(kept)
 
-    def join(self, claims: list[Any], *, instead: int) -> None:
-        self.model.claims[instead : instead + 1] = claims
+    def join(self, claims: list[Any], *, instead: list[int]) -> None:
+        (k,) = instead
+        self.model.claims[k : k + 1] = claims
 
     def settle(self) -> None:
         if self.broken in [claim.key for claim in self.model.claims] or (self.broken and not self.model.claims):

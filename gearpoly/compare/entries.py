@@ -31,6 +31,24 @@ class Cause:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Curve:
+    """The own deviation of a flank, of one ``tooth`` or of all (None) of ``gear`` 0 (driving) or 1: ``deviation_um`` at
+    ``roll_length_mm``, each with its standard error."""
+
+    gear: int
+    tooth: int | None
+    flank: str
+    roll_length_mm: tuple[float, ...]
+    deviation_um: tuple[float, ...]
+    std_um: tuple[float, ...]
+
+    def to_json(self) -> dict[str, object]:
+        """The curve, for JSON."""
+        names = ("roll_length_mm", "deviation_um", "std_um")
+        return {"flank": self.flank} | {name: [round(v, 4) for v in getattr(self, name)] for name in names}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Entry:
     """One place where recordings and simulation differ. Sizes in um (these go to the edge), angles in deg.
 
@@ -43,7 +61,8 @@ class Entry:
     a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
     next frequencies (Hz, or orders) that even samples show alike. ``together``: it stands out only with others like it.
     ``as_built``: teeth within what inspection or grade leave open could make it. ``probability`` that it is there at
-    all and ``could_be``, the physics that may make it, where explanations were weighed. ``parts``: what other parts
+    all and ``could_be``, the physics that may make it, where explanations were weighed; ``curves`` of the flanks, as
+    they stand in the fitted file. ``parts``: what other parts
     of the drive, which the pair file states, have a line there, in words.
     """
 
@@ -78,6 +97,7 @@ class Entry:
     as_built: bool = False
     probability: float | None = None
     could_be: tuple[Cause, ...] = ()
+    curves: tuple[Curve, ...] = ()
     parts: tuple[str, ...] = ()
 
     @property
@@ -158,6 +178,8 @@ class Entry:
             out["probability"] = self.probability
         if self.could_be:
             out["could_be"] = [one.to_json() for one in self.could_be]
+        if self.curves:
+            out["flank_curves"] = [one.to_json() for one in self.curves]
         if self.rivals:
             out["rivals"] = list(self.rivals)
         if self.parts:

@@ -129,7 +129,7 @@ def take_back(search: Search) -> bool:
         claim, begun = search.model.claims[k], search.kept()
         search.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
         try:
-            search.join([], instead=k)
+            search.join([], instead=[k])
             search.settle()
             search.relax()
             search.drop_idle()

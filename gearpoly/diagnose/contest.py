@@ -52,7 +52,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
         for one in likenesses:
             search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead")
             try:
-                search.join([one.claim], instead=k)
+                search.join([one.claim], instead=[k])
                 search.settle()
                 search.relax()
                 rest(search)

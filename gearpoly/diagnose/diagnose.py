@@ -17,7 +17,7 @@ from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
-from gearpoly.diagnose.earned import earned
+from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
@@ -105,19 +105,22 @@ def diagnose(
     shapes = forms(search)
     judged, unearned = earned(search, refitted)
     search.step("asking how deep")
-    leasts = [only_the_least(search, k, shapes.get(one.key, ())) for k, one in enumerate(model.claims)]
+    named = [k for k, one in enumerate(model.claims) if one.key in judged]
+    leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
-    order = sorted(range(len(judged)), key=lambda k: -judged[k].gain)
+    order = sorted(named, key=lambda k: -judged[model.claims[k].key].gain)
     thought = Imagined(model=model, laws=search.laws)
     each = [
-        (k, _finding(search, comparison, k, judged[k], shapes.get(model.claims[k].key, ()), leasts[k], thought, watch))
-        for k in order
+        (k, _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch))
+        for k, key in ((k, model.claims[k].key) for k in order)
     ]
     findings = gathered(search, each, hold=held_places(search))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
-    left_over = with_causes(comparison, left_over, unearned, [causes_of(model, one.posterior) for one in unearned])
+    left_over = with_causes(
+        comparison, left_over, unearned, [causes_of(model, one.posterior) for one in unearned], flank_curves(search)
+    )
     left_over = explained(search, comparison, left_over)
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.compare.entries import Curve
 from gearpoly.diagnose.contest import Key, Refitted
+from gearpoly.diagnose.in_stead import give_way, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.errors import GearpolyError
-from gearpoly.infer.posterior import Posterior
+from gearpoly.infer.free_form import FREE_FORM, free_forms
+from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
@@ -27,69 +30,113 @@ class Unearned:
     posterior: Posterior
 
 
-def earned(search: Search, refitted: Mapping[Key, Sequence[Refitted]]) -> tuple[list[Judged], tuple[Unearned, ...]]:
-    """Judge every claim of the ``search``, in the order of its model, and give up those that are no likelier than an
-    unknown cause, the least likely first: a curve of no cause then stands in their place, and the rest is judged anew.
-    """
+def earned(
+    search: Search, refitted: Mapping[Key, Sequence[Refitted]]
+) -> tuple[dict[Key, Judged], tuple[Unearned, ...]]:
+    """Judge every claim of the ``search``, by its key, and give up those that are no likelier than an unknown cause,
+    the least likely first: a curve of no cause then stands in their place, and the rest is judged anew."""
     gone: list[Unearned] = []
     taken: set[Key] = set()
+    doubts: dict[tuple[int, int], float] = {}
     while True:
         search.step("weighing names against unknown causes")
-        judged = [
-            judge(
-                search.model, search.scenes, search.linear, k,
-                refitted=refitted.get(claim.key, ()), places=search.looked.own.get(claim.physics.name, 1),
-            ) for k, claim in enumerate(search.model.claims)
-        ]  # fmt: skip
+        named = _named(search, gone)
+        judged: dict[Key, Judged] = {}
+        for k, claim in enumerate(search.model.claims):
+            if claim in named:
+                places = search.looked.own.get(claim.physics.name, 1)
+                one = judge(
+                    search.model, search.scenes, search.linear, k,
+                    refitted=refitted.get(claim.key, ()), places=places, without=search.rise_without(k),
+                )  # fmt: skip
+                judged[claim.key] = _doubted(one, doubts.get(_tooth(claim)))
         better = _likelier(search, judged, taken)
         if better is not None:
-            k, claim = better
-            taken |= {search.model.claims[k].key, claim.key}
-            _take(search, k, claim)
+            stands, claim = better
+            taken |= {stands.key, claim.key}
+            _take(search, stands, [claim])
+            continue
+        tooth = next((_tooth(one) for one in named if one.place.tooth is not None and _tooth(one) not in doubts), None)
+        if tooth is not None:
+            search.step("fitting a curve of no cause in the stead of a tooth's names")
+            doubts[tooth] = unknown_in_stead(search, *tooth)
+            mine = [claim for claim in named if _tooth(claim) == tooth]
+            if doubts[tooth] > 1.0 - CERTAIN:
+                for claim in mine:
+                    posterior = _doubted(judged[claim.key], doubts[tooth]).posterior
+                    gone.append(Unearned(claim=claim, rms=_rms(search, claim), posterior=posterior))
+                give_way(search, mine)
             continue
         least = max(
-            (k for k, one in enumerate(judged) if not one.posterior.named),
-            key=lambda k: judged[k].posterior.unknown + judged[k].posterior.nothing,
+            (claim for claim in named if not judged[claim.key].posterior.named),
+            key=lambda claim: judged[claim.key].posterior.unknown + judged[claim.key].posterior.nothing,
             default=None,
         )
         if least is None:
             return judged, tuple(gone)
-        claim = search.model.claims[least]
-        effect = search.model.change(search.scenes, claim, claim.values, but=claim)
-        rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
-        gone.append(Unearned(claim=claim, rms=rms, posterior=judged[least].posterior))
+        effect = search.model.change(search.scenes, least, least.values, but=least)
+        gone.append(Unearned(claim=least, rms=_rms(search, least), posterior=judged[least.key].posterior))
         _give_up(search, least, effect)
 
 
-def _likelier(search: Search, judged: Sequence[Judged], taken: set[Key]) -> tuple[int, Claim] | None:
-    """A claim that is likelier than the one in whose place it may stand, and that one's number; no claim twice."""
-    for k, one in enumerate(judged):
-        claim, chance = one.posterior.claims[0]
-        stands = search.model.claims[k]
-        beside = {other.key for other in search.model.claims}
-        if claim.key not in beside | taken and stands.key not in taken and chance > one.posterior.of(stands):
-            return k, claim
+def _named(search: Search, gone: Sequence[Unearned]) -> list[Claim]:
+    """The claims that have a name so far."""
+    left = {one.claim.key for one in gone}
+    return [one for one in search.model.claims if one.physics is not FREE_FORM and one.key not in left]
+
+
+def _tooth(claim: Claim) -> tuple[int, int]:
+    """Gear and tooth that a claim is about, -1 where it is about no single tooth."""
+    return (-1, -1) if claim.place.tooth is None else (claim.place.gear or 0, claim.place.tooth)
+
+
+def _doubted(judged: Judged, unknown: float | None) -> Judged:
+    """The same where a curve of no cause was fitted to its end in the stead of all names of a tooth: no column tells
+    so well what it would do."""
+    return judged if unknown is None else replace(judged, posterior=judged.posterior.with_unknown(unknown))
+
+
+def _rms(search: Search, claim: Claim) -> float:
+    """Rms in mm of what a claim does over all recordings."""
+    effect = search.model.change(search.scenes, claim, claim.values, but=claim)
+    return float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
+
+
+def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:
+    """A claim that stands, and one that is likelier in its place; no claim twice."""
+    beside = {other.key for other in search.model.claims}
+    for stands in search.model.claims:
+        if stands.key not in judged:
+            continue
+        posterior = judged[stands.key].posterior
+        claim, chance = posterior.claims[0]
+        if claim.key not in beside | taken and stands.key not in taken and chance > posterior.of(stands):
+            return stands, claim
     return None
 
 
-def _take(search: Search, k: int, claim: Claim) -> None:
-    """Let a ``claim`` take the place of claim ``k``, unless gears cannot run so."""
+def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:
+    """Whether ``claims`` have taken the place of the one that ``stands``: gears may not be able to run so."""
     begun = search.kept()
     try:
-        search.join([claim], instead=k)
+        search.join(claims, instead=[number_of(search, stands)])
         search.settle()
     except GearpolyError:
         search.restore(begun)
+        return False
+    return True
 
 
-def _give_up(search: Search, k: int, effect: Sequence[FloatArray]) -> None:
-    """Let a curve of no cause stand in the place of claim ``k``, which has this ``effect`` (n_k,) in mm, and fit
-    everything again."""
-    claim = search.model.claims[k]
+def _give_up(search: Search, claim: Claim, effect: Sequence[FloatArray]) -> None:
+    """Let a curve of no cause stand in the place of a ``claim``, which has this ``effect`` (n_k,) in mm, and fit
+    everything again. Where gears cannot run without it, it stays in the fit, and has no name either."""
+    forms = free_forms(claim, search.scenes)
+    if forms and _take(search, claim, forms):
+        return
     curve = at_place(claim, search.scenes, order=order_of(claim), effect=effect)
     begun = search.kept()
     try:
-        search.join([], instead=k)
+        search.join([], instead=[number_of(search, claim)])
         many = curve[0].shape[1]
         both = zip(curve, search.foreign, strict=True)
         if claim.physics.slow:
@@ -102,7 +149,23 @@ def _give_up(search: Search, k: int, effect: Sequence[FloatArray]) -> None:
         search.linear = search.linearised()
         search.settle()
     except GearpolyError:
-        # Gears that cannot run without it: its place stays as it was fitted, and is not named either.
         search.restore(begun)
-        search.model.claims = [one for one in search.model.claims if one is not claim]
-        search.linear = search.linearised()
+
+
+def flank_curves(search: Search) -> list[Curve]:
+    """The flanks' own deviations that stand in the fit without a name, each with its error band."""
+    out = []
+    for k, claim in enumerate(search.model.claims):
+        if claim.physics is FREE_FORM:
+            covariance = search.linear.system.covariance[search.linear.layout.claims[k], search.linear.layout.claims[k]]
+            out.append(
+                Curve(
+                    gear=claim.place.gear or 0,
+                    tooth=claim.place.tooth,
+                    flank=claim.place.flank or "drive",
+                    roll_length_mm=claim.place.shape,
+                    deviation_um=claim.values,
+                    std_um=tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
+                )
+            )
+    return out

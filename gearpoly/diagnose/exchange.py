@@ -68,7 +68,7 @@ class Exchange(Weigh):
             if better is None:
                 return
             k, _, claims = better
-            self.join(claims, instead=k)
+            self.join(claims, instead=[k])
             self.settle()
             self.drop_idle()
 
@@ -144,7 +144,7 @@ class Exchange(Weigh):
         """Whether ``made`` has taken the place of claim ``k``: where that fits better by more than ``by`` in misfit."""
         begun = self.kept()
         try:
-            self.join([made], instead=k)
+            self.join([made], instead=[k])
             self.settle()
             better = self.gained(begun) > by
         except GearpolyError:

@@ -137,19 +137,18 @@ class Fit:
                 break
         self.measure()
 
-    def join(self, claims: Sequence[Claim], *, instead: int | None = None) -> None:
-        """Make ``claims``, in the place of claim ``instead`` if asked, and let everything that was fitted without them
-        give way to them, to first order.
+    def join(self, claims: Sequence[Claim], *, instead: Sequence[int] = ()) -> None:
+        """Make ``claims``, in the place of the claims of the numbers ``instead``, and let everything that was fitted
+        without them give way to them, to first order.
 
         Teeth as built take of an unknown physics what they can. Claimed on top of that it would count twice, so far
         from rest that unloaded teeth may touch elsewhere, and the fit end in another valley.
         """
         model, present = self.model, self.present()
-        at = len(model.claims) if instead is None else instead
-        others, leave = model, []
-        if instead is not None:
-            layout = self.linear.layout
-            others, leave = model.but(model.claims[at]), layout.places(at) + layout.form_places(model, at)
+        layout, leave, others = self.linear.layout, [], model
+        for k in instead:
+            leave += layout.places(k) + layout.form_places(model, k)
+            others = others.but(model.claims[k])
         keep = np.setdiff1d(np.arange(present.size), np.asarray(leave, dtype=np.int64))
         system = self.linear.system.without(leave)
         taken = np.zeros(keep.size)
@@ -160,7 +159,9 @@ class Fit:
         step = np.zeros(present.size)
         step[keep] = system.solution - system.solved(taken) - present[keep]
         self.take(self.linear, np.where(np.isnan(present), 0.0, step))
-        model.claims[at : len(model.claims) if instead is None else at + 1] = claims
+        rest = [one for k, one in enumerate(model.claims) if k not in instead]
+        at = min(instead, default=len(rest))
+        model.claims = [*rest[:at], *claims, *rest[at:]]
 
     def relax(self) -> None:
         """Begin once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that

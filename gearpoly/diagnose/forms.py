@@ -45,7 +45,7 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
         for one in others:
             search.step(f"fitting {one.physics.name.replace('_', ' ')} in another form")
             try:
-                search.join([one], instead=k)
+                search.join([one], instead=[k])
                 rest(search)
             except GearpolyError:
                 pass
@@ -95,7 +95,7 @@ def _as_well_deeper(search: Search, k: int, shape: Values) -> bool:
     """Whether claim ``k``, begun several times as deep and in this ``shape``, comes to rest deeper and fits as well."""
     claim, begun = search.model.claims[k], search.kept()
     try:
-        search.join([replace(claim, values=(DEEPER * claim.values[0], *shape))], instead=k)
+        search.join([replace(claim, values=(DEEPER * claim.values[0], *shape))], instead=[k])
         rest(search)
         deep = search.model.claims[k].values[0] > STAYS * claim.values[0]
         return deep and search.gained(begun) > -AS_WELL

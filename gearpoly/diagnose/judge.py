@@ -41,10 +41,18 @@ class Judged:
 
 
 def judge(
-    model: Model, scenes: list[Scene], linear: Linear, k: int, *, refitted: Sequence[Refitted] = (), places: int = 1
+    model: Model,
+    scenes: list[Scene],
+    linear: Linear,
+    k: int,
+    *,
+    refitted: Sequence[Refitted] = (),
+    places: int = 1,
+    without: float | None = None,
 ) -> Judged:
     """Weigh claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
-    of its kind were looked at."""
+    of its kind were looked at; ``without``: by how much the misfit rises where all is fitted to its end without it
+    (None: no more than to first order)."""
     claim = model.claims[k]
     plain, wider = with_and_without(model, scenes, linear, k)
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
@@ -56,19 +64,26 @@ def judge(
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     mine = trial.log_evidence(_standing(trial, claim, linear, k, wider, effect))
+    if without is not None:
+        mine += 0.5 * max(0.0, without - gain) / trial.heat
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
         # Fitted to its end it may do better than to first order about another.
         found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.heat)
+    # Look-alikes are drawn to first order, so the claim is too where it is weighed against them.
+    flat = replace(trial, plain=bare.system.without(trial.dropped))
+    ahead = mine - flat.log_evidence(flat.sized(claim, columns, effect)) if claim.simulated else 0.0
     for one in _look_alikes(trial, bare, claim, gain):
-        log = trial.of(one.claim)
+        log = ahead + flat.of(one.claim)
         best = found.get(one.claim.key)
         if best is None or log > best[1]:
             found[one.claim.key] = (one.claim, log)
     places_of = (Claim(physics=physics, place=place, values=()) for physics, place in _possible(model, claim))
     weights = share_of_causes(claim, (claim, *places_of))
+    # Of the other gear or shaft it is as common as at the place of the claim.
+    common = {name: share for (name, _), share in weights.items()}
     explanations = [
-        Explanation(claim=one, log_evidence=log, weight=weights.get((one.physics.name, one.place.gear), LEAST_SHARE))
+        Explanation(claim=one, log_evidence=log, weight=common.get(one.physics.name, LEAST_SHARE))
         for one, log in found.values()
     ]
     explanations += trial.explanations(without_cause)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Cause, Entry
+from gearpoly.compare.entries import Cause, Curve, Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -117,10 +117,14 @@ def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
 
 
 def with_causes(
-    comparison: Comparison, entries: Sequence[Entry], unearned: Sequence[Unearned], causes: Sequence[tuple[Cause, ...]]
+    comparison: Comparison,
+    entries: Sequence[Entry],
+    unearned: Sequence[Unearned],
+    causes: Sequence[tuple[Cause, ...]],
+    curves: Sequence[Curve],
 ) -> tuple[Entry, ...]:
-    """The ``entries`` with the ``causes`` of every place that did not earn a name; where none of them is at such a
-    place, one more."""
+    """The ``entries`` with the ``causes`` of every place that did not earn a name, and the ``curves`` of the flanks
+    there; where none of them is at such a place, one more."""
     out = list(entries)
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
@@ -128,7 +132,8 @@ def with_causes(
         if not same:
             out.append(place)
         at = same[0] if same else -1
-        out[at] = replace(out[at], could_be=could_be, probability=1.0 - one.posterior.nothing)
+        mine = tuple(c for c in curves if (c.gear, c.tooth) == (one.claim.place.gear, one.claim.place.tooth))
+        out[at] = replace(out[at], could_be=could_be, probability=1.0 - one.posterior.nothing, curves=mine)
     return tuple(out)
 
 

@@ -12,6 +12,7 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
+from gearpoly.infer.free_form import FREE_FORM
 from gearpoly.physics.base import Claim, Scope
 from gearpoly.physics.place import Values
 from gearpoly.scene import Scene
@@ -40,9 +41,9 @@ class Layout:
 
     def form_places(self, model: Model, k: int) -> list[int]:
         """Parameters of the freedom of form of claim ``k``, if it has a tooth."""
-        if model.claims[k].place.tooth is None:
+        if not _is_loose(model.claims[k]):
             return []
-        before = sum(claim.place.tooth is not None for claim in model.claims[:k])
+        before = sum(map(_is_loose, model.claims[:k]))
         start = self.forms.start + before * KNOTS
         return list(range(start, start + KNOTS))
 
@@ -184,19 +185,24 @@ LEAST_FORM = 1e-9
 """mm. The least of the same: far below anything seen."""
 
 
+def _is_loose(claim: Claim) -> bool:
+    """Whether the form of a claimed tooth may differ from what is drawn of it: a curve of its own may not."""
+    return claim.place.tooth is not None and claim.physics is not FREE_FORM
+
+
 def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], FloatArray]:
     """Columns (n_k, q) in mm per unit of what claimed teeth may deviate by beside their physics, and the standard
     deviation (q,) of each."""
     out: list[list[FloatArray]] = [[np.zeros((scene.samples.size, 0))] for scene in scenes]
     std: list[float] = []
     for claim in model.claims:
-        if claim.place.tooth is None:
+        if not _is_loose(claim):
             continue
         changes = model.change(scenes, claim, claim.values, but=claim)
         # A claim whose amplitude the fit has brought to nothing still needs a prior that is no division by zero.
         size = max(LOOSE * max(float(np.max(np.abs(c))) for c in changes), LEAST_FORM)
         for mine, scene in zip(out, scenes, strict=True):
-            mine.append(_hats(scene, claim.place.gear or 0, claim.place.tooth))
+            mine.append(_hats(scene, claim.place.gear or 0, claim.place.tooth or 0))
         std += [size] * KNOTS
     return [np.concatenate(mine, axis=1) for mine in out], np.array(std)
 

@@ -238,7 +238,7 @@ class Search(Exchange):
             return False
         self.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
         try:
-            self.join([], instead=k)
+            self.join([], instead=[k])
             self.settle()
             self.relax()
         except GearpolyError:
@@ -250,6 +250,23 @@ class Search(Exchange):
             self.restore(begun)
             return False
         return True
+
+    def rise_without(self, k: int) -> float | None:
+        """By how much the misfit rises where all is fitted to its end without claim ``k``, by the present noise; None
+        where to first order nothing can have come to rest for it, or gears cannot run so. The state stays."""
+        claim, begun = self.model.claims[k], self.kept()
+        if self.over or not claim.physics.mean_tooth or not self._settled_for(claim):
+            return None
+        there = self.linear.system.misfit
+        try:
+            self.join([], instead=[k])
+            self.settle()
+            self.relax()
+            return self.linear.under(begun[1]["noises"]).system.misfit - there
+        except GearpolyError:
+            return None
+        finally:
+            self.restore(begun)
 
     def _settled_for(self, claim: Claim) -> bool:
         """Whether what stands beside a claim about all teeth may have come to rest in another valley for it."""

@@ -37,13 +37,15 @@ class Unexplained:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
     """What explanations of one place are weighed with: the state ``others`` without the claim there, ``scenes`` of the
-    state with it, the ``linear`` fit, and the ``plain`` system without the claim."""
+    state with it, the ``linear`` fit, and the ``plain`` system without the claim and without
+    the parameters ``dropped``, which are waves that were located at its place."""
 
     others: Model
     scenes: list[Scene]
     linear: Linear
     plain: System
     heat: float
+    dropped: tuple[int, ...] = ()
 
     def white(self, columns: Sequence[FloatArray]) -> list[FloatArray]:
         """Columns (n_k, q) in mm made white."""
@@ -81,7 +83,7 @@ class Trial:
                 found.append(Unexplained(sized=Sized(columns=mine, std=std, scaled=std.size), weight=1.0))
         whole = sum(one.weight for one in found)
         even = [replace(one, weight=one.weight / whole) for one in found]
-        return replace(self, plain=self.plain.without(taken)), even
+        return replace(self, plain=self.plain.without(taken), dropped=(*self.dropped, *taken)), even
 
     def explanations(self, found: Sequence[Unexplained]) -> list[Explanation]:
         """The explanations without a cause, each weighed."""
@@ -92,7 +94,7 @@ class Trial:
         ``effect`` (n_k,)."""
         physics, scope = claim.physics, self.others.scope
         a = physics.amplitudes
-        std = [*amplitude_std(physics), *(_shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
+        std = [*amplitude_std(physics), *(shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
         bounds = (-math.inf, math.inf)
         if a == 1 and not physics.fixed_amplitudes:
             bounds = physics.coordinates[0].bounds(scope, claim.place)
@@ -126,7 +128,7 @@ def amplitude_std(physics: Physics) -> list[float]:
     return [size] * physics.amplitudes
 
 
-def _shape_std(claim: Claim, k: int, scope: Scope) -> float:
+def shape_std(claim: Claim, k: int, scope: Scope) -> float:
     """Standard deviation of a coordinate of shape: of one that is even between its bounds."""
     low, high = claim.physics.coordinates[k].bounds(scope, claim.place)
     return (high - low) / math.sqrt(12.0)

@@ -125,8 +125,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
         before, gone = search.kept(), [(model.claims[k], _rms(search, model.claims[k])) for k in these]
         try:
-            for k in sorted(these, reverse=True):
-                search.join([], instead=k)
+            search.join([], instead=these)
             search.settle()
             search.drop_idle()
         except GearpolyError:

@@ -80,6 +80,12 @@ class Posterior:
         """The claims that are worth a word, the likeliest first."""
         return tuple(one for one in self.claims if one[1] >= TOLD)
 
+    def with_unknown(self, unknown: float) -> Posterior:
+        """The same where an unknown cause has this probability, and all else shares the rest as before."""
+        rest = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        claims = tuple((claim, rest * chance) for claim, chance in self.claims)
+        return Posterior(claims=claims, unknown=unknown, nothing=rest * self.nothing)
+
     def of(self, claim: Claim) -> float:
         """Probability of a claim; 0 where it was not among the explanations."""
         return sum(chance for one, chance in self.claims if one.key == claim.key)

@@ -6,7 +6,8 @@ What a physics adds stands in its own file, and ``files.models`` puts both toget
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Self
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -104,6 +105,34 @@ class Encoder(Open):
     """What a shaft's encoder reads wrong: reading minus truth."""
 
 
+RollLength = Annotated[float, Field(ge=0.0, le=1e5)]
+
+
+class Form(Section):
+    """What the flanks of a gear have beside all else that the file says of them: a curve over the roll length."""
+
+    tooth: int | None = field("number of the tooth, from 0; default: all teeth", ge=0)
+    flank: Literal["drive", "coast"] = field("drive or coast", "drive")
+    roll_length_mm: tuple[RollLength, ...] = Field(
+        strict=False, min_length=2, max_length=10_000, description="roll lengths in mm, rising"
+    )
+    deviation_um: tuple[Um, ...] = Field(
+        strict=False, min_length=2, max_length=10_000,
+        description="deviation in um there, positive = more material; straight between, level beyond the ends",
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        count = len(self.roll_length_mm)
+        if len(self.deviation_um) != count:
+            wish = f"want {count}, one for each of roll_length_mm"
+            broken("deviation_um", f"a list of {len(self.deviation_um)} values", wish)
+        for k, (low, high) in enumerate(pairwise(self.roll_length_mm), start=1):
+            if high <= low:
+                broken("roll_length_mm", f"{high} at place {k} behind {low}", "want roll lengths that rise")
+        return self
+
+
 class GearSection(Open):
     """One gear: its rack, its blank, its quality, and what was measured of it."""
 
@@ -149,6 +178,7 @@ class GearSection(Open):
     )
     limits: Limits | None = field("limits over the grade's, a table")
     inspection: Inspection | None = field("what was measured, a table")
+    form: tuple[Form, ...] = field("what the flanks have beside all else, tables", (), strict=False, fail_fast=True)
 
     @model_validator(mode="before")
     @classmethod

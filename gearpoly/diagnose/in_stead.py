@@ -1,0 +1,94 @@
+"""Claims about one tooth against a curve of its flank, each fitted to its end.
+
+Where teeth lose touch over a deviation, no column tells what else would do the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.trial import amplitude_std, shape_std
+from gearpoly.errors import GearpolyError
+from gearpoly.infer.evidence import log_mean
+from gearpoly.infer.free_form import FREE_FORM, curve_covariance, free_forms
+from gearpoly.infer.prior import ONE_TOOTH, SCALE_WEIGHTS, SCALES
+from gearpoly.physics.base import Claim
+from gearpoly.units import FloatArray
+
+
+def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
+    """Probability that a curve of no cause, and none of the claims about a tooth, is what that tooth has: all of them
+    taken away, the curve fitted in their stead through the exact simulation, and both states compared by Laplace about
+    their fits. 0 where gears cannot run with the curve. The search comes back as it was."""
+    mine = [one for one in search.model.claims if _is_at(one, gear, tooth)]
+    begun, noises = search.kept(), search.noises
+    heat = max(1.0, search.linear.system.whiteness)
+    named = _log_evidence(search, search.linear, mine, heat)
+    try:
+        give_way(search, mine)
+        curves = [one for one in search.model.claims if one.physics is FREE_FORM and _is_at(one, gear, tooth)]
+        unknown = _log_evidence(search, search.linear.under(noises), curves, heat)
+    except GearpolyError:
+        return 0.0
+    finally:
+        search.restore(begun)
+    odds = unknown - named + math.log(ONE_TOOTH / (1.0 - ONE_TOOTH))
+    return 1.0 / (1.0 + math.exp(-max(min(odds, 700.0), -700.0)))
+
+
+def give_way(search: Search, claims: Sequence[Claim]) -> None:
+    """Let a curve of its flanks take the place of all ``claims`` about one tooth, and fit everything again. Raises
+    ``GearpolyError`` where gears cannot run so."""
+    search.join(free_forms(claims[0], search.scenes), instead=[number_of(search, one) for one in claims])
+    search.settle()
+
+
+def number_of(search: Search, claim: Claim) -> int:
+    """Number of a claim among those that stand, by its key: its values move with every step of the fit."""
+    return next(k for k, one in enumerate(search.model.claims) if one.key == claim.key)
+
+
+def _is_at(claim: Claim, gear: int, tooth: int) -> bool:
+    return (claim.place.gear, claim.place.tooth) == (gear, tooth)
+
+
+def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], heat: float) -> float:
+    """Log evidence of a fit with these claims, but for a constant: what is left, how far the values of the claims are
+    from what was believed of them, and how finely the data tell them."""
+    total = -0.5 * linear.system.misfit / heat
+    for claim in claims:
+        k = number_of(search, claim)
+        at = linear.layout.claims[k]
+        a = claim.physics.amplitudes
+        values = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
+        told = heat * linear.system.covariance[at, at]
+        total += _of_values(values, told, _prior(search, claim), a)
+    return total
+
+
+def _prior(search: Search, claim: Claim) -> FloatArray:
+    """Covariance (q, q) of the values of a claim of ordinary size."""
+    if claim.physics is FREE_FORM:
+        return curve_covariance()
+    a = claim.physics.amplitudes
+    scope = search.model.scope
+    shapes = [shape_std(claim, k, scope) for k in range(a, len(claim.values))]
+    return np.diag(np.array([*amplitude_std(claim.physics), *shapes]) ** 2)
+
+
+def _of_values(values: FloatArray, told: FloatArray, prior: FloatArray, amplitudes: int) -> float:
+    """Log of the mean of the likelihood over the prior of values (q,), over its largest; told to a covariance (q, q):
+    N(values; 0, prior + told) / N(0; 0, told), averaged over the scales of the amplitudes."""
+    logs = []
+    for scale in SCALES:
+        by = np.ones(values.size)
+        by[:amplitudes] = scale
+        whole = by[:, None] * prior * by + told
+        spread = np.linalg.slogdet(whole)[1] - np.linalg.slogdet(told)[1]
+        logs.append(-0.5 * float(values @ np.linalg.solve(whole, values)) - 0.5 * float(spread))
+    return log_mean(logs, weights=SCALE_WEIGHTS)
