@@ -74,7 +74,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
         return True
     if item.hz is not None:
         heard = (item.hz, *item.images_hz)
-        return entry["kind"] == "time" and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
+        return entry["kind"] in TIME and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     for gear, order in _orders(entry, truth):
@@ -84,6 +84,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
     return False
 
 
+TIME = ("time", "tone")
 MESH = ("mesh_order", "mesh_phase", "mesh_curve")
 TOOTH = ("tooth", "tooth_curve")
 
@@ -109,7 +110,7 @@ def at_place(verdict: Entry, place: Item, truth: Truth, limits: Thresholds) -> b
 
 def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:
     """The order of an entry as either shaft counts it."""
-    if entry["kind"] != "shaft_order" or entry.get("order") is None:
+    if entry["kind"] not in ("shaft_order", "tone") or entry.get("order") is None:
         return
     order, (z_1, z_2) = float(entry["order"]), truth.z
     if entry.get("gear") == "driving":
