@@ -21,13 +21,14 @@ def order_of(entry: Entry) -> float | None:
 
 
 def names(entry: Entry, item: Item) -> bool:
-    """Whether an entry of ``missing``, or a rival of one, has the true physics, gear and order."""
+    """Whether an entry of ``missing``, or a rival of one, has the true physics, gear and order, or one of the orders at
+    which the samples show it alike."""
     if entry["physics"] != item.physics:
         return False
     if item.gear is not None and entry.get("gear") != item.gear:
         return False
     order = order_of(entry)
-    return item.order is None or order is None or order == item.order
+    return item.order is None or order is None or order in (item.order, *item.aliases)
 
 
 def on_tooth(entry: Entry, item: Item, limits: Thresholds, *, claim: Entry) -> bool:
