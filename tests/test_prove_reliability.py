@@ -156,6 +156,11 @@ def test_a_background_and_a_jump_are_there_too(tmp_path: Path) -> None:
     jump = truth(tmp_path, {"shape": "jump", "over_limit": 20.0}, kind="unknown")
     assert of(verdict(unexplained=[place(0.8, kind="step")]), jump).forecasts[0].right
     assert not of(verdict(unexplained=[heard]), jump).forecasts[0].right
+    # A tone of no frequency is a course; a stranger of no order may show in the mesh.
+    assert of(verdict(unexplained=[place(0.8, kind="time", hz=0.0)]), jump).forecasts[0].right
+    softens = truth(tmp_path, {"shape": "course", "over_limit": 20.0}, kind="unknown")
+    assert of(verdict(unexplained=[place(0.8, **MESH)]), softens).forecasts[0].right
+    assert not of(verdict(unexplained=[place(0.8, **MESH)]), jump).forecasts[0].right
     # Called a drift, with something unknown beside it.
     drift = claim("thermal_drift") | {"probability": 0.6, "unknown_probability": 0.3}
     assert of(verdict(drift), jump).true == (0.3,)

@@ -74,6 +74,9 @@ def test_an_order_is_part_of_the_name(tmp_path: Path) -> None:
     wrong = claim("undulation", "driving", order=(60, 0.0), amplitude_um=(0.5, 0.01))
     assert score("a", verdict(right), told, LIMITS).items[0].placed
     assert not score("a", verdict(wrong), told, LIMITS).items[0].named
+    # Even samples show 60 and 61 alike where they are aliases, and who tells the lowest of them is right.
+    even = truth(tmp_path, {"physics": "undulation", "gear": 1, "order": 61, "amplitude_um": 0.5, "aliases": [60.0]})
+    assert score("a", verdict(wrong), even, LIMITS).items[0].placed
 
 
 def test_rivals_named_and_look_alikes_named_singly(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def draw_reliability(boards: Sequence[dict[str, Any]], labels: Sequence[str], ta
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.6, 4.2), layout="constrained")
+    figure = Figure(figsize=(7.6, 4.6))
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, kind, title in zip(panels, (NAME, PLACE), ("of a name", "that something is there"), strict=True):
@@ -62,7 +62,9 @@ def draw_reliability(boards: Sequence[dict[str, Any]], labels: Sequence[str], ta
             low = [one["right"]["rate"] - one["right"]["interval_95"][0] for one in some]
             high = [one["right"]["interval_95"][1] - one["right"]["rate"] for one in some]
             colour = COLOURS[k % len(COLOURS)]
-            axes.errorbar(x, y, yerr=[low, high], fmt="o-", ms=4, color=colour, capsize=2, elinewidth=1, label=label)
+            axes.errorbar(
+                x, y, yerr=[low, high], fmt="o-", ms=4, lw=0.8, color=colour, capsize=2, elinewidth=1, label=label
+            )
             for one in some:  # counts of several runs one above the other
                 at = (one["stated"], one["right"]["rate"])
                 shift = (-5, 5 + 9 * k) if one["stated"] > 0.5 else (5, -12 - 9 * k)
@@ -71,11 +73,13 @@ def draw_reliability(boards: Sequence[dict[str, Any]], labels: Sequence[str], ta
                     str(one["right"]["of"]), at, shift, textcoords="offset points", fontsize=7, color=colour, ha=side
                 )
         axes.set_title(f"chance {title}", fontsize=10)
-        axes.set_xlabel("chance stated, mean of a fifth of the range")
+        axes.set_xlabel("chance stated, mean of each bin")
         axes.set_xlim(-0.03, 1.06)
         axes.set_ylim(-0.03, 1.06)
         axes.set_aspect("equal")
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylabel("share that was right (counts beside)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
+    # Square axes and a constrained layout would cut the labels below.
+    figure.subplots_adjust(left=0.08, right=0.98, bottom=0.12, top=0.84, wspace=0.08)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="upper center", ncols=3, frameon=False)
     figure.savefig(target, dpi=130, metadata={"Software": None})

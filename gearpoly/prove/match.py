@@ -21,13 +21,14 @@ def order_of(entry: Entry) -> float | None:
 
 
 def names(entry: Entry, item: Item) -> bool:
-    """Whether an entry of ``missing``, or a rival of one, has the true physics, gear and order."""
+    """Whether an entry of ``missing``, or a rival of one, has the true physics, gear and order, or one of the orders at
+    which the samples show it alike."""
     if entry["physics"] != item.physics:
         return False
     if item.gear is not None and entry.get("gear") != item.gear:
         return False
     order = order_of(entry)
-    return item.order is None or order is None or order == item.order
+    return item.order is None or order is None or order in (item.order, *item.aliases)
 
 
 def on_tooth(entry: Entry, item: Item, limits: Thresholds, *, claim: Entry) -> bool:
@@ -74,7 +75,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
         return True
     if item.hz is not None:
         heard = (item.hz, *item.images_hz)
-        return entry["kind"] == "time" and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
+        return entry["kind"] in TIME and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     for gear, order in _orders(entry, truth):
@@ -84,6 +85,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
     return False
 
 
+TIME = ("time", "tone")
 MESH = ("mesh_order", "mesh_phase", "mesh_curve")
 TOOTH = ("tooth", "tooth_curve")
 
@@ -109,7 +111,7 @@ def at_place(verdict: Entry, place: Item, truth: Truth, limits: Thresholds) -> b
 
 def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:
     """The order of an entry as either shaft counts it."""
-    if entry["kind"] != "shaft_order" or entry.get("order") is None:
+    if entry["kind"] not in ("shaft_order", "tone") or entry.get("order") is None:
         return
     order, (z_1, z_2) = float(entry["order"]), truth.z
     if entry.get("gear") == "driving":

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from gearpoly.prove.match import at_place, names, on_tooth, order_of, reported_set, stands_at
+from gearpoly.prove.match import MESH, TIME, at_place, names, on_tooth, order_of, reported_set, stands_at
 from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import Item, Truth
@@ -22,13 +22,12 @@ NAME, PLACE = "names", "places"
 SLOW = ("course", "step")
 """Kinds of place that have no order and no tooth."""
 
+COURSE = ("drift", "step", "condition")
 WHERE = {
-    "mesh": ("mesh_order", "mesh_phase", "mesh_curve", "condition"),
-    "course": ("drift", "step", "condition"),
-    "step": ("drift", "step", "condition"),
-}
-"""Kinds of entries that are right of a place without order and tooth. To be located any entry is enough there; a chance
-is right only where the entry is."""
+    "mesh": (*MESH, "condition"), "course": COURSE, "step": COURSE, "jump": COURSE, "other": (*MESH, *COURSE),
+}  # fmt: skip
+"""Kinds of entries that are right of a place without order and tooth, of a physics and of a stranger. To be located any
+entry is enough there; a chance is right only where the entry is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,20 +141,31 @@ def _left(entry: Entry, truth: Truth, limits: Thresholds) -> Stated:
 
 def _something_there(entry: Entry, truth: Truth, limits: Thresholds) -> bool:
     alone = {"missing": [], "unexplained": [entry]}
+    # A tone of no frequency is a course over the whole recording.
+    kind = "drift" if entry["kind"] in TIME and entry.get("hz") == 0.0 else entry["kind"]
     for item in (*truth.items, *truth.background):
-        slow = item.order is None and item.hz is None and not item.physics
-        place = "step" if slow else PHYSICS[item.physics].place if item.physics in PHYSICS else ""
-        if place in WHERE:
-            if entry["kind"] in WHERE[place] or _of_all_meshes(entry, place, truth):
+        place = _slow_place(item)
+        if place:
+            if kind in WHERE[place] or _of_all_meshes(entry, place, truth):
                 return True
         elif at_place(alone, place_of(item), truth, limits):
             return True
     return False
 
 
+def _slow_place(item: Item) -> str:
+    """The key in ``WHERE`` of what has neither order nor tooth; empty for all else."""
+    if item.physics:
+        place = PHYSICS[item.physics].place if item.physics in PHYSICS else ""
+        return place if place in WHERE else ""
+    if item.order is not None or item.hz is not None:
+        return ""
+    return "jump" if item.shape == "jump" else "other"
+
+
 def _of_all_meshes(entry: Entry, place: str, truth: Truth) -> bool:
     """Whether a line of a shaft is one of the mesh."""
-    if place != "mesh" or entry["kind"] != "shaft_order" or entry.get("order") is None:
+    if place not in ("mesh", "other") or entry["kind"] != "shaft_order" or entry.get("order") is None:
         return False
     z = truth.z[0 if entry.get("gear") == "driving" else 1]
     meshes = float(entry["order"]) / z

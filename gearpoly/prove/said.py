@@ -68,10 +68,10 @@ def by_length(scores: Sequence[CaseScore], limits: Thresholds) -> dict[str, Any]
 
 
 def time_of(scores: Sequence[CaseScore], limits: Thresholds) -> dict[str, Any]:
-    """Processor seconds by class and by length."""
+    """Processor seconds by class, by length, and of all together."""
     groups: dict[str, list[float]] = {}
     for one in scores:
-        for key in (one.truth.klass, length(one, limits)):
+        for key in (one.truth.klass, length(one, limits), "all"):
             if key is not None and one.seconds is not None:
                 groups.setdefault(key, []).append(one.seconds)
     return {
