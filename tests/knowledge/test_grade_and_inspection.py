@@ -91,7 +91,7 @@ def test_two_teeth_out_of_their_place_are_two_teeth() -> None:
 def test_gears_of_another_pair_get_no_names() -> None:
     """Every tooth differs from its sheet, so each of some faults explains a little; none of them is what is wrong."""
     true, _ = graded(seed=11, pitch_um=3.0, slope_um=1.0)
-    found = verdict(inspected(), record(true, UNLOADED))
+    found = verdict(inspected(), record(true, UNLOADED, cycles=1.0))
     assert not found.missing, found.told
     assert found.json["unexplained"]
 
