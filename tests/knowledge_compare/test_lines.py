@@ -287,3 +287,12 @@ def test_white_noise_at_even_steps_shows_no_line() -> None:
     found = told(pair(), one)
     assert standing(found) == []
     assert found["noise_um"] == pytest.approx(0.3, rel=0.05)
+
+
+def test_an_order_of_which_less_than_a_turn_was_recorded_is_no_order() -> None:
+    """Two thirds of a turn of the slower shaft: its first order is a part of the slow course."""
+    z = (12, 47)
+    true = pair(z, driven={"eccentricity": {"amplitude_um": 6.0, "angle_deg": 80.0}})
+    found = told(pair(z), recorded(drawn(true), meshes=31.0, per_mesh=24))
+    assert [e for e in standing(found) if whole(e, "driven", 1)] == []
+    assert found["noise_um"] == pytest.approx(0.3, rel=0.3)
