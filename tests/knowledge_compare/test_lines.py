@@ -215,7 +215,7 @@ def test_a_runout_of_20_um_brings_nothing_along() -> None:
     assert one["amplitude_um"] == pytest.approx(20.0, abs=0.5)
 
 
-@pytest.mark.xfail(strict=False, reason="today each image about a mesh order is an entry of its own")
+@pytest.mark.xfail(strict=False, reason="today it is not one entry at its own order")
 def test_images_about_the_mesh_are_told_as_one() -> None:
     """A wave on the flanks, as a hobbing machine's wheel leaves it, is seen through contacts that change once a mesh:
     order 19 of 13 teeth comes back at 6, 7 and 32. All of them are one undulation."""

@@ -192,7 +192,7 @@ def test_another_pairs_recording_at_nearly_the_right_ratio_is_told() -> None:
     assert says(found, "17/20")
 
 
-@pytest.mark.xfail(strict=False, reason="today a drift, teeth and mesh orders of this pair are listed beside the ratio")
+@pytest.mark.xfail(strict=False, reason="today teeth or mesh orders of this pair are listed beside the ratio")
 def test_nothing_is_located_in_another_pairs_recording() -> None:
     other = drawn(pair((17, 20), pitch_um=pitches(4, (17, 20))))
     found = told(FILE, recorded(other, meshes=400, per_mesh=8, stated=None, wrapped=False))
