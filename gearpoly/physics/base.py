@@ -178,6 +178,9 @@ class Physics:
     sensible: Callable[[Scope, Place, Values], bool] = lambda scope, place, values: True
     """Whether it is still itself with such values, and not the nearest it has to something else."""
 
+    unsearched: str = ""
+    """Why a diagnosis does not look for it, though a pair file may state it; empty where it does."""
+
     slow: bool = False
     """It goes on over a whole recording and never repeats."""
 

@@ -20,5 +20,10 @@ def table(known: Iterable[Physics]) -> str:
     return "\n".join((*HEAD, *rows))
 
 
+def unsearched(known: Iterable[Physics]) -> str:
+    """A line per physics that a pair file may state and no diagnosis looks for, with the reason."""
+    return "\n".join(f"`{one.name}` is not looked for yet: {one.unsearched}." for one in known if one.unsearched)
+
+
 if __name__ == "__main__":
-    print(table(catalogue().values()))
+    print(table(catalogue().values()), unsearched(catalogue().values()), sep="\n\n")
