@@ -39,8 +39,7 @@ from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.meshing import Meshing, compliance_under
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.physics import catalogue
-from gearpoly.physics.base import Physics
+from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.parts import EncoderErrors, Parts
 from gearpoly.units import GPA, UM, FloatArray, read_only
 
@@ -181,14 +180,9 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
     )
 
 
-def _in_order() -> list[Physics]:
-    """The catalogue in the order in which its physics come in the life of a pair."""
-    return sorted(catalogue().values(), key=lambda one: (one.rank, one.name))
-
-
 def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
     """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven."""
-    return sum((one.shapes(section, gear, which) for one in _in_order()), start=Deviations())
+    return sum((one.shapes(section, gear, which) for one in in_order(catalogue().values())), start=Deviations())
 
 
 def brought_parts(file: PairFile) -> Parts:
@@ -200,7 +194,7 @@ def brought_parts(file: PairFile) -> Parts:
         contact=file.model.contact,
         scale=file.model.compliance_scale,
     )
-    return reduce(lambda parts, one: one.build(file, parts), _in_order(), Parts(elasticity=bends))
+    return reduce(lambda parts, one: one.build(file, parts), in_order(catalogue().values()), Parts(elasticity=bends))
 
 
 @dataclass(frozen=True, kw_only=True)

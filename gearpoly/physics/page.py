@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from gearpoly.physics import catalogue
+from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.base import Physics
 
 HEAD = ("| physics | keys of the pair file | parameters | equation | source |", "| --- | --- | --- | --- | --- |")
@@ -15,7 +15,7 @@ def table(known: Iterable[Physics]) -> str:
     rows = [
         f"| `{one.name}` | `{one.stands}` | {', '.join(f'`{name}`' for name in one.parameters)} | "
         f"{one.equation.replace('|', chr(92) + '|')} | {one.source} |"
-        for one in sorted(known, key=lambda one: (one.rank, one.name))
+        for one in in_order(known)
     ]
     return "\n".join((*HEAD, *rows))
 

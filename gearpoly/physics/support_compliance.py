@@ -35,9 +35,7 @@ def _build(file: PairFile, parts: Parts) -> Parts:
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    # As of shafts that twist, only what changes shows.
-    between = len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)
-    if scope.varied or (scope.counted and between):
+    if scope.torque_changes:
         yield Place()
 
 
