@@ -6,8 +6,8 @@ there is not, and are zero otherwise. Nothing is drawn for an inspected gear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import reduce
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Literal
 
@@ -39,8 +39,7 @@ from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.meshing import Meshing, compliance_under
 from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.shafts import Shafts
-from gearpoly.physics import catalogue
-from gearpoly.physics.base import Physics
+from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.parts import EncoderErrors, Parts
 from gearpoly.units import GPA, UM, FloatArray, read_only
 
@@ -51,7 +50,7 @@ NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 class Assembled:
     """A pair made from a file: ``pair`` itself, how each gear came by its deviations ("ideal", "inspected" or
     "drawn"), and what bends: None where teeth stay rigid. ``shafts`` lie between mesh and encoders, ``encoders`` read
-    the driving and the driven shaft.
+    the driving and the driven shaft, and ``support`` in mm per N.mm of driven torque lets the axes apart.
     """
 
     pair: GearPair
@@ -63,16 +62,35 @@ class Assembled:
     shafts: Shafts = field(default_factory=Shafts)
     encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
 
+    support: float = 0.0
+
     def under(self, condition: Condition) -> Meshing:
-        """The pair as it meshes under ``condition``. Raises ``GeometryError`` for teeth without a width that are to
-        bend, ``OutOfRangeError`` for a material or law that is none."""
+        """The pair as it meshes under ``condition``: shafts and bearings let its axes apart in step with the torque.
+
+        Raises ``GeometryError`` for teeth without a width that are to bend, or that no longer reach each other,
+        ``OutOfRangeError`` for a material or law that is none.
+        """
+        apart = self.support * condition.torque
+        pair = self.pair if apart == 0.0 else _apart(self.pair, apart)
         return Meshing(
-            pair=self.pair,
+            pair=pair,
             condition=condition,
-            compliance=compliance_under(self.pair, self.elasticity, condition),
+            compliance=compliance_under(pair, self.elasticity, condition),
             sharing=self.sharing,
             shafts=self.shafts,
+            support=self.support,
         )
+
+    @property
+    def feels_torque(self) -> bool:
+        """Whether a torque changes anything."""
+        return self.elasticity is not None or not self.shafts.rigid or self.support != 0.0
+
+
+@lru_cache(maxsize=16)
+def _apart(pair: GearPair, more: float) -> GearPair:
+    """The pair with its axes ``more`` mm apart, kept: what was tabulated for a pair is kept by it."""
+    return replace(pair, a=pair.a + more)
 
 
 def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
@@ -158,18 +176,14 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
         sharing=file.model.load_sharing,
         shafts=parts.shafts,
         encoders=parts.encoders,
+        support=parts.support,
     )
-
-
-def _in_order() -> list[Physics]:
-    """The catalogue in the order in which its physics come in the life of a pair."""
-    return sorted(catalogue().values(), key=lambda one: (one.rank, one.name))
 
 
 def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
     """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven, and what they
     have beside all physics."""
-    return sum((one.shapes(section, gear, which) for one in _in_order()), start=_forms(section, gear.z))
+    return sum((one.shapes(section, gear, which) for one in in_order(catalogue().values())), start=_forms(section, gear.z))
 
 
 def _forms(section: GearSection, z: int) -> Deviations:
@@ -194,7 +208,7 @@ def brought_parts(file: PairFile) -> Parts:
         contact=file.model.contact,
         scale=file.model.compliance_scale,
     )
-    return reduce(lambda parts, one: one.build(file, parts), _in_order(), Parts(elasticity=bends))
+    return reduce(lambda parts, one: one.build(file, parts), in_order(catalogue().values()), Parts(elasticity=bends))
 
 
 @dataclass(frozen=True, kw_only=True)

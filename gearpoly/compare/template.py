@@ -239,7 +239,7 @@ def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, b
 def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[Template]:
     """One simulation per recording, by its condition; those of one condition share theirs. Raises what
     ``make_template`` does."""
-    loads = assembled.elasticity is not None or not assembled.shafts.rigid
+    loads = assembled.feels_torque
     swings = assembled.shafts.frequency is not None
     # What a condition changes nothing by does not part two templates.
     keys = [

@@ -35,7 +35,7 @@ class Method:
     @property
     def physics(self) -> list[Physics]:
         """What may be named."""
-        return [one for name, one in catalogue().items() if name not in self.without]
+        return [one for name, one in catalogue().items() if name not in self.without and not one.unsearched]
 
     def noise(self, noise: Noise) -> Noise:
         """The noise as the fit is to see it."""

@@ -16,10 +16,10 @@ from pydantic.fields import FieldInfo
 from gearpoly.keys import sections
 from gearpoly.keys.kinds import Section as Section
 from gearpoly.keys.kinds import field
-from gearpoly.physics import catalogue
+from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.base import Physics
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # keys that physics bring are known at run time only; ``sections.Open`` takes any
     from gearpoly.keys.sections import Encoder as Encoder
     from gearpoly.keys.sections import GearSection as GearSection
     from gearpoly.keys.sections import Inspection as Inspection
@@ -39,7 +39,7 @@ def _with(plain: FieldInfo, annotation: Any, **changes: Any) -> tuple[Any, Field
 
 def completed(known: Iterable[Physics]) -> dict[str, type[Section]]:
     """The tables of a pair file with the keys of these physics, in their order, by the names of their classes."""
-    known = sorted(known, key=lambda one: (one.rank, one.name))
+    known = in_order(known)
 
     def whole(table: str, plain: type[Section], **fields: Any) -> Any:
         brought = [one.keys[table] for one in known if table in one.keys]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -39,13 +40,15 @@ class Met:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Meshing:
     """A ``pair`` as it meshes under ``condition``: the ``compliance`` of its teeth on that flank (None: nothing bends),
-    how pairs share the load, and the ``shafts`` between mesh and encoders."""
+    how pairs share the load, the ``shafts`` between mesh and encoders, and by how much the axes have moved apart,
+    ``support`` in mm per N.mm of torque."""
 
     pair: GearPair
     condition: Condition
     compliance: PairCompliance | None
     sharing: Sharing
     shafts: Shafts
+    support: float = 0.0
 
     @property
     def reach(self) -> float:
@@ -103,7 +106,7 @@ class Meshing:
         if off is None:
             return 0.0
         torque, load = self.condition.torque, met.load
-        twist = off * self.twist
+        twist = off * (self.twist + self.parting)
         if load is None or self.compliance is None:
             return twist
         most = float(np.max(np.abs(off)))
@@ -112,6 +115,13 @@ class Meshing:
             return twist + off * (sense * torque / (load.stiffness * self.pair.r_b2**2))
         gives = giving(met.contacts, self.compliance, load.te, torque=torque, most=most, sharing=self.sharing)
         return twist + gives.by(off)
+
+    @property
+    def parting(self) -> float:
+        """What axes that move apart add to the transmission error to first order, rad: flanks open by
+        da sin(alpha_w) each (ISO 21771:2007, d inv(alpha_w)/da), so the driven side lags on the drive flank."""
+        sense = 1.0 if self.condition.coast else -1.0
+        return sense * self.support * self.condition.torque * math.sin(self.pair.alpha_w) / self.pair.r_b2
 
     @property
     def cycle_te(self) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Iterable
 from functools import cache
 
 from gearpoly.physics.base import Physics
@@ -19,3 +20,8 @@ def catalogue() -> dict[str, Physics]:
     modules = (importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__))
     found = (getattr(module, "PHYSICS", None) for module in modules)
     return {physics.name: physics for physics in found if isinstance(physics, Physics)}
+
+
+def in_order(known: Iterable[Physics]) -> list[Physics]:
+    """Physics in the order in which they come in the life of a pair."""
+    return sorted(known, key=lambda one: (one.rank, one.name))

@@ -70,6 +70,13 @@ class Scope:
         return self.file.model.tooth_deflection and max(self.torques) > 0.0
 
     @property
+    def torque_changes(self) -> bool:
+        """Whether the torque on the shafts changes along a recording, or from one to the next where their means
+        compare: what a steady torque moves steadily has no zero to be seen from."""
+        several = len(set(self.torques)) > 1 or (len(set(self.flanks)) > 1 and max(self.torques) > 0.0)
+        return self.varied or (self.counted and several)
+
+    @property
     def several_speeds(self) -> bool:
         """Whether a resonance was met at more than one speed: measured speeds of one set-up differ a little anyway."""
         known = [speed for speed in self.speeds if speed is not None]
@@ -195,6 +202,9 @@ class Physics:
 
     sensible: Callable[[Scope, Place, Values], bool] = lambda scope, place, values: True
     """Whether it is still itself with such values, and not the nearest it has to something else."""
+
+    unsearched: str = ""
+    """Why a diagnosis does not look for it, though a pair file may state it; empty where it does."""
 
     slow: bool = False
     """It goes on over a whole recording and never repeats."""

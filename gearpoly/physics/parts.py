@@ -37,11 +37,15 @@ class EncoderErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
-    """What a pair file makes of a pair beside its gears, for the driving and the driven gear each: ``eccentricity`` of
-    both, the ``elasticity`` of their teeth, the ``shafts`` between mesh and encoders, and what ``encoders`` read
-    wrong. A physics takes them, and gives them back with what its own keys change."""
+    """What a pair file makes of a pair beside its gears, of the driving and the driven one where there are two.
+
+    ``eccentricity`` of both gears, ``elasticity`` of their teeth, the ``shafts`` between mesh and encoders, what
+    ``encoders`` read wrong, and by how much shafts and bearings let the axes apart: ``support`` in mm per N.mm of
+    driven torque. A physics takes them, and gives them back with what its own keys change.
+    """
 
     elasticity: Elasticity
     eccentricity: tuple[Eccentricity, Eccentricity] = ((0.0, 0.0), (0.0, 0.0))
     shafts: Shafts = field(default_factory=Shafts)
     encoders: tuple[EncoderErrors, EncoderErrors] = (EncoderErrors(), EncoderErrors())
+    support: float = 0.0

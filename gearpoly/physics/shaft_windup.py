@@ -33,9 +33,7 @@ def _build(file: PairFile, parts: Parts) -> Parts:
 
 
 def _places(scope: Scope) -> Iterable[Place]:
-    # Only what changes shows, along a recording or from one to the next: a steady one has no zero to compare with.
-    between = len(set(scope.torques)) > 1 or (len(set(scope.flanks)) > 1 and max(scope.torques) > 0.0)
-    if scope.varied or (scope.counted and between):
+    if scope.torque_changes:
         yield Place()
 
 
