@@ -45,6 +45,13 @@ def test_every_encoding_and_line_end(tmp_path: Path, encoding: str, end: str) ->
     assert any('"Winkel Antrieb [°]" taken for driving_angle_deg' in remark for remark in recording.remarks)
 
 
+def test_one_byte_a_character_is_that_of_western_windows(tmp_path: Path) -> None:
+    """è and Ø are č and Ř in the table of the east, which shares the degree sign and the umlauts."""
+    names = (*GERMAN[:3], "Pièce Ø")
+    recording = read_recording(written(tmp_path, table(list(RUN.values()), names), encoding="cp1252"))
+    assert any(remark.endswith("no columns of a recording: Pièce Ø") for remark in recording.remarks)
+
+
 @pytest.mark.parametrize(
     "names",
     [
