@@ -45,6 +45,13 @@ def test_every_encoding_and_line_end(tmp_path: Path, encoding: str, end: str) ->
     assert any('"Winkel Antrieb [°]" taken for driving_angle_deg' in remark for remark in recording.remarks)
 
 
+def test_one_byte_a_character_is_that_of_western_windows(tmp_path: Path) -> None:
+    """è and Ø are č and Ř in the table of the east, which shares the degree sign and the umlauts."""
+    names = (*GERMAN[:3], "Pièce Ø")
+    recording = read_recording(written(tmp_path, table(list(RUN.values()), names), encoding="cp1252"))
+    assert any(remark.endswith("no columns of a recording: Pièce Ø") for remark in recording.remarks)
+
+
 @pytest.mark.parametrize(
     "names",
     [
@@ -131,6 +138,14 @@ def test_a_number_of_two_meanings_is_asked_for(tmp_path: Path) -> None:
     assert other.driving_angle_rad[0] == pytest.approx(100000.0 * DEGREE, rel=1e-15)
 
 
+@pytest.mark.parametrize("digits", [1, 2, 4, 5])
+def test_other_than_three_digits_after_a_mark_are_decimals(tmp_path: Path, digits: int) -> None:
+    step = np.arange(600)
+    text = table([100.0 + 0.9 * step, 150.0 + 0.648 * step], GERMAN[1:3], digits=digits)
+    recording = read_recording(written(tmp_path, text))
+    same(recording.driving_angle_rad, (100.0 + 0.9 * step) * DEGREE, half=0.5 * 10.0**-digits * DEGREE)
+
+
 def test_an_angle_that_begins_again_after_one_turn_settles_it(tmp_path: Path) -> None:
     recording = read_recording(ambiguous(tmp_path, wraps=True))
     assert recording.driving_angle_rad is not None
@@ -174,6 +189,18 @@ def test_time_stamps_become_seconds(tmp_path: Path, kind: str) -> None:
     recording = read_recording(written(tmp_path, text))
     # Milliseconds after a day's seconds: the last place of 8.6e4 s in double precision is 1.5e-11 s.
     same(recording.time_s, RUN["time_s"][keep], half=2e-11)
+
+
+def test_zones_of_stamps_count(tmp_path: Path) -> None:
+    """The clock is set an hour forward at the end of winter, and its zone with it: no second is lost."""
+    stamps = [f"2026-03-29T01:59:{k:02d}+01:00" for k in range(60)] + [
+        f"2026-03-29T03:00:{k:02d}+02:00" for k in range(60)
+    ]
+    rows = [f"{stamp};{7.5 * k};{5.4 * k}" for k, stamp in enumerate(stamps)]
+    recording = read_recording(
+        written(tmp_path, "\n".join(["Zeit;Winkel Antrieb [°];Winkel Abtrieb [°]", *rows]) + "\n")
+    )
+    same(recording.time_s, np.arange(120.0), half=0.0)
 
 
 def stamped(folder: Path, dates: list[str], *, name: str = "Datum") -> Path:
@@ -231,6 +258,19 @@ def test_several_recordings_in_a_file_are_each_its_own(tmp_path: Path) -> None:
 
 def test_own_files_strung_together_are_each_a_recording(tmp_path: Path) -> None:
     assert [one.size for one in read_recordings(written(tmp_path, own(RUN) + own(run(800))))] == [1500, 800]
+
+
+def test_own_names_beside_others(tmp_path: Path) -> None:
+    """A column that is unlike any is left out, or taken where it is sure; one that is nearly one of ours is a slip."""
+    held = [*list(RUN.values())[:3], RUN["torque_nm"]]
+    for name, torque in (("Temperatur", False), ("Drehmoment Abtrieb [Nm]", True)):
+        text = table(held, [*OWN[:3], name], separator=",", decimal=".")
+        recording = read_recording(written(tmp_path, text))
+        check(recording, torque=torque)
+        assert (recording.torque_samples_nm is not None) == torque
+        assert any(name in remark for remark in recording.remarks)
+    with pytest.raises(InputFileError, match='nearest known column is "torque_nm"'):
+        read_recording(written(tmp_path, table(held, [*OWN[:3], "torque"], separator=",", decimal=".")))
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "cp1252"])

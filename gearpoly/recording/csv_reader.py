@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from array import array
 from pathlib import Path
 from typing import TextIO
@@ -18,6 +19,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import (
     check_file,
     check_header,
+    nearest,
     not_utf8,
     parse_number,
     shorten,
@@ -26,6 +28,7 @@ from gearpoly.files.traces import (
 )
 from gearpoly.recording.comments import read_comment
 from gearpoly.recording.reader import (
+    NAME_CUTOFF,
     RECORDING_LIMIT_BYTES,
     Reader,
     check_few,
@@ -59,7 +62,8 @@ def read_csv(path: Path | str) -> Recording:
 def read_tables(file: Path, writing: Writing) -> list[Table]:
     """The recordings of a text file: the contract's own CSV by its plain path, any other as its logger wrote it.
 
-    A file whose header has the contract's names is held to its rules, unless all that differs is how it is written.
+    A file whose header has the contract's names is held to its rules, unless all that differs is how it is written, and
+    columns under names unlike any of the contract.
     Raises ``InputFileError`` with the line at fault.
     """
     if writing != Writing():
@@ -73,13 +77,25 @@ def read_tables(file: Path, writing: Writing) -> list[Table]:
         try:
             tables = read_foreign(file, writing, footer=False)
             for table in tables:
-                check_complete(file, "", table.others)
+                _check_names(file, table)
         except InputFileError:
             raise fault from None
-        known = {*COLUMNS, *PASSED_OVER}
-        if any(table.doubts or not known.issuperset(table.others) for table in tables):
+        if any(table.doubts for table in tables):
             raise
         return tables
+
+
+def _check_names(file: Path, table: Table) -> None:
+    """Raise ``InputFileError`` where names of a table are nearly the contract's, or all are and do not suffice."""
+    known = (*COLUMNS, *PASSED_OVER)
+    others = [name for name in table.others if name not in known]
+    for name in others:
+        if re.fullmatch(r"column \d+", name):
+            raise InputFileError(file, found=f"{name} has no name", wish="want a name for every column")
+        if close := nearest(name, known, cutoff=NAME_CUTOFF):
+            raise InputFileError(file, found=f'unknown column "{shorten(name)}"', wish=f'the nearest is "{close}"')
+    if not others:
+        check_complete(file, "", table.others)
 
 
 def _is_own(file: Path) -> bool:

@@ -90,8 +90,6 @@ WRAP_TOLERANCE = 0.01
 """Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
 a tenth apart."""
 
-LEAST_WRAPS = 1
-
 NAME_LIMIT = 200
 """Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
@@ -279,7 +277,7 @@ def wrapped_unit(values: FloatArray) -> Unit | None:
     steps = np.diff(held)
     span = float(np.ptp(held))
     jumps = steps[np.abs(steps) > 0.5 * span]
-    if not LEAST_WRAPS <= jumps.size <= held.size // 4:
+    if not 1 <= jumps.size <= held.size // 4:
         return None
     usual = float(np.median(np.abs(steps)))
     modulus = float(np.median(np.abs(jumps))) + usual

@@ -26,11 +26,11 @@ from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is
 from gearpoly.recording.text.writing import Writing
 from gearpoly.units import FloatArray
 
-SAMPLE_ROWS = 5000
-"""Rows whose cells are looked at first for the decimal mark; one cell may settle it."""
+SAMPLE_CELLS = 20_000
+"""Cells that are looked at first for the decimal mark; one may settle it."""
 
-CHUNK_ROWS = 20_000
-"""Rows that are held as text at a time: 60 bytes a cell."""
+CHUNK_CELLS = 100_000
+"""Cells that are held as text at a time."""
 
 CELL_BYTES = 80
 """Memory of one cell as text, beside its line."""
@@ -60,7 +60,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     separator = writing.separator or find_separator(file, lines)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
-    check_numbers(file, columns, beside=CELL_BYTES * CHUNK_ROWS * max(len(one.names) for one in blocks))
+    check_numbers(file, columns)
     shared = _keys(file, lines, blocks[0])
     tables = []
     for block in blocks:
@@ -110,10 +110,6 @@ class _Part:
         ]
         return list(zip(*cells, strict=True))
 
-    def column(self, k: int) -> list[str]:
-        """All cells of one column."""
-        return [split(self.lines[row], self.separator)[k] for row in self.rows]
-
     def bad(self, k: int, row: int, cell: str, wish: str) -> InputFileError:
         """The error for a cell of column ``k`` in a row, both from 0."""
         where = f"line {row + 1}, column {self.block.names[k]}"
@@ -124,12 +120,13 @@ def _table(file: Path, lines: Sequence[str], block: Block, separator: str, writi
     table = Table(columns={}, keys={})
     rows = [k for k in range(block.rows[0] - 1, block.rows[1] - 1) if lines[k] and not lines[k].isspace()]
     part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing, rows=rows)
-    few = rows if len(rows) <= SAMPLE_ROWS else [*rows[: SAMPLE_ROWS // 2], *rows[-SAMPLE_ROWS // 2 :]]
-    sample = part.cells(few)
+    half = max(1, SAMPLE_CELLS // len(block.names) // 2)
+    sample = part.cells(rows if len(rows) <= 2 * half else [*rows[:half], *rows[-half:]])
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
-    series = _numbers(part, marks, leave=stamped)
-    series.update(_times(part, stamped, sample, table))
+    check_numbers(file, 0, beside=CELL_BYTES * len(rows) * len(stamped))
+    series, texts = _columns(part, marks, stamped)
+    series.update(_times(part, texts, table))
     for k, name in enumerate(block.names):
         if k not in series or (name == f"column {k + 1}" and not np.isfinite(series[k]).any()):
             continue  # a date whose time stands beside it; rows that end in a separator
@@ -140,30 +137,33 @@ def _table(file: Path, lines: Sequence[str], block: Block, separator: str, writi
     return table
 
 
-def _numbers(part: _Part, marks: Marks, *, leave: Sequence[int]) -> dict[int, FloatArray]:
-    """The numbers (n,) of every column but those to ``leave``, by its number from 0."""
-    read: dict[int, list[FloatArray]] = {k: [] for k in range(len(part.block.names)) if k not in leave}
+def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
+    """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps."""
+    texts: dict[int, list[str]] = {k: [] for k in stamped}
+    read: dict[int, list[FloatArray]] = {k: [] for k in range(len(part.block.names)) if k not in texts}
+    chunk = max(1, CHUNK_CELLS // len(part.block.names))
     wish = f'want a finite number with the decimal mark "{marks.decimal}" ({marks.why}), or an empty cell'
-    for begin in range(0, len(part.rows), CHUNK_ROWS):
-        rows = part.rows[begin : begin + CHUNK_ROWS]
+    for begin in range(0, len(part.rows), chunk):
+        rows = part.rows[begin : begin + chunk]
         cells = part.cells(rows)
+        for k, stamps in texts.items():
+            stamps.extend(cells[k])
         for k, held in read.items():
             try:
                 held.append(marks.values(cells[k]))
             except BadCellError as bad:
                 raise part.bad(k, rows[bad.at], cells[k][bad.at], wish) from None
-    return {k: np.concatenate(held) for k, held in read.items()}
+    return {k: np.concatenate(held) for k, held in read.items()}, texts
 
 
-def _times(part: _Part, stamped: Sequence[int], sample: Sequence[Sequence[str]], table: Table) -> dict[int, FloatArray]:
+def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
     """Seconds (n,) of every column of time stamps; a column of dates beside one of times says their days."""
-    dates = next((k for k in stamped if _all(sample[k], is_date_alone)), None) if len(stamped) > 1 else None
-    days = None if dates is None else part.column(dates)
+    dates = next((k for k, cells in texts.items() if _all(cells, is_date_alone)), None) if len(texts) > 1 else None
+    days = None if dates is None else texts[dates]
     out: dict[int, FloatArray] = {}
-    for k in stamped:
+    for k, cells in texts.items():
         if k == dates:
             continue
-        cells = part.column(k)
         order = _order(part, cells if days is None else days, table)
         try:
             out[k] = seconds(cells, order=order, dates=days)
@@ -187,7 +187,7 @@ def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int],
     """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
     if part.writing.decimal:
         return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
-    quoted = any('"' in part.lines[k] for k in part.rows[:SAMPLE_ROWS])
+    quoted = any('"' in part.lines[k] for k in part.rows)
     cells = [sample[k] for k in numbers]
     found = marks_proved(cells, separator=part.separator, quoted=quoted)
     if found is None and cells and len(part.rows) > len(cells[0]):
