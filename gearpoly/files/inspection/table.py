@@ -110,21 +110,28 @@ def _meaning(head: str) -> tuple[str, Side | None]:
     return "", side
 
 
+def _stated(column: str) -> tuple[str, Side | None]:
+    """What a map says that a column holds, and of which side."""
+    stem, _, tail = column.rpartition("_")
+    return (stem, SIDE[tail]) if tail in SIDES else (column, None)
+
+
 def _meanings(
     file: Path, line: int, heads: list[str], layout: SheetMap
 ) -> tuple[list[tuple[str, Side | None]], list[float], list[str]]:
     """What each column holds, its size in um, and what was taken without being stated."""
     meanings: list[tuple[str, Side | None]] = []
     factors, says = [], []
+    named = {_stated(stated) for head, stated in layout.columns.items() if head in heads}
     for k, head in enumerate(heads, start=1):
         stated = layout.columns.get(head)
         if stated is not None:
-            stem, _, tail = stated.rpartition("_")
-            meaning, side = (stem, SIDE[tail]) if tail in SIDES else (stated, None)
-        elif layout.columns:
-            meaning, side = "ignored", None
+            meaning, side = _stated(stated)
         else:
             meaning, side = _meaning(head)
+            # A map speaks of the columns that it names; what it leaves out may go unread, but is not doubled.
+            if layout.columns and (not meaning or (meaning, side) in named):
+                meaning, side = "ignored", None
         if not meaning:
             wish = (
                 f'say in a file that --map names what it holds: [columns] "{shown(head)}" = "ignored", or another word'
