@@ -34,7 +34,7 @@ class CountChoice(StrEnum):
 
 def pair(
     target: Annotated[
-        Path | None, typer.Argument(metavar="[PAIR]", help="With --from: the pair file to write, or to complete.")
+        Path | None, typer.Argument(metavar="PAIR", help="With --from: the pair file to write, or to complete.")
     ] = None,
     new: Annotated[Path | None, typer.Option(help="Write a commented pair file that runs as it stands (TOML).")] = None,
     sheet: Annotated[
