@@ -183,7 +183,8 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
 def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
     """What every physics in the file makes of the flanks of a gear, the driving one (0) or the driven, and what they
     have beside all physics."""
-    return sum((one.shapes(section, gear, which) for one in in_order(catalogue().values())), start=_forms(section, gear.z))
+    known = in_order(catalogue().values())
+    return sum((one.shapes(section, gear, which) for one in known), start=_forms(section, gear.z))
 
 
 def _forms(section: GearSection, z: int) -> Deviations:

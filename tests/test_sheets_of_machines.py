@@ -369,6 +369,45 @@ def test_faults_of_a_table(gearpoly_command: Command, tmp_path: Path, text: str,
 
 
 @pytest.mark.parametrize(
+    ("text", "layout"),
+    [
+        ("tooth,fp left,colour\n", '[columns]\n"colour" = "ignored"\n'),
+        ("tooth,fp,_\n", '[columns]\nfp = "single_pitch_left"\n'),
+        ("tooth,fp left,fp links\n", '[columns]\n"fp links" = "ignored"\n'),
+        ("tooth,fp left,Fp left\n", '[columns]\n"Fp left" = "ignored"\n'),
+    ],
+)
+def test_a_map_cures_what_a_head_leaves_open(gearpoly_command: Command, tmp_path: Path, text: str, layout: str) -> None:
+    """As the refusal says, and no more than that."""
+    rows = "".join(f"{n},{value},{7 * n}\n" for n, value in enumerate((1.0, -1.0, 2.0, -2.0, 0.0), start=1))
+    gear = "[gear]\nmodule_mm = 2\n"
+    file, sheet, chart = tmp_path / "p.toml", written(tmp_path, text + rows), tmp_path / "map.toml"
+    base = ("pair", "--from", sheet, file, "--as", "driving", "--flank", "left", "--count", "clockwise", "--map", chart)
+    chart.write_text(gear, encoding="utf-8")
+    assert gearpoly_command(*base).code == 2
+    chart.write_text(gear + layout, encoding="utf-8")
+    ran = gearpoly_command(*base)
+    assert ran.code == 0, ran.err
+    assert "single_pitch_um = [1.0, -1.0, 2.0, -2.0, 0.0]" in file.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("label", "key"),
+    [("Zähnezahl", "teeth = 17"), ("Normalmodul", "module_mm = 2.0"), ("Eingriffswinkel", "pressure_angle_deg = 20.0")],
+)
+def test_a_map_cures_what_a_header_lacks(gearpoly_command: Command, tmp_path: Path, label: str, key: str) -> None:
+    text = mka(plain()).replace(label, "Sonst")
+    said = refusal(gearpoly_command, tmp_path, text)
+    assert key.partition(" ")[0] in said and "--map" in said
+    chart, file = tmp_path / "map.toml", tmp_path / "p.toml"
+    chart.write_text(f"[gear]\n{key}\n", encoding="utf-8")
+    ran = gearpoly_command(
+        "pair", "--from", tmp_path / "sheet.mka", file, "--as", "driving", "--flank", "left", "--map", chart
+    )
+    assert ran.code == 0, ran.err
+
+
+@pytest.mark.parametrize(
     ("text", "word"),
     [
         ("count = 'up'\n", "'clockwise' or 'counterclockwise'"),

@@ -50,7 +50,7 @@ COMMAND = NamesNothing
 def pair(
     target: Annotated[
         Path | None,
-        typer.Argument(metavar="[PAIR]", help="With --from or --mount: the pair file to write."),
+        typer.Argument(metavar="PAIR", help="With --from or --mount: the pair file to write or to complete."),
     ] = None,
     new: Annotated[Path | None, typer.Option(help="Write a commented pair file that runs as it stands (TOML).")] = None,
     sheet: Annotated[

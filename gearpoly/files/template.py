@@ -22,7 +22,7 @@ torque_nm = 0.0                   # on the driven (output) shaft
 
 GEAR = """[{gear}]
 teeth = {teeth}
-module_mm = 2.0
+module_mm = 2.0                   # or diametral_pitch = 12.7, teeth per inch
 # pressure_angle_deg = 20.0
 # addendum = 1.0                  # times the module, as dedendum and root_radius
 # dedendum = 1.25

@@ -60,9 +60,8 @@ def gear_header(export: Export, known: Mapping[str, float]) -> dict[str, float]:
 
 def _agree(file: Path, key: str, found: float | None, stated: float) -> None:
     if found is not None and abs(found - stated) > 1e-3 * max(abs(stated), 0.1):
-        raise InputFileError(
-            file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish="want one gear"
-        )
+        wish = f"want one gear: correct {key} in the pair file or the map, or name another sheet"
+        raise InputFileError(file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish=wish)
 
 
 def _found(export: Export) -> dict[str, float]:

@@ -26,6 +26,12 @@ UNDEFINED = -2147483.648
 MOST_POINTS = 100_000
 """Points of one curve; machines write 480."""
 
+LABEL_LIMIT = 200
+"""Characters of a label that are looked at; theirs have 70."""
+
+FIELDS_LIMIT = 10_000
+"""Lines ``label: value`` of a header, all of which are searched for each quantity; machines write 432 at most."""
+
 SIDE: dict[str, Side] = {
     "links": "left", "linke": "left", "left": "left", "l": "left",
     "rechts": "right", "rechte": "right", "right": "right", "r": "right",
@@ -35,7 +41,6 @@ PREAMBLE = ("TYPE", "VERSION", "SEPARATOR", "UNITS", "ANGLE", "PROFILE", "LANGUA
 """Keys of the lines ``KEY value ! comment`` at the top."""
 
 _HEADER = re.compile(r"HEADER\s+KS\.(MK|MW)\.FILE\b")
-_RESULT = re.compile(r"(\d{5})\s*:\s*(.+?)\s*:\s*(\S+)")
 _CURVE = re.compile(
     r"(?:(?P<title>[^\W\d_]+)\s*:\s*)?(?:Zahn-?\s?Nr|Tooth[- ]?No)\.?\s*:?\s*(?P<tooth>\d{1,6})\s*(?P<letter>[a-z]?)\s*"
     r"(?P<twist>/\s*[^\W\d_]+\s*:\s*\d+\s*)?(?P<side>links|rechts|left|right)\s*/\s*(?P<count>\d{1,9})\s*"
@@ -161,8 +166,8 @@ class _Lines:
             self.table(SIDE[table[1].lower()])
         elif _PROBES.fullmatch(line) and self.probe_head():
             self.probes()
-        elif result := _RESULT.fullmatch(line):
-            self.out.results.append(Field(label=_label(result[2]), value=result[3], line=self.at))
+        elif result := _result(line):
+            self.out.results.append(Field(label=_label(result[0]), value=result[1], line=self.at))
         elif title := _TITLE.fullmatch(line):
             self.title = title[1].lower()
         else:
@@ -175,7 +180,10 @@ class _Lines:
         if key.rstrip(":") in PREAMBLE:
             self.out.preamble[key.rstrip(":")] = rest.strip()
             return True
-        if found := _FIELD.fullmatch(line):
+        # Without a colon the pattern would try every letter of a long line in vain.
+        if ":" in line and (found := _FIELD.fullmatch(line)):
+            if len(self.out.fields) == FIELDS_LIMIT:
+                raise self.fault("a header without end", f"want at most {FIELDS_LIMIT} lines of it; export it again")
             self.out.fields.append(Field(label=_label(found["label"]), value=found["value"].strip(), line=self.at))
             self.title = ""
             return True
@@ -270,6 +278,15 @@ class _Lines:
             self.out.probes.append(Probe(tooth=int(tokens[0]), side=SIDE[tokens[1].lower()], phi=phi, x=x, y=y))
 
 
+def _result(line: str) -> tuple[str, str] | None:
+    """Label and value of a line ``12345 : label : value``, or None."""
+    code, _, rest = line.partition(":")
+    label, colon, value = rest.rpartition(":")
+    if not colon or len(code.strip()) != 5 or not code.strip().isdecimal() or len(value.split()) != 1:
+        return None
+    return label, value.strip()
+
+
 def _label(text: str) -> str:
-    """A label without the dots that lead to its value."""
-    return " ".join(re.sub(r"\.{2,}", " ", text).strip(" .").split())
+    """A label without the dots that lead to its value, as far as labels go."""
+    return " ".join(re.sub(r"\.{2,}", " ", text[:LABEL_LIMIT]).strip(" .").split())

@@ -34,6 +34,9 @@ HEADS = (
 )
 """What a head means by how it begins; f_p and F_p differ by their case alone."""
 
+HEAD_LIMIT = 200
+"""Characters of a head that are looked at: each costs time as the square of them."""
+
 SIGNED = ("single_pitch", "cumulative_pitch", "profile_slope", "profile_crowning")
 
 
@@ -98,7 +101,7 @@ def _head(file: Path, rows: list[tuple[int, list[str]]], layout: SheetMap) -> tu
 
 def _meaning(head: str) -> tuple[str, Side | None]:
     """What a head holds ("" where it says nothing known), and of which side."""
-    text = re.sub(r"[\[(].*?[\])]", " ", head).strip(" .:")
+    text = re.sub(r"[\[(].*?[\])]", " ", head[:HEAD_LIMIT]).strip(" .:")
     words = [word for word in re.split(r"[\s_./-]+", text) if word]
     side = next((SIDE[word.lower()] for word in words if word.lower() in SIDE), None)
     plain = " ".join(word for word in re.split(r"\s+", text) if word.lower().strip(".,") not in SIDE)
@@ -110,21 +113,28 @@ def _meaning(head: str) -> tuple[str, Side | None]:
     return "", side
 
 
+def _stated(column: str) -> tuple[str, Side | None]:
+    """What a map says that a column holds, and of which side."""
+    stem, _, tail = column.rpartition("_")
+    return (stem, SIDE[tail]) if tail in SIDES else (column, None)
+
+
 def _meanings(
     file: Path, line: int, heads: list[str], layout: SheetMap
 ) -> tuple[list[tuple[str, Side | None]], list[float], list[str]]:
     """What each column holds, its size in um, and what was taken without being stated."""
     meanings: list[tuple[str, Side | None]] = []
     factors, says = [], []
+    named = {_stated(stated) for head, stated in layout.columns.items() if head in heads}
     for k, head in enumerate(heads, start=1):
         stated = layout.columns.get(head)
         if stated is not None:
-            stem, _, tail = stated.rpartition("_")
-            meaning, side = (stem, SIDE[tail]) if tail in SIDES else (stated, None)
-        elif layout.columns:
-            meaning, side = "ignored", None
+            meaning, side = _stated(stated)
         else:
             meaning, side = _meaning(head)
+            # A map speaks of the columns that it names; what it leaves out may go unread, but is not doubled.
+            if layout.columns and (not meaning or (meaning, side) in named):
+                meaning, side = "ignored", None
         if not meaning:
             wish = (
                 f'say in a file that --map names what it holds: [columns] "{shown(head)}" = "ignored", or another word'
@@ -133,7 +143,7 @@ def _meanings(
         if (meaning, side) in meanings and meaning != "ignored":
             wish = 'want each once; state [columns] in a file that --map names, and "ignored" for the others'
             raise InputFileError(file, where=f"line {line}, column {k}", found=f'"{shown(head)}" again', wish=wish)
-        unit = re.search(r"[\[(]\s*(.*?)\s*[\])]", head)
+        unit = re.search(r"[\[(]\s*(.*?)\s*[\])]", head[:HEAD_LIMIT])
         known = {"um": 1.0, "µm": 1.0, "μm": 1.0, "mm": 1e3, "mum": 1.0}
         measured = meaning not in ("tooth", "flank", "ignored")
         if measured and unit is not None and unit[1] not in known:

@@ -76,20 +76,19 @@ def write_design(source: Path, target: Path, *, stage: int | None, first: Which 
 
 def stages(model: Model) -> list[Stage]:
     """The cylindrical stages of a model whose two gears are known."""
+    gears: dict[int, list[int]] = {}
+    for relation in model.relations:
+        stage, gear = relation.role("stage"), relation.role("gear")
+        if relation.type == "stage_gear_data" and stage is not None and gear is not None:
+            gears.setdefault(stage, []).append(gear)
+    for relation in model.relations:
+        stage, *both = (relation.role(role) for role in ("stage", "gear_1", "gear_2"))
+        if relation.type == "stage" and stage is not None:
+            gears[stage] = [gear for gear in both if gear is not None]  # which of them is the first is said here
     out = []
     for one in model.components.values():
-        if one.type != "cylindrical_stage":
-            continue
-        gears = next(
-            (
-                [relation.role("gear_1"), relation.role("gear_2")]
-                for relation in model.relations
-                if relation.type == "stage" and relation.role("stage") == one.id
-            ),
-            [r.role("gear") for r in model.relations if r.type == "stage_gear_data" and r.role("stage") == one.id],
-        )
-        pair = [model.components[gear] for gear in gears if gear is not None]
-        if len(pair) == 2:
+        pair = [model.components[gear] for gear in gears.get(one.id, [])]
+        if one.type == "cylindrical_stage" and len(pair) == 2:
             out.append(Stage(stage=one, gears=(pair[0], pair[1])))
     return out
 
