@@ -106,6 +106,7 @@ def test_a_pair_file_holds_any_number_of_parts(tmp_path: Path) -> None:
         ('name = "motor"\nturns_per_driven = 0', "turns_per_driven"),
         ('name = "motor"\nturns_per_driven = 1\nteeth = 0', "teeth"),
         ("turns_per_driven = 1", "name"),
+        ('name = ""\nturns_per_driven = 1', "name"),
         ('name = "motor"\nturns_per_drivin = 1', "turns_per_driving"),
     ],
 )

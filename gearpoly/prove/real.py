@@ -13,7 +13,7 @@ import numpy as np
 
 from gearpoly.errors import GearpolyError, InputFileError, shown
 from gearpoly.files.pairfile import read_pair
-from gearpoly.files.paths import is_file, is_folder
+from gearpoly.files.paths import is_file, is_folder, parted
 from gearpoly.files.traces import read_text
 from gearpoly.physics import catalogue
 from gearpoly.prove import diagnoser as diagnosers
@@ -118,7 +118,7 @@ def read_judgement(path: Path) -> Judgement:
     if not recordings:
         raise InputFileError(path, where="recordings", found="none", wish='want names of files, as ["log.txt"]')
     for one in (pair, *recordings):
-        if not is_file(one):
+        if not is_file(parted(one)[0]):
             raise InputFileError(one, found="there is no such file", wish=f"named in {path.name}; put it there")
     name = path.name.removesuffix(ENDING)
     case = CaseFiles(name=name, pair=pair, recordings=recordings, truth=path)
