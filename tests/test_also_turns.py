@@ -11,6 +11,7 @@ import pytest
 
 from gearpoly.compare.also_turns import with_parts
 from gearpoly.compare.entries import Entry, says
+from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.errors import InputFileError
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.keys.also_turns import Part, lines_at, parts_of
@@ -107,6 +108,7 @@ def test_a_pair_file_holds_any_number_of_parts(tmp_path: Path) -> None:
         ('name = "motor"\nturns_per_driven = 0', "turns_per_driven"),
         ('name = "motor"\nturns_per_driven = 1\nteeth = 0', "teeth"),
         ("turns_per_driven = 1", "name"),
+        ('name = ""\nturns_per_driven = 1', "name"),
         ('name = "motor"\nturns_per_drivin = 1', "turns_per_driving"),
     ],
 )
@@ -134,6 +136,14 @@ def test_no_wave_at_a_part_s_order_is_named_of_this_pair_alone() -> None:
     assert not beside.shows(Place(gear=1), once=True)
     assert beside.shows(Place(gear=0), once=True)
     assert beside.shows(Place(gear=1, tooth=3))
+
+
+def test_a_whole_order_of_a_part_is_fitted_beside_everything() -> None:
+    """Barred from names alone it would be made up of spalls and reliefs, as it was for a wheel of 13 teeth."""
+    plain = wave(gear="driving", order=13.0)
+    assert not is_foreign(plain)
+    assert is_foreign(replace(plain, parts=("the wheel's mesh",)))
+    assert not is_foreign(wave(kind="mesh_order", order=1.0, parts=("the wheel's mesh",)))
 
 
 def test_compare_tells_a_line_with_its_part(tmp_path: Path, gearpoly_command: Command) -> None:

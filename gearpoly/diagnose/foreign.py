@@ -184,12 +184,15 @@ def jumps(comparison: Comparison) -> list[list[int]]:
 
 
 def is_foreign(entry: Entry) -> bool:
-    """Whether an entry is a wave that no gear pair and no encoder makes, or a jump."""
+    """Whether an entry is a wave that no gear pair and no encoder makes, or a jump; or one at a whole order where
+    another part of the drive has a line too: left to the pair alone it would be made up of teeth and reliefs."""
     if entry.companion_of is not None or entry.burst is not None:
         return False
     if entry.kind == "time":
         return bool(entry.hz) or entry.moment is not None
-    return entry.kind == "shaft_order" and entry.order is not None and not float(entry.order).is_integer()
+    if entry.kind != "shaft_order" or entry.order is None:
+        return False
+    return not float(entry.order).is_integer() or bool(entry.parts)
 
 
 def found_alone(waves: Sequence[Sequence[int]], foreign: slice) -> list[list[int]]:

@@ -226,7 +226,7 @@ class WormSection(Section):
 class AlsoTurns(Section):
     """Another part of the drive that turns in a known ratio: a motor, a belt, a further stage, a bearing."""
 
-    name: Name = Field(description="name of the part in quotes")
+    name: Name = Field(min_length=1, description="name of the part in quotes")
     turns_per_driving: float | None = field(
         "its turns for one of the driving gear, above 0; or turns_per_driven", gt=0.0, le=1e6
     )

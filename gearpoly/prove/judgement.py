@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gearpoly.errors import InputFileError, shown
-from gearpoly.files.paths import is_file
+from gearpoly.files.paths import is_file, parted
 from gearpoly.files.traces import read_text
 from gearpoly.physics import catalogue
 from gearpoly.prove.cases import CaseFiles
@@ -80,7 +80,7 @@ def read_judgement(path: Path) -> Judgement:
     if not recordings:
         raise InputFileError(path, where="recordings", found="none", wish='want names of files, as ["log.txt"]')
     for one in (pair, *recordings):
-        if not is_file(one):
+        if not is_file(parted(one)[0]):
             raise InputFileError(one, found="there is no such file", wish=f"named in {path.name}; put it there")
     name = path.name.removesuffix(ENDING)
     case = CaseFiles(name=name, pair=pair, recordings=recordings, truth=path)
