@@ -63,7 +63,8 @@ def judge(
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
-    mine = trial.log_evidence(_standing(trial, claim, linear, k, wider, effect))
+    ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
+    mine = trial.either_form(ways)
     if without is not None:
         mine += 0.5 * max(0.0, without - gain) / trial.heat
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
@@ -72,7 +73,8 @@ def judge(
         found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.heat)
     # Look-alikes are drawn to first order, so the claim is too where it is weighed against them.
     flat = replace(trial, plain=bare.system.without(trial.dropped))
-    ahead = mine - flat.log_evidence(flat.sized(claim, columns, effect)) if claim.simulated else 0.0
+    plainly = (flat.sized(claim, columns, effect, loose=loose) for loose in (False, True))
+    ahead = mine - flat.either_form(plainly) if claim.simulated else 0.0
     for one in _look_alikes(trial, bare, claim, gain):
         log = ahead + flat.of(one.claim)
         best = found.get(one.claim.key)
@@ -91,10 +93,12 @@ def judge(
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places))
 
 
-def _standing(trial: Trial, claim: Claim, linear: Linear, k: int, wider: System, effect: Sequence[FloatArray]) -> Sized:
-    """The claim that stands, by all that it does where that is simulated."""
+def _standing(
+    trial: Trial, claim: Claim, linear: Linear, k: int, wider: System, effect: Sequence[FloatArray], *, loose: bool
+) -> Sized:
+    """The claim that stands, by all that it does where that is simulated; ``loose``: with the doubt about its form."""
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
-    sized = trial.sized(claim, columns, effect)
+    sized = trial.sized(claim, columns, effect, loose=loose)
     if not claim.simulated:
         return sized
     unit = abs(claim.values[0]) or 1.0

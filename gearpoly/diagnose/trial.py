@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.posterior import Explanation, Sized
 from gearpoly.infer.prior import FORM, order_of
 from gearpoly.infer.unknown import mesh_harmonics, mesh_std, rms, tooth_hats, unknowns
@@ -59,7 +60,12 @@ class Trial:
         """Log evidence of a claim that is not in the state, to first order about its values."""
         columns = derivatives(self.others, self.scenes, claim)
         effect = self.others.change(self.scenes, claim, claim.values)
-        return self.log_evidence(self.sized(claim, columns, effect))
+        return self.either_form(self.sized(claim, columns, effect, loose=loose) for loose in (False, True))
+
+    def either_form(self, ways: Iterable[Sized]) -> float:
+        """Log evidence of a claim whose form may be as it is drawn, or another in some part: either is as likely."""
+        logs = [self.log_evidence(one) for one in ways]
+        return log_mean(logs, weights=np.full(len(logs), 1.0 / len(logs)))
 
     def at(self, claim: Claim, *, size: float, effect: Sequence[FloatArray]) -> tuple[Trial, list[Unexplained]]:
         """This trial at the place of a claim with this ``effect`` (n_k,) in mm, of which an ordinary one has the rms
@@ -89,9 +95,9 @@ class Trial:
         """The explanations without a cause, each weighed."""
         return [Explanation(claim=None, log_evidence=self.log_evidence(one.sized), weight=one.weight) for one in found]
 
-    def sized(self, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> Sized:
-        """A claim by its derivatives (n_k, q) in mm, the size's first, with the doubt about its form: a part of its
-        ``effect`` (n_k,)."""
+    def sized(self, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray], *, loose: bool) -> Sized:
+        """A claim by its derivatives (n_k, q) in mm, the size's first; ``loose``: with the doubt about its form, a part
+        of its ``effect`` (n_k,)."""
         physics, scope = claim.physics, self.others.scope
         a = physics.amplitudes
         std = [*amplitude_std(physics), *(shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
@@ -99,10 +105,10 @@ class Trial:
         if a == 1 and not physics.fixed_amplitudes:
             bounds = physics.coordinates[0].bounds(scope, claim.place)
         parts = list(columns)
-        form, loose = self._form(claim, effect)
-        if loose.size:
+        form, sizes = self._form(claim, effect)
+        if loose and sizes.size:
             parts = [np.concatenate((mine, more), axis=1) for mine, more in zip(parts, form, strict=True)]
-            std += loose.tolist()
+            std += sizes.tolist()
         scaled = 0 if physics.fixed_amplitudes else a
         return Sized(columns=self.white(parts), std=np.array(std), scaled=scaled, bounds=bounds)
 

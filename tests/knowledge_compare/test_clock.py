@@ -12,6 +12,8 @@ from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
 from tests.knowledge_compare.made import TURN, Told, pair, standing, teeth, told
 
+pytestmark = pytest.mark.slow
+
 Z = 12, 47
 PERIOD = 478.7
 """s per turn of the worm, by the sidereal rate."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from gearpoly.units import FloatArray
 from tests.knowledge_compare.made import (
@@ -18,6 +19,8 @@ from tests.knowledge_compare.made import (
     told,
     waves,
 )
+
+pytestmark = pytest.mark.slow
 
 FILE = pair(pitch_um=pitches(3))
 

@@ -30,6 +30,8 @@ from tests.knowledge_compare.made import (
     whole,
 )
 
+pytestmark = pytest.mark.slow
+
 FILE = pair(pitch_um=pitches(3))
 LINE = 0.5 / (Z[1] * 2.01)
 """Cycles per driving turn: half a line of a recording of two hunting cycles, 26 driving turns."""

@@ -30,6 +30,8 @@ from tests.knowledge_compare.made import (
     zero_errors,
 )
 
+pytestmark = pytest.mark.slow
+
 PITCH = pitches(3)
 FILE = pair(pitch_um=PITCH)
 R_B2 = 0.5 * Z[1] * 2.0 * math.cos(20.0 * DEG)

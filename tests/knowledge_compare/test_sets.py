@@ -23,6 +23,8 @@ from tests.knowledge_compare.made import (
     whole,
 )
 
+pytestmark = pytest.mark.slow
+
 PITCH = pitches(3)
 FILE = pair(pitch_um=PITCH)
 SOFT = pair(pitch_um=PITCH, bends=True)

@@ -27,6 +27,8 @@ from tests.knowledge_compare.made import (
     zero_errors,
 )
 
+pytestmark = pytest.mark.slow
+
 FILE = pair(pitch_um=pitches(3))
 
 

@@ -25,6 +25,8 @@ from tests.knowledge_compare.made import (
     wandering,
 )
 
+pytestmark = pytest.mark.slow
+
 PITCH = pitches(3)
 FILE = pair(pitch_um=PITCH)
 STEP_2 = 360.0 / Z[1]

@@ -28,6 +28,8 @@ from tests.knowledge_compare.made import (
     zero_errors,
 )
 
+pytestmark = pytest.mark.slow
+
 FLANKS: tuple[Flank, ...] = ("drive", "coast")
 NEEDED = 0.02
 """deg. What an alignment by pitch errors of 2 um in noise of 0.3 um has to reach."""
