@@ -13,11 +13,12 @@ import lxml.html
 import numpy as np
 import pytest
 
+from gearpoly.compare.entries import chance_words
 from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import filled, page
-from gearpoly.report.diagnosis_report import chance_words, how_sure, verdict_json
+from gearpoly.report.diagnosis_report import how_sure, verdict_json
 from gearpoly.report.diagnosis_words import MINUS, chance, measured, number, parameter, typeset
 from gearpoly.units import DEG, UM, FloatArray
 from gearpoly.view.pack import unpacked

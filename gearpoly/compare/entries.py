@@ -236,6 +236,33 @@ def _both(parts: tuple[str, ...]) -> str:
     return f"{' and '.join(parts)} fall{'s' if len(parts) == 1 else ''}"
 
 
+def chance_words(probability: float) -> str:
+    """A probability as so many in 100."""
+    if probability > 0.995:
+        return "more than 99 in 100"
+    if probability < 0.005:
+        return "less than 1 in 100"
+    return f"{100.0 * probability:.0f} in 100"
+
+
+def causes(entry: Entry) -> str:
+    """What may be behind an entry, each with its probability, or nothing where that was not weighed."""
+    if not entry.could_be:
+        return ""
+    told = [
+        f"{one.physics.replace('_', ' ')}{'' if one.gear is None else f' of the {one.gear} gear'} "
+        f"({chance_words(one.probability)})"
+        for one in entry.could_be[:MOST_CAUSES]
+    ]
+    known = sum(one.probability for one in entry.could_be)
+    unknown = max(0.0, (1.0 if entry.probability is None else entry.probability) - known)
+    return f"could be {', '.join(told)}, or a cause outside the catalogue ({chance_words(unknown)})"
+
+
+MOST_CAUSES = 3
+"""Causes of one place that are told in words; the rest stands in the JSON."""
+
+
 def says(entry: Entry) -> str:
     """One sentence, as an engineer would say it."""
     size = _size(entry)
@@ -248,6 +275,8 @@ def says(entry: Entry) -> str:
         extra += f", comes with {entry.companion_of}"
     if entry.rivals:
         extra += "; or " + ", or ".join(entry.rivals)
+    if entry.could_be:
+        extra += f"; {causes(entry)}"
     if entry.aliases and (entry.hz_std is not None or entry.order_std is not None):
         shown = f"{entry.aliases[0]:.6g} Hz" if entry.kind == "time" else f"order {entry.aliases[0]:.6g}"
         extra += f"; {shown} would look the same in samples so even"

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from gearpoly.compare.entries import chance_words
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
-from gearpoly.report.diagnosis_report import STATUS, chance_words, how_sure
+from gearpoly.report.diagnosis_report import STATUS, how_sure
 from gearpoly.report.diagnosis_sky import finding_words
 from gearpoly.report.diagnosis_words import MINUS, capital, number, parameter, physics_words, typeset
 from gearpoly.units import UM

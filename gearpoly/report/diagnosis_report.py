@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gearpoly import __version__
+from gearpoly.compare.entries import chance_words
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
@@ -271,15 +272,6 @@ def how_sure(one: Finding) -> str:
     return (
         f"{chance_words(one.probability)} that it is this; {unknown} that a cause outside the catalogue does the same"
     )
-
-
-def chance_words(probability: float) -> str:
-    """A probability as so many in 100."""
-    if probability > 0.995:
-        return "more than 99 in 100"
-    if probability < 0.005:
-        return "less than 1 in 100"
-    return f"{100.0 * probability:.0f} in 100"
 
 
 def _value_words(name: str, value: float, std: float) -> str:

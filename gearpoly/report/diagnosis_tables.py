@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from gearpoly.compare.entries import Entry, named
+from gearpoly.compare.entries import Entry, causes, named
 from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
@@ -59,6 +59,7 @@ def _entry_row(one: Entry) -> list[str]:
     if one.companion_of:
         notes.append(f"comes with {one.companion_of}")
     notes += [f"or {rival}" for rival in one.rivals]
+    notes += [causes(one)] if one.could_be else []
     return [
         escape(capital(named(one))),
         size,
