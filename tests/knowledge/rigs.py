@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from gearpoly.files.models import PairFile
+from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
-from gearpoly.physics.base import Claim, Place, on_gear
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
 from tests.pair_files import made
