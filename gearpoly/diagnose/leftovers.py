@@ -128,12 +128,16 @@ def with_causes(
     out = list(entries)
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
-        same = [k for k, entry in enumerate(out) if not entry.could_be and _same_place(entry, place)]
+        same = [k for k, entry in enumerate(out) if _same_place(entry, place)]
         if not same:
             out.append(place)
         at = same[0] if same else -1
         mine = tuple(c for c in curves if (c.gear, c.tooth) == (one.claim.place.gear, one.claim.place.tooth))
-        out[at] = replace(out[at], could_be=could_be, probability=1.0 - one.posterior.nothing, curves=mine)
+        # What several claims about one tooth could have been stands once.
+        before = {(cause.physics, cause.gear) for cause in out[at].could_be}
+        more = tuple(cause for cause in could_be if (cause.physics, cause.gear) not in before)
+        there = max(out[at].probability or 0.0, 1.0 - one.posterior.nothing)
+        out[at] = replace(out[at], could_be=(*out[at].could_be, *more), probability=there, curves=mine)
     return tuple(out)
 
 
