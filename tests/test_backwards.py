@@ -216,7 +216,9 @@ def test_what_only_the_other_way_round_tells_apart() -> None:
     one_way = diagnose(true, recorded(scaled, (ahead,), np.random.default_rng(4)), path=Path("pair.toml"))
     both = diagnose(true, recorded(scaled, (ahead, BACK), np.random.default_rng(4)), path=Path("pair.toml"))
     (alone,), (told,) = one_way.findings, both.findings
-    assert "thermal_drift" in {alone.claim.physics.name, *(rival.claim.physics.name for rival in alone.rivals)}
+    # One way a drift does the same where it has neither bow nor S: it is possible, and that is unlikely beforehand.
+    assert alone.claim.physics.name == "encoder_scale"
+    assert alone.unknown_probability < 0.05
     assert told.claim.physics.name == "encoder_scale"
     assert "thermal_drift" not in {rival.claim.physics.name for rival in told.rivals}
 

@@ -92,6 +92,7 @@ def test_places_are_counted_whatever_is_claimed_already(begun: Fit) -> None:
     assert before.whole["profile_slope"] == 2
 
 
+@pytest.mark.slow
 def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
     """What shows to first order is how much both gears lean apart; a shorter centre distance explains less of it."""
     known, recordings = leaning()
@@ -247,6 +248,7 @@ def test_of_several_claims_each_is_fitted_without() -> None:
     assert [one.key for one in pair.model.claims] == ["first"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", [0, 1])
 def test_thin_teeth_are_told_by_where_their_coast_flanks_meet(gear: int) -> None:
     """Both gears' make the same lost motion, but where one has it the coast flanks hand over a thousandth of a radian
@@ -266,6 +268,7 @@ def test_thin_teeth_are_told_by_where_their_coast_flanks_meet(gear: int) -> None
         assert abs(size - value) < 5.0 * std < 0.1 * abs(value)
 
 
+@pytest.mark.slow
 def test_a_pit_of_teeth_that_always_meet_has_the_mate_s_as_its_rival() -> None:
     """At 20/20 teeth tooth 4 meets tooth 4 and no other, so a pit of either leaves the same but for how flanks roll in
     its walls. Of 8400 the mate's gains 15 less, but a third only by the coarse shapes that are tried first."""

@@ -55,6 +55,7 @@ def with_wave(order: float, size_um: float, *, seed: int = 2) -> dict[str, Any]:
     return verdict_json(diagnose(file, [changed], path=path))
 
 
+@pytest.mark.slow
 def test_a_wave_five_times_per_turn_is_located_and_not_named() -> None:
     """Worms, couplings and poles of a motor make whole low orders; an encoder may, and is told as one of them."""
     found = with_wave(5.0, 1.5)
@@ -66,6 +67,7 @@ def test_a_wave_five_times_per_turn_is_located_and_not_named() -> None:
     assert 0.05 < named["encoder_interpolation"] < 0.95
 
 
+@pytest.mark.slow
 def test_a_pitch_wave_is_told_by_its_steps() -> None:
     """The same order, made by the index deviations of all teeth: its steps are seen, so it has its name."""
     known, claimed = rough(points=300), claim_of("cumulative_pitch")

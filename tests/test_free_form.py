@@ -65,11 +65,12 @@ def wavy(file: PairFile) -> PairFile:
     return on_gear(file, 0, form=(form,))
 
 
+@pytest.mark.slow
 def test_a_flank_that_waves_is_not_named_and_the_fitted_file_has_it(tmp_path: Path) -> None:
     """Neither a pit nor a pitch error: its place is told, the curve lies within its error band where the tooth carries,
     and simulating the fitted file leaves the noise."""
     known, path = rough(points=300), tmp_path / "pair.toml"
-    recordings = recorded(wavy(known), (Condition(torque_nm=20.0),), np.random.default_rng(4), per_mesh=40)
+    recordings = recorded(wavy(known), (Condition(torque_nm=20.0),), np.random.default_rng(4), per_mesh=20)
     found = diagnose(known, recordings, path=path)
     verdict = verdict_json(found)
     assert not verdict["missing"]

@@ -38,16 +38,21 @@ def earned(
     gone: list[Unearned] = []
     taken: set[Key] = set()
     doubts: dict[tuple[int, int], float] = {}
+    fitted: dict[Key, tuple[Refitted, ...]] = {}
     while True:
         search.step("weighing names against unknown causes")
         named = _named(search, gone)
+        for claim in named:
+            if order_of(claim) == 1 and claim.key not in fitted:
+                fitted[claim.key] = _others_fitted(search, claim)
         judged: dict[Key, Judged] = {}
         for k, claim in enumerate(search.model.claims):
             if claim in named:
                 places = search.looked.own.get(claim.physics.name, 1)
                 one = judge(
                     search.model, search.scenes, search.linear, k,
-                    refitted=refitted.get(claim.key, ()), places=places, without=search.rise_without(k),
+                    refitted=(*refitted.get(claim.key, ()), *fitted.get(claim.key, ())), places=places,
+                    without=search.rise_without(k),
                 )  # fmt: skip
                 judged[claim.key] = _doubted(one, doubts.get(_tooth(claim)))
         better = _likelier(search, judged, taken)
@@ -83,6 +88,37 @@ def _named(search: Search, gone: Sequence[Unearned]) -> list[Claim]:
     """The claims that have a name so far."""
     left = {one.claim.key for one in gone}
     return [one for one in search.model.claims if one.physics is not FREE_FORM and one.key not in left]
+
+
+def _others_fitted(search: Search, claim: Claim) -> tuple[Refitted, ...]:
+    """What else turns once with the shaft of a ``claim``, fitted to its end in its stead.
+
+    An eccentric gear is simulated as it is, second order and all. About it straight lines say too little of an encoder:
+    what is left of the second order would speak against it.
+    """
+    k, there, begun, noises = number_of(search, claim), search.linear.system.misfit, search.kept(), search.noises
+    shares = [
+        Claim(physics=physics, place=place, values=(*physics.ordinary, *place.shape))
+        for physics in search.model.method.physics
+        if physics.once_per_turn and physics is not claim.physics
+        for place in physics.places(search.model.scope)
+        if place.gear == claim.place.gear and search.model.scope.shows(place, once=True)
+    ]
+    beside = {one.key for one in search.model.claims}
+    out = []
+    for other in shares:
+        if other.key in beside or search.over:
+            continue
+        try:
+            search.join([other], instead=[k])
+            search.settle()
+            behind = search.linear.under(noises).system.misfit - there
+            out.append(Refitted(claim=search.model.claims[k], behind=behind))
+        except GearpolyError:
+            pass
+        finally:
+            search.restore(begun)
+    return tuple(out)
 
 
 def _tooth(claim: Claim) -> tuple[int, int]:

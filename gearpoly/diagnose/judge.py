@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
+from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
@@ -69,17 +71,15 @@ def judge(
         mine += 0.5 * max(0.0, without - gain) / trial.heat
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
-        # Fitted to its end it may do better than to first order about another.
         found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.heat)
     # Look-alikes are drawn to first order, so the claim is too where it is weighed against them.
     flat = replace(trial, plain=bare.system.without(trial.dropped))
     plainly = (flat.sized(claim, columns, effect, loose=loose) for loose in (False, True))
     ahead = mine - flat.either_form(plainly) if claim.simulated else 0.0
     for one in _look_alikes(trial, bare, claim, gain):
-        log = ahead + flat.of(one.claim)
-        best = found.get(one.claim.key)
-        if best is None or log > best[1]:
-            found[one.claim.key] = (one.claim, log)
+        # What was fitted to its end is known better than straight lines tell.
+        if one.claim.key not in found:
+            found[one.claim.key] = (one.claim, ahead + flat.of(one.claim))
     places_of = (Claim(physics=physics, place=place, values=()) for physics, place in _possible(model, claim))
     weights = share_of_causes(claim, (claim, *places_of))
     # Of the other gear or shaft it is as common as at the place of the claim.
@@ -89,8 +89,23 @@ def judge(
         for one, log in found.values()
     ]
     explanations += trial.explanations(without_cause)
+    if claim.physics.once_per_turn:
+        explanations = _as_far_as_simulated(trial, claim, explanations)
     share = unknown_share(claim, model.scope)
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places))
+
+
+def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:
+    """The same where the claim is ahead of all others only by more than the simulation itself is known to: what turns
+    once with a shaft differs in second order alone, and chords and contacts leave as much now and then."""
+    mine = next(one for one in explanations if one.claim is not None and one.claim.key == claim.key)
+    others = [one for one in explanations if one is not mine]
+    best = max((one.log_evidence for one in others), default=0.0)
+    level = math.sqrt(float(np.mean([noise.innovation**2 for noise in trial.linear.noises])))
+    faint = math.sqrt(trial.plain.samples) * FAINT / level
+    ahead = math.sqrt(2.0 * trial.heat * max(0.0, mine.log_evidence - best))
+    told = best + 0.5 * max(0.0, ahead - faint) ** 2 / trial.heat
+    return [replace(mine, log_evidence=min(mine.log_evidence, told)), *others]
 
 
 def _standing(
