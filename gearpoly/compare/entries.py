@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Gear = Literal["driving", "driven"]
+EVERY_MESH = ("mesh_order", "mesh_phase")
+"""Kinds of entries about what is the same at every mesh."""
+
 Kind = Literal["shaft_order", "mesh_order", "time", "tooth", "mesh_phase", "condition"]
 
 

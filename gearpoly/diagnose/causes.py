@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.entries import EVERY_MESH, Entry
 from gearpoly.diagnose.linear import derivatives
 from gearpoly.diagnose.scan import scan
 from gearpoly.diagnose.search import Search
@@ -18,8 +18,6 @@ from gearpoly.physics.place import Place
 MANY = 12
 """Places that are asked for their causes, the foremost first: each takes a look at every physics there."""
 
-EVERY_MESH = ("mesh_order", "mesh_phase")
-
 
 def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> list[Posterior | None]:
     """The probabilities at the places of ``entries``, beside all that is believed; None where no physics of the
@@ -27,7 +25,7 @@ def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> 
     out: list[Posterior | None] = []
     trial = Trial(
         others=search.model, scenes=search.scenes, linear=search.linear, plain=search.linear.system,
-        heat=max(1.0, search.linear.system.whiteness),
+        dispersion=max(1.0, search.linear.system.whiteness),
     )  # fmt: skip
     for one in entries:
         asked = one.companion_of is None and not one.could_be and len(out) < MANY and not search.over

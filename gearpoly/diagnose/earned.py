@@ -69,7 +69,9 @@ def earned(
             if doubts[tooth] > 1.0 - CERTAIN:
                 for claim in mine:
                     posterior = _doubted(judged[claim.key], doubts[tooth]).posterior
-                    gone.append(Unearned(claim=claim, rms=_rms(search, claim), posterior=posterior))
+                    gone.append(
+                        Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=posterior)
+                    )
                 give_way(search, mine)
             continue
         least = max(
@@ -80,7 +82,9 @@ def earned(
         if least is None:
             return judged, tuple(gone)
         effect = search.model.change(search.scenes, least, least.values, but=least)
-        gone.append(Unearned(claim=least, rms=_rms(search, least), posterior=judged[least.key].posterior))
+        gone.append(
+            Unearned(claim=least, rms=search.model.rms_of(search.scenes, least), posterior=judged[least.key].posterior)
+        )
         _give_up(search, least, effect)
 
 
@@ -130,12 +134,6 @@ def _doubted(judged: Judged, unknown: float | None) -> Judged:
     """The same where a curve of no cause was fitted to its end in the stead of all names of a tooth: no column tells
     so well what it would do."""
     return judged if unknown is None else replace(judged, posterior=judged.posterior.with_unknown(unknown))
-
-
-def _rms(search: Search, claim: Claim) -> float:
-    """Rms in mm of what a claim does over all recordings."""
-    effect = search.model.change(search.scenes, claim, claim.values, but=claim)
-    return float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
 
 
 def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:

@@ -27,12 +27,12 @@ def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
     their fits. 0 where gears cannot run with the curve. The search comes back as it was."""
     mine = [one for one in search.model.claims if _is_at(one, gear, tooth)]
     begun, noises = search.kept(), search.noises
-    heat = max(1.0, search.linear.system.whiteness)
-    named = _log_evidence(search, search.linear, mine, heat)
+    dispersion = max(1.0, search.linear.system.whiteness)
+    named = _log_evidence(search, search.linear, mine, dispersion)
     try:
         give_way(search, mine)
         curves = [one for one in search.model.claims if one.physics is FREE_FORM and _is_at(one, gear, tooth)]
-        unknown = _log_evidence(search, search.linear.under(noises), curves, heat)
+        unknown = _log_evidence(search, search.linear.under(noises), curves, dispersion)
     except GearpolyError:
         return 0.0
     finally:
@@ -57,16 +57,16 @@ def _is_at(claim: Claim, gear: int, tooth: int) -> bool:
     return (claim.place.gear, claim.place.tooth) == (gear, tooth)
 
 
-def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], heat: float) -> float:
+def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], dispersion: float) -> float:
     """Log evidence of a fit with these claims, but for a constant: what is left, how far the values of the claims are
     from what was believed of them, and how finely the data tell them."""
-    total = -0.5 * linear.system.misfit / heat
+    total = -0.5 * linear.system.misfit / dispersion
     for claim in claims:
         k = number_of(search, claim)
         at = linear.layout.claims[k]
         a = claim.physics.amplitudes
         values = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
-        told = heat * linear.system.covariance[at, at]
+        told = dispersion * linear.system.covariance[at, at]
         total += _of_values(values, told, _prior(search, claim), a)
     return total
 

@@ -60,7 +60,7 @@ def judge(
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
     gain = bare.system.misfit - bare.system.with_columns(linear.white_of(k)).misfit
     trial = Trial(
-        others=model.but(claim), scenes=scenes, linear=linear, plain=plain, heat=max(1.0, linear.system.whiteness)
+        others=model.but(claim), scenes=scenes, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
     )
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
@@ -68,10 +68,10 @@ def judge(
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
     if without is not None:
-        mine += 0.5 * max(0.0, without - gain) / trial.heat
+        mine += 0.5 * max(0.0, without - gain) / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
-        found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.heat)
+        found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.dispersion)
     # Look-alikes are drawn to first order, so the claim is too where it is weighed against them.
     flat = replace(trial, plain=bare.system.without(trial.dropped))
     plainly = (flat.sized(claim, columns, effect, loose=loose) for loose in (False, True))
@@ -103,8 +103,8 @@ def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Expl
     best = max((one.log_evidence for one in others), default=0.0)
     level = math.sqrt(float(np.mean([noise.innovation**2 for noise in trial.linear.noises])))
     faint = math.sqrt(trial.plain.samples) * FAINT / level
-    ahead = math.sqrt(2.0 * trial.heat * max(0.0, mine.log_evidence - best))
-    told = best + 0.5 * max(0.0, ahead - faint) ** 2 / trial.heat
+    ahead = math.sqrt(2.0 * trial.dispersion * max(0.0, mine.log_evidence - best))
+    told = best + 0.5 * max(0.0, ahead - faint) ** 2 / trial.dispersion
     return [replace(mine, log_evidence=min(mine.log_evidence, told)), *others]
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Cause, Curve, Entry
+from gearpoly.compare.entries import EVERY_MESH, Cause, Curve, Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -139,9 +139,6 @@ def with_causes(
         there = max(out[at].probability or 0.0, 1.0 - one.posterior.nothing)
         out[at] = replace(out[at], could_be=(*out[at].could_be, *more), probability=there, curves=mine)
     return tuple(out)
-
-
-EVERY_MESH = ("mesh_order", "mesh_phase")
 
 
 def _same_place(one: Entry, other: Entry) -> bool:

@@ -13,6 +13,8 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.infer.free_form import FREE_FORM
+from gearpoly.infer.prior import FORM
+from gearpoly.infer.unknown import tooth_hats
 from gearpoly.physics.base import Claim, Scope
 from gearpoly.physics.place import Values
 from gearpoly.scene import Scene
@@ -172,9 +174,6 @@ def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatA
 KNOTS = 12
 """Places along the contact of a claimed tooth between which its form may differ from what the physics draws."""
 
-LOOSE = 0.08
-"""Part of a claim's largest effect by which its tooth's form may differ, one sigma: no spall is cut by a formula."""
-
 SELDOM = 0.9
 """Part of the samples in which a tooth of its gear carries below which one may have left the mesh."""
 
@@ -200,19 +199,11 @@ def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], Fl
             continue
         changes = model.change(scenes, claim, claim.values, but=claim)
         # A claim whose amplitude the fit has brought to nothing still needs a prior that is no division by zero.
-        size = max(LOOSE * max(float(np.max(np.abs(c))) for c in changes), LEAST_FORM)
+        size = max(FORM * max(float(np.max(np.abs(c))) for c in changes), LEAST_FORM)
         for mine, scene in zip(out, scenes, strict=True):
-            mine.append(_hats(scene, claim.place.gear or 0, claim.place.tooth or 0))
+            mine.append(tooth_hats(scene, claim.place.gear or 0, claim.place.tooth or 0, knots=KNOTS))
         std += [size] * KNOTS
     return [np.concatenate(mine, axis=1) for mine in out], np.array(std)
-
-
-def _hats(scene: Scene, gear: int, tooth: int) -> FloatArray:
-    """Hats (n, KNOTS) along the active flank of one tooth, as they show in the transmission error."""
-    place = np.clip(scene.spans[gear].u(scene.roll(gear)), 0.0, 1.0) * (KNOTS - 1)
-    mine = scene.teeth(gear) == tooth
-    hats = np.maximum(0.0, 1.0 - np.abs(place[:, :, None] - np.arange(KNOTS)))
-    return scene.swung(scene.samples.sense * np.einsum("pn,pnk->nk", scene.weight * mine, hats))
 
 
 def linearise(

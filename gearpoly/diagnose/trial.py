@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.linear import Linear, derivatives
+from gearpoly.diagnose.linear import KNOTS, Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.infer.evidence import log_mean
@@ -19,12 +19,9 @@ from gearpoly.physics.base import Claim, Physics, Scope
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
-KNOTS = 12
-"""Places along a tooth's contact between which its form may differ from what a physics draws."""
-
-
 SAME = 0.3
-"""Part of a located wave's power that the waves of a place hold, from which on it is there."""
+"""Part of a located wave's power, from 0 to 1, that the waves of a place hold, from which on it is there: two waves
+half a line apart share two fifths (sinc squared), a whole line apart nothing. A judgement, not tuned."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,7 +42,7 @@ class Trial:
     scenes: list[Scene]
     linear: Linear
     plain: System
-    heat: float
+    dispersion: float
     dropped: tuple[int, ...] = ()
 
     def white(self, columns: Sequence[FloatArray]) -> list[FloatArray]:
@@ -54,7 +51,7 @@ class Trial:
 
     def log_evidence(self, sized: Sized) -> float:
         """Log evidence of columns over that of nothing."""
-        return sized.log_evidence(self.plain.scores, heat=self.heat)
+        return sized.log_evidence(self.plain.scores, dispersion=self.dispersion)
 
     def of(self, claim: Claim) -> float:
         """Log evidence of a claim that is not in the state, to first order about its values."""

@@ -123,7 +123,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
         return None
     while (these := _idle(search)) is not None:
         search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
-        before, gone = search.kept(), [(model.claims[k], _rms(search, model.claims[k])) for k in these]
+        before, gone = search.kept(), [(model.claims[k], model.rms_of(search.scenes, model.claims[k])) for k in these]
         try:
             search.join([], instead=these)
             search.settle()
@@ -143,7 +143,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     # How probable names are was weighed before: here they must only not be worse where no fit looked.
     worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0]
     if len(unchecked) < len(model.claims) and worse:
-        refused += [(one, _rms(search, one)) for one in model.claims]
+        refused += [(one, model.rms_of(search.scenes, one)) for one in model.claims]
         unchecked = ()
         search.restore(begun)
     least = min(gains)
@@ -204,13 +204,6 @@ def _told(search: Search, start: Linear) -> tuple[float, float]:
     waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
     without = cross_validated(start, masks, leave=waves)
     return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
-
-
-def _rms(search: Search, claim: Claim) -> float:
-    """Rms in mm of what a claim does over all recordings."""
-    return float(
-        np.sqrt(np.mean(np.concatenate(search.model.change(search.scenes, claim, claim.values, but=claim)) ** 2))
-    )
 
 
 def _held(search: Search) -> System:

@@ -34,11 +34,11 @@ class Sized:
     scaled: int
     bounds: tuple[float, float] = (-math.inf, math.inf)
 
-    def log_evidence(self, beside: Beside, *, heat: float = 1.0) -> float:
-        """Log evidence over that of nothing, averaged over the scales; ``heat`` divides all that the data say, where
-        more is left than noise."""
+    def log_evidence(self, beside: Beside, *, dispersion: float = 1.0) -> float:
+        """Log evidence over that of nothing, averaged over the scales; ``dispersion``, the mean square of what is left
+        where that is more than noise, divides all that the data say."""
         score, information = beside(self.columns)
-        score, information = score / heat, information / heat
+        score, information = score / dispersion, information / dispersion
         logs = []
         for scale in SCALES:
             std = self.std.copy()

@@ -29,7 +29,8 @@ IMAGES = 4
 """Mesh orders about which images of a flank's wave are looked for."""
 
 SEEN = 0.1
-"""Part of the strongest image's power from which another counts."""
+"""Part of the strongest image's power from which another counts: weaker ones are below a third of its amplitude. A
+judgement, not tuned."""
 
 TERMS = 6
 """Legendre polynomials of a slow course of no cause."""

@@ -9,6 +9,7 @@ import codecs
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from gearpoly.errors import InputFileError, shown_value
 from gearpoly.files.faults import parse
@@ -184,8 +185,8 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
     if "units_line" in lines and "header_line" not in lines:
         wish = "want header_line, the line of the names, beside it"
         raise InputFileError(file, where="text.header_line", found="missing beside units_line", wish=wish)
-    held = {key: str(raw[key]) for key in TEXT[:5] if key in raw}
-    return Writing(**held, **lines)  # type: ignore[arg-type]
+    held: dict[str, Any] = {key: str(raw[key]) for key in TEXT[:5] if key in raw}
+    return Writing(**(held | lines))
 
 
 def _known(file: Path, where: str, raw: Mapping[str, object], known: tuple[str, ...]) -> None:

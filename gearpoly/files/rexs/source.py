@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import lzma
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NoReturn
@@ -14,6 +16,20 @@ from gearpoly.files.rexs.model import Attribute, Component, Model, Relation, Val
 from gearpoly.files.traces import check_file
 
 ENDINGS = (".rexs", ".rexsj", ".rexsz")
+
+UNREADABLE = (
+    zipfile.BadZipFile,
+    zipfile.LargeZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    NotImplementedError,
+    EOFError,
+    OSError,
+    RuntimeError,
+    ValueError,
+)
+"""What zipfile and the methods of compression raise for a damaged archive; NotImplementedError for a method that they
+do not know, RuntimeError for a password."""
 
 SIZE_LIMIT = 32 * 2**20
 """Bytes of a model, unpacked; the transmissions that FVA publishes have 0.1 MB."""
@@ -71,21 +87,7 @@ def _unpacked(file: Path) -> bytes:
                 data = stream.read(SIZE_LIMIT + 1)  # what a zip says of its sizes may be untrue
     except InputFileError:
         raise
-    except (
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        NotImplementedError,
-        EOFError,
-        OSError,
-        RuntimeError,
-        ValueError,
-    ) as error:
-        raise InputFileError(
-            file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again"
-        ) from None
-    except Exception as error:  # zlib's and lzma's own errors have no common root
-        if type(error).__module__ not in ("zlib", "_lzma", "lzma", "bz2"):
-            raise
+    except UNREADABLE as error:
         raise InputFileError(
             file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again"
         ) from None
