@@ -10,7 +10,7 @@ from scipy.integrate import dblquad, quad
 from scipy.stats import norm
 
 from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
-from gearpoly.infer.posterior import Explanation, Sized, weighed
+from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
 
 # Quadrature is exact to 1e-9 relative; what is compared are logarithms of its results.
@@ -128,3 +128,12 @@ def test_rounding_of_what_is_told_from_nothing_counts_for_nothing() -> None:
     assert got == pytest.approx(plain, abs=1e-3)
     _, covariance = posterior(np.array([1.0, 0.0]), information, std=np.array([1e3, 1e9]))
     assert covariance[1, 1] == pytest.approx(1e18)
+
+
+def test_another_probability_of_the_unknown_leaves_the_rest_its_shares() -> None:
+    """They add up to 1 whatever it was before, also where rounding had left nothing to all others."""
+    sure = Posterior(claims=(), unknown=1.0, nothing=1e-30).with_unknown(0.9)
+    assert sure.nothing == pytest.approx(0.1)
+    even = Posterior(claims=(), unknown=0.5, nothing=0.5).with_unknown(0.2)
+    assert (even.unknown, even.nothing) == (0.2, pytest.approx(0.8))
+    assert Posterior(claims=(), unknown=1.0, nothing=0.0).with_unknown(1.0).nothing == 0.0

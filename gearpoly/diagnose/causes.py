@@ -28,7 +28,7 @@ def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> 
         dispersion=max(1.0, search.linear.system.whiteness),
     )  # fmt: skip
     for one in entries:
-        asked = one.companion_of is None and not one.could_be and len(out) < MANY and not search.over
+        asked = one.companion_of is None and one.probability is None and len(out) < MANY and not search.over
         out.append(_posterior(search, trial, _at(search, one, _tooth(comparison, one))) if asked else None)
     return out
 

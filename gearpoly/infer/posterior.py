@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
 from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
 from gearpoly.physics.base import Claim
@@ -82,7 +80,8 @@ class Posterior:
 
     def with_unknown(self, unknown: float) -> Posterior:
         """The same where an unknown cause has this probability, and all else shares the rest as before."""
-        rest = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        known = sum(chance for _, chance in self.claims) + self.nothing
+        rest = (1.0 - unknown) / known if known > 0.0 else 0.0
         claims = tuple((claim, rest * chance) for claim, chance in self.claims)
         return Posterior(claims=claims, unknown=unknown, nothing=rest * self.nothing)
 
@@ -94,7 +93,6 @@ class Posterior:
 def weighed(explanations: Sequence[Explanation], *, unknown_share: float, places: int) -> Posterior:
     """The probabilities of ``explanations`` of one place of so many of its kind, of which this share of causes is
     unknown."""
-    named = [one for one in explanations if one.claim is not None]
     present = math.log(PRESENT / max(1, places))
     logs = [0.0]
     for one in explanations:
@@ -105,7 +103,5 @@ def weighed(explanations: Sequence[Explanation], *, unknown_share: float, places
         ((one.claim, float(p)) for one, p in zip(explanations, chances[1:], strict=True) if one.claim is not None),
         key=lambda pair: -pair[1],
     )
-    known = float(np.sum([p for _, p in each]))
-    nothing = float(chances[0])
-    assert len(each) == len(named)
-    return Posterior(claims=tuple(each), unknown=max(0.0, 1.0 - known - nothing), nothing=nothing)
+    unknown = sum(float(p) for one, p in zip(explanations, chances[1:], strict=True) if one.claim is None)
+    return Posterior(claims=tuple(each), unknown=unknown, nothing=float(chances[0]))
