@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Entry
-from gearpoly.diagnose.linear import derivatives
-from gearpoly.diagnose.scan import scan
+from gearpoly.diagnose.at_place import at_place
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.trial import Trial, ordinary_rms
-from gearpoly.infer.posterior import Explanation, Posterior, weighed
-from gearpoly.infer.prior import kind_of, order_of, same_place, share_of_causes, unknown_share
+from gearpoly.infer.posterior import Posterior
+from gearpoly.infer.prior import kind_of, order_of
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 
@@ -23,13 +21,13 @@ def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> 
     """The probabilities at the places of ``entries``, beside all that is believed; None where no physics of the
     catalogue could be, or where nothing is left of it."""
     out: list[Posterior | None] = []
-    trial = Trial(
-        others=search.model, scenes=search.scenes, linear=search.linear, plain=search.linear.system,
-        dispersion=max(1.0, search.linear.system.whiteness),
-    )  # fmt: skip
     for one in entries:
         asked = one.companion_of is None and one.probability is None and len(out) < MANY and not search.over
-        out.append(_posterior(search, trial, _at(search, one, _tooth(comparison, one))) if asked else None)
+        possible = _at(search, one, _tooth(comparison, one)) if asked else []
+        found = (
+            at_place(search.model, search.scenes, search.linear, possible, looked=search.looked) if possible else None
+        )
+        out.append(None if found is None else found.posterior)
     return out
 
 
@@ -67,29 +65,3 @@ def _at(search: Search, entry: Entry, tooth: int | None) -> list[tuple[Physics, 
             if same:
                 found.append((physics, place))
     return found
-
-
-def _posterior(search: Search, trial: Trial, possible: list[tuple[Physics, Place]]) -> Posterior | None:
-    if not possible:
-        return None
-    found, _ = scan(search.model, search.scenes, search.linear, only=possible)
-    best: dict[tuple[object, ...], Claim] = {}
-    for one in found:
-        best.setdefault(one.claim.key, one.claim)
-    if not best:
-        return None
-    claims = list(best.values())
-    first = claims[0]
-    weights = share_of_causes(first, (Claim(physics=physics, place=place, values=()) for physics, place in possible))
-    columns = derivatives(search.model, search.scenes, first)
-    effect = search.model.change(search.scenes, first, first.values)
-    trial, without_cause = trial.at(first, size=ordinary_rms(first, columns, effect), effect=effect)
-    explanations = [
-        Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
-        for claim in claims
-        if same_place(claim, first)
-    ]
-    explanations += trial.explanations(without_cause)
-    places = search.looked.own.get(first.physics.name, 1)
-    share = max(unknown_share(claim, search.model.scope) for claim in claims)
-    return weighed(explanations, unknown_share=share, places=places)

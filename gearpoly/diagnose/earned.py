@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,22 +12,14 @@ from gearpoly.diagnose.contest import Key, Refitted
 from gearpoly.diagnose.in_stead import give_way, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, judge
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
-from gearpoly.infer.posterior import CERTAIN, Posterior
+from gearpoly.infer.posterior import CERTAIN
 from gearpoly.infer.prior import order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
-
-
-@dataclass(frozen=True, kw_only=True)
-class Unearned:
-    """A ``claim`` that did not earn its name: the ``rms`` in mm of what it did, and the probabilities at its place."""
-
-    claim: Claim
-    rms: float
-    posterior: Posterior
 
 
 def earned(
@@ -35,44 +27,45 @@ def earned(
 ) -> tuple[dict[Key, Judged], tuple[Unearned, ...]]:
     """Judge every claim of the ``search``, by its key, and give up those that are no likelier than an unknown cause,
     the least likely first: a curve of no cause then stands in their place, and the rest is judged anew."""
-    gone: list[Unearned] = []
+    gone: list[Unearned] = list(search.model.unnamed)
     taken: set[Key] = set()
     doubts: dict[tuple[int, int], float] = {}
     fitted: dict[Key, tuple[Refitted, ...]] = {}
+    plain: dict[Key, Judged] = {}
     while True:
-        search.step("weighing names against unknown causes")
         named = _named(search, gone)
+        if any(claim.key not in plain for claim in named):
+            search.step("weighing names against unknown causes")
         for claim in named:
             if order_of(claim) == 1 and claim.key not in fitted:
                 fitted[claim.key] = _others_fitted(search, claim)
-        judged: dict[Key, Judged] = {}
         for k, claim in enumerate(search.model.claims):
-            if claim in named:
+            if claim in named and claim.key not in plain:
                 places = search.looked.own.get(claim.physics.name, 1)
-                one = judge(
+                plain[claim.key] = judge(
                     search.model, search.scenes, search.linear, k,
                     refitted=(*refitted.get(claim.key, ()), *fitted.get(claim.key, ())), places=places,
                     without=search.rise_without(k),
                 )  # fmt: skip
-                judged[claim.key] = _doubted(one, doubts.get(_tooth(claim)))
+        judged: dict[Key, Judged] = {
+            claim.key: _doubted(plain[claim.key], doubts.get(_tooth(claim))) for claim in named
+        }
         better = _likelier(search, judged, taken)
         if better is not None:
             stands, claim = better
             taken |= {stands.key, claim.key}
-            _take(search, stands, [claim])
+            if _take(search, stands, [claim]):
+                plain.clear()
             continue
         tooth = next((_tooth(one) for one in named if one.place.tooth is not None and _tooth(one) not in doubts), None)
         if tooth is not None:
             search.step("fitting a curve of no cause in the stead of a tooth's names")
             doubts[tooth] = unknown_in_stead(search, *tooth)
-            mine = [claim for claim in named if _tooth(claim) == tooth]
             if doubts[tooth] > 1.0 - CERTAIN:
-                for claim in mine:
-                    posterior = _doubted(judged[claim.key], doubts[tooth]).posterior
-                    gone.append(
-                        Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=posterior)
-                    )
+                mine = [claim for claim in named if _tooth(claim) == tooth]
+                gone += [_unearned(search, claim, _doubted(judged[claim.key], doubts[tooth])) for claim in mine]
                 give_way(search, mine)
+                plain.clear()
             continue
         least = max(
             (claim for claim in named if not judged[claim.key].posterior.named),
@@ -82,10 +75,13 @@ def earned(
         if least is None:
             return judged, tuple(gone)
         effect = search.model.change(search.scenes, least, least.values, but=least)
-        gone.append(
-            Unearned(claim=least, rms=search.model.rms_of(search.scenes, least), posterior=judged[least.key].posterior)
-        )
+        gone.append(_unearned(search, least, judged[least.key]))
         _give_up(search, least, effect)
+        plain.clear()
+
+
+def _unearned(search: Search, claim: Claim, judged: Judged) -> Unearned:
+    return Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=judged.posterior)
 
 
 def _named(search: Search, gone: Sequence[Unearned]) -> list[Claim]:
@@ -171,16 +167,7 @@ def _give_up(search: Search, claim: Claim, effect: Sequence[FloatArray]) -> None
     begun = search.kept()
     try:
         search.join([], instead=[number_of(search, claim)])
-        many = curve[0].shape[1]
-        both = zip(curve, search.foreign, strict=True)
-        if claim.physics.slow:
-            search.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
-            search.model.slow_courses += many
-        else:
-            search.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
-            moved = tuple(tuple(column + many for column in wave) for wave in search.model.strangers)
-            search.model.strangers = (tuple(range(many)), *moved)
-        search.linear = search.linearised()
+        search.leave(curve, slow=claim.physics.slow)
         search.settle()
     except GearpolyError:
         search.restore(begun)

@@ -211,6 +211,19 @@ class Fit:
             self.model.as_built = made
             self.settle()
 
+    def leave(self, columns: Sequence[FloatArray], *, slow: bool) -> None:
+        """Fit ``columns`` (n_k, q) in mm that have no cause beside all else; ``slow`` ones are no wave."""
+        many = columns[0].shape[1]
+        both = list(zip(columns, self.foreign, strict=True))
+        if slow:
+            self.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
+            self.model.slow_courses += many
+        else:
+            self.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
+            moved = tuple(tuple(column + many for column in wave) for wave in self.model.strangers)
+            self.model.strangers = (tuple(range(many)), *moved)
+        self.linear = self.linearised()
+
     def forget(self) -> None:
         """Let go of waves of unknown make that are now explained: they tell nothing any more, and where two of them are
         nearly one, half of a recording says any size of both."""

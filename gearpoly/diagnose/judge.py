@@ -21,7 +21,7 @@ from gearpoly.infer.prior import LEAST_SHARE, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 from gearpoly.scene import Scene
-from gearpoly.units import FloatArray
+from gearpoly.units import BoolArray, FloatArray
 
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
@@ -32,6 +32,10 @@ teeth always meet, either has it."""
 
 LOOKED_AT = 12
 """Rivals that are looked at closely."""
+
+TOGETHER = 0.1
+"""Part of the samples in which a claimed tooth is in mesh that another must share to be looked at: what shares less can
+explain about as little of it, and a look-alike has to explain at least ``TWIN``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,22 +151,39 @@ def _look_alikes(trial: Trial, bare: Linear, claim: Claim, gain: float) -> Itera
 
 
 def _possible(model: Model, claim: Claim) -> Iterator[tuple[Physics, Place]]:
-    """Places at which something like the claim could be: another tooth is never mistaken for a wave, nor order 61 for
-    order 12."""
+    """Places at which something like the claim could be: no tooth is mistaken for one that is seldom in
+    mesh with it, or for a wave, nor order 61 for order 12."""
     taken = {one.key for one in model.claims if one is not claim}
+    together = None if claim.place.tooth is None else _in_mesh_with(model, claim.place)
     for physics in model.method.physics:
-        for place in filter(
-            model.scope.shows, (*physics.places(model.scope), *physics.instead(model.scope, claim.place))
-        ):
-            key = Claim(physics=physics, place=place, values=()).key
-            if key in taken or key == claim.key:
-                continue
+        if physics.wavelike and claim.place.order is None:
+            continue
+        for place in (*physics.places(model.scope), *physics.instead(model.scope, claim.place)):
             if physics.wavelike and not _same_wave(model, place, claim.place):
                 continue
-            tooth, mine = place.tooth is not None, claim.place.tooth is not None
-            if tooth and not mine:
+            if place.tooth is not None and (together is None or (place.gear or 0, place.tooth) not in together):
                 continue
-            yield physics, place
+            key = Claim(physics=physics, place=place, values=()).key
+            if key not in taken and key != claim.key and model.scope.shows(place):
+                yield physics, place
+
+
+def _in_mesh_with(model: Model, place: Place) -> set[tuple[int, int]]:
+    """Gears and teeth that are in mesh in at least a part ``TOGETHER`` of the samples in which a tooth is."""
+    gears, samples = model.scope.gears, model.samples()
+
+    def where(gear: int, tooth: int) -> BoolArray:
+        parts = [np.isin(np.arange(one.size), one.meshing(gear, tooth, z=gears[gear].z)) for one in samples]
+        return np.concatenate(parts)
+
+    own = where(place.gear or 0, place.tooth or 0)
+    least = TOGETHER * float(np.count_nonzero(own))
+    return {
+        (gear, tooth)
+        for gear in (0, 1)
+        for tooth in range(gears[gear].z)
+        if float(np.count_nonzero(where(gear, tooth) & own)) >= least
+    }
 
 
 def _same_wave(model: Model, one: Place, other: Place) -> bool:

@@ -14,12 +14,12 @@ from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.template import templates_of
-from gearpoly.diagnose.earned import Unearned
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM
@@ -129,6 +129,8 @@ def with_causes(
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
         same = [k for k, entry in enumerate(out) if _same_place(entry, place)]
+        if not same and one.seen:
+            continue
         if not same:
             out.append(place)
         at = same[0] if same else -1

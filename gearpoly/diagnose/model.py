@@ -14,6 +14,7 @@ from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed
 from gearpoly.physics.base import Claim, Scope
@@ -51,6 +52,7 @@ class Model:
     ``law`` the compliance laws of tooth and contact that fit best (None: the declared ones), ``ratio`` the factor by
     which the declared ones give as much in the mean;
     ``strangers`` are the waves that the recordings hold and no gear pair makes, each by its foreign columns;
+    ``unnamed`` are the places at which an unknown cause was likelier than any physics from the start;
     ``slow_courses`` how many foreign columns, the last ones, are of slow courses without a name;
     ``claims`` the physics accepted so far; ``method`` what of the method is in use; ``budget`` how long may be looked.
     """
@@ -73,6 +75,7 @@ class Model:
     turned_by: float = 0.0
     offset: float = 0.0
     strangers: tuple[tuple[int, ...], ...] = ()
+    unnamed: tuple[Unearned, ...] = ()
     slow_courses: int = 0
     claims: list[Claim] = field(default_factory=list)
     method: Method = field(default_factory=Method)
@@ -100,6 +103,7 @@ class Model:
             "law": self.law,
             "claims": list(self.claims),
             "strangers": self.strangers,
+            "unnamed": self.unnamed,
             "slow_courses": self.slow_courses,
         }
 

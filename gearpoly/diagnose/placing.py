@@ -19,7 +19,7 @@ from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.place import Place
-from gearpoly.units import FloatArray
+from gearpoly.units import FloatArray, IntArray
 
 Begun = TypeVar("Begun", bound=Fit)
 
@@ -30,7 +30,7 @@ ELSEWHERE = 5
 """Other places in the hunting cycle that are tried where the curves leave several."""
 
 TRIALS = (2, 6)
-"""Rounds of simulating and fitting at each, first at all and then at those that may still be best."""
+"""Rounds of simulating and fitting at a place, first at all and then at those that may still be best."""
 
 HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
 """Misfit over the least at which a place, or a phase of a pitch, may still be best after the first trial: of a pair
@@ -42,6 +42,17 @@ LOST = 2.0
 
 CYCLES, ENOUGH = 3, 12_000
 """Whole hunting cycles and samples of a recording that suffice for that; a wrong place misfits by a tenth and more."""
+
+FEW = (2000, 5000)
+"""Samples of a recording on which the places are tried, at first and then closely: 2000 tell a misfit to a
+thirtieth, 5000 to a fiftieth."""
+
+ASKEW = 1.0618
+"""Part by which the step from one such sample to the next is longer than even: at even steps samples that come so many
+to the mesh would see the same few places of every pitch."""
+
+CLOSELY = 6
+"""Places that are tried closely at most, the best of the first trial and the stated one."""
 
 BETTER = 10.0, 0.005
 """Misfit, and part of the misfit, by which another place must be better than the stated one: more than three standard
@@ -73,7 +84,7 @@ def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
     if model.turns_of is None or len(model.as_built.flanks) < 2 or not model.as_built.gears[mate].graded:
         return
     step("counting turns between the flanks")
-    trial, columns = _shortened(model, foreign)
+    trial, columns = _shortened(model, foreign, few=FEW[-1])
     fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
     model.turned(turns_told(fit.model, fit.scenes, fit.linear))
 
@@ -89,7 +100,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
     before: Fit | None = None
     by = 0
     for _ in range(0 if model.budget.over else MOVES + 1):
-        trial, columns = _shortened(model, foreign)
+        trial, columns = _shortened(model, foreign, few=FEW[-1])
         fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
         # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
         fit.share()
@@ -180,16 +191,17 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     load those that lean together look like others that hand over elsewhere."""
     if all(model.scope.inspected) or max(model.scope.torques) <= 0.0:
         return False
-    trial, columns = _shortened(model, foreign)
+    trial, columns = _shortened(model, foreign, few=FEW[-1])
     system = Fit.begun(trial, columns, step, trial=TRIALS[-1]).linear.system
     return system.beyond > LOST * system.samples
 
 
-def _shortened(model: Model, foreign: list[FloatArray]) -> tuple[Model, list[FloatArray]]:
-    """The model with as much of its recordings as suffices to place the teeth, and so much of foreign columns."""
-    openings = [opening(one, model) for one in model.observed]
-    trial = replace(model, observed=[first(one, n, model) for one, n in zip(model.observed, openings, strict=True)])
-    return trial, [one[:n] for one, n in zip(foreign, openings, strict=True)]
+def _shortened(model: Model, foreign: list[FloatArray], *, few: int) -> tuple[Model, list[FloatArray]]:
+    """The model with as much of its recordings as suffices to place the teeth, a ``few`` samples of each, and so much
+    of foreign columns."""
+    wheres = [opening(one, model, few=few) for one in model.observed]
+    observed = [seen_at(one, where, model) for one, where in zip(model.observed, wheres, strict=True)]
+    return replace(model, observed=observed), [one[where] for one, where in zip(foreign, wheres, strict=True)]
 
 
 def _best_of(
@@ -199,13 +211,16 @@ def _best_of(
     """Move all by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
     ``besides``, unless the first does as well; only what is ``hopeful`` times the least or better after a first trial
     is looked at closely."""
-    trial, columns = _shortened(model, foreign)
-    kept, noises = trial.kept(), None
     starts: list[list[Claim]] = [[], list(besides)] if besides else [[]]
     tried = dict.fromkeys(product(ways, range(len(starts))), 0.0)
-    for rounds in TRIALS:
-        least = min(tried.values())
-        tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= hopeful * least}
+    counted = 0
+    for rounds, few in zip(TRIALS, FEW, strict=True):
+        closest = sorted(tried.values())[:CLOSELY][-1]
+        most = min(closest, hopeful * min(tried.values()))
+        tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= most}
+        trial, columns = _shortened(model, foreign, few=few)
+        kept, noises = trial.kept(), None
+        counted = sum(one.samples.size for one in trial.observed)
         if trial.budget.over:
             return
         for way, k in tried if len(tried) > len(starts) else ():
@@ -227,7 +242,7 @@ def _best_of(
     best, _ = min(tried, key=lambda one: tried[one])
     least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
     # Where no place fits, what is missing says more than the place does, and a reading of the zero counts.
-    blind = model.stated and least > (1.0 + LOST) * sum(one.samples.size for one in trial.observed)
+    blind = model.stated and least > (1.0 + LOST) * counted
     if least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated):
         model.moved(best)
 
@@ -237,20 +252,25 @@ def _meshes(one: Observed, model: Model) -> FloatArray:
     return one.samples.theta_2 / model.scope.gears[1].tau
 
 
-def opening(one: Observed, model: Model) -> int:
-    """Samples of a recording that suffice to place the teeth: whole hunting cycles of a long one, else all."""
+def opening(one: Observed, model: Model, *, few: int) -> IntArray:
+    """Numbers (k,) of the samples of a recording that suffice to place the teeth: of whole hunting cycles of a long
+    one, else of all, about a ``few``."""
     u, period = _meshes(one, model), math.lcm(*(gear.z for gear in model.scope.gears))
     cycles = whole_cycles(u, period)
     wanted = max(CYCLES, math.ceil(ENOUGH * max(cycles, 1) / u.size))
-    return int(np.flatnonzero(u - u[0] >= wanted * period)[0]) if wanted < cycles else u.size
+    n = int(np.flatnonzero(u - u[0] >= wanted * period)[0]) if wanted < cycles else u.size
+    if n < 2 * few:
+        return np.arange(n)
+    return np.asarray(np.arange(0.0, n, ASKEW * n / few), dtype=np.int64)
 
 
-def first(one: Observed, n: int, model: Model) -> Observed:
-    """The first ``n`` samples of a recording."""
-    if n == one.samples.size:
+def seen_at(one: Observed, where: IntArray, model: Model) -> Observed:
+    """A recording at the samples of these numbers (k,)."""
+    if where.size == one.samples.size:
         return one
-    estimator = NoiseEstimator(_meshes(one, model)[:n], z_1=model.scope.gears[0].z, z_2=model.scope.gears[1].z)
+    estimator = NoiseEstimator(_meshes(one, model)[where], z_1=model.scope.gears[0].z, z_2=model.scope.gears[1].z)
+    jumps = tuple(int(np.searchsorted(where, jump)) for jump in one.jumps if jump <= where[-1])
     return replace(
-        one, samples=one.samples.first(n), recorded=one.recorded[:n], fit=one.fit[:n],
+        one, samples=one.samples.at(where), recorded=one.recorded[where], fit=one.fit[where], jumps=jumps,
         estimator=estimator,
     )  # fmt: skip

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 from scipy.optimize import minimize
@@ -16,6 +17,7 @@ from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
+from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.physics.base import Claim, Physics, Scope
 from gearpoly.physics.place import Place, Values
 from gearpoly.scene import Scene
@@ -71,7 +73,8 @@ class Looked:
         fits noise at one of them better than what has two. Slow changes lie within one another: a wrong count is a
         drift whose bow and S are nothing, so freedoms cost as much as they might have told (Schwarz 1978)."""
         cost = max(2.0, math.log(max(one.gain, 1.0))) if one.claim.physics.slow else 2.0
-        return one.gain - cost * one.freedoms - 2.0 * math.log(self.own.get(one.claim.physics.name, 1))
+        places = self.own.get(one.claim.physics.name, 1)
+        return one.gain - cost * one.freedoms - 2.0 * math.log(places / min(1.0, one.claim.physics.common))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,7 +146,8 @@ def scan(
     keys: set[tuple[object, ...]] = set()
     taken = {claim.key for claim in model.claims}
     groups: list[list[Claim]] = [[]]
-    for physics, place in every_place(model) if only is None else only:
+    everywhere = chain(every_place(model), ((LOAD_WAVE, place) for place in LOAD_WAVE.places(model.scope)))
+    for physics, place in everywhere if only is None else only:
         key = Claim(physics=physics, place=place, values=()).key
         kinds["waves" if physics.wavelike else "whole" if place.tooth is None else "teeth"][physics.name] += 1
         keys.add(key)

@@ -5,14 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from gearpoly.diagnose.at_place import at_place
 from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
 from gearpoly.diagnose.relieved import relieved
-from gearpoly.diagnose.scan import Candidate, polished, scan
+from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
+from gearpoly.infer.load_wave import LOAD_WAVE, apart
+from gearpoly.infer.posterior import CERTAIN, Posterior
+from gearpoly.infer.prior import kind_of, order_of, same_place
 from gearpoly.physics.base import Claim
 from gearpoly.threads import each
+from gearpoly.units import FloatArray
 
 ROADS, LEFT = 2, 0.2
 """Other steps that are gone back to, where the search ended with more misfit beyond noise than this part of noise's
@@ -29,6 +37,10 @@ POLISHED = 4
 
 GROWN = 10.0
 """Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
+
+UNNAMED = 24
+"""Places that are left without a name in one search: each costs columns, and beyond these `compare` has said what there
+is to say."""
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
@@ -138,6 +150,9 @@ class Search(Exchange):
             if best is None:
                 break
             before = self.kept()
+            if self.left_unnamed(best):
+                looked = False
+                continue
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if self.taken(best, found, before):
                 roads += [
@@ -152,6 +167,36 @@ class Search(Exchange):
             if len(refused) > MOST:
                 break
         return found, roads
+
+    def left_unnamed(self, best: Candidate) -> bool:
+        """Whether an unknown cause stands in the place of the ``best`` candidate from now on: a wave of some order,
+        where that is likelier than every physics together. It needs no simulation."""
+        claim = best.claim
+        if kind_of(claim) != "wave" or claim.physics.once_per_turn or len(self.model.unnamed) >= UNNAMED:
+            return False
+        effect = self.model.change(self.scenes, claim, claim.values)
+        if claim.physics is LOAD_WAVE:
+            posterior = Posterior(claims=(), unknown=1.0, nothing=0.0)
+            columns: list[FloatArray] | None = apart(self.scenes, claim.place)
+        else:
+            possible = [
+                one
+                for one in all_places(self.model)
+                if same_place(Claim(physics=one[0], place=one[1], values=()), claim)
+            ]
+            found = at_place(self.model, self.scenes, self.linear, possible, looked=self.looked)
+            if found is None or found.posterior.unknown <= CERTAIN:
+                return False
+            posterior, columns = found.posterior, found.unknown
+        if columns is None:
+            return False
+        self.step(f"leaving order {order_of(claim)} of the {claim.place.gear_name} gear without a name")
+        self.leave(columns, slow=False)
+        rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
+        place = Unearned(claim=claim, rms=rms, posterior=posterior, seen=claim.physics is not LOAD_WAVE)
+        self.model.unnamed = (*self.model.unnamed, place)
+        self.settle()
+        return True
 
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was

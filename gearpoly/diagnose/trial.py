@@ -26,10 +26,12 @@ half a line apart share two fifths (sinc squared), a whole line apart nothing. A
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unexplained:
-    """White columns without a cause, and the ``weight`` that they have among those of their place."""
+    """White columns without a cause, and the ``weight`` that they have among those of their place; ``drawn`` (n_k, q)
+    in mm, None where they are in the fit already."""
 
     sized: Sized
     weight: float
+    drawn: list[FloatArray] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +77,7 @@ class Trial:
             usual = rms(one.columns, one.std)
             if usual > 0.0:
                 sized = Sized(columns=self.white(one.columns), std=one.std * (size / usual), scaled=one.std.size)
-                found.append(Unexplained(sized=sized, weight=one.weight))
+                found.append(Unexplained(sized=sized, weight=one.weight, drawn=one.columns))
         start, taken = self.linear.layout.foreign.start, []
         for wave in self.others.strangers:
             columns = [start + column for column in wave]

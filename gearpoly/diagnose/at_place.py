@@ -1,0 +1,69 @@
+"""All that could be at one place beside what is believed: physics that nobody has claimed there, and unknown causes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gearpoly.diagnose.linear import Linear, derivatives
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.scan import Looked, scan
+from gearpoly.diagnose.trial import Trial, Unexplained, ordinary_rms
+from gearpoly.infer.posterior import Explanation, Posterior, weighed
+from gearpoly.infer.prior import same_place, share_of_causes, unknown_share
+from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.place import Place
+from gearpoly.scene import Scene
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weighed:
+    """The probabilities at a place where nothing is claimed yet, and the columns (n_k, q) in mm of the likeliest
+    unknown cause there; none where that is in the fit already."""
+
+    posterior: Posterior
+    unknown: list[FloatArray] | None
+
+
+def at_place(
+    model: Model,
+    scenes: list[Scene],
+    linear: Linear,
+    possible: Sequence[tuple[Physics, Place]],
+    *,
+    looked: Looked,
+) -> Weighed | None:
+    """Weigh the ``possible`` physics of one place to first order, against each other and against unknown causes, beside
+    all that is believed; None where none of them could be, or where nothing is left of it."""
+    found, _ = scan(model, scenes, linear, only=possible)
+    best: dict[tuple[object, ...], Claim] = {}
+    for one in found:
+        best.setdefault(one.claim.key, one.claim)
+    if not best:
+        return None
+    claims = list(best.values())
+    first = claims[0]
+    weights = share_of_causes(first, (Claim(physics=physics, place=place, values=()) for physics, place in possible))
+    effect = model.change(scenes, first, first.values)
+    trial, without_cause = Trial(
+        others=model, scenes=scenes, linear=linear, plain=linear.system, dispersion=max(1.0, linear.system.whiteness)
+    ).at(first, size=ordinary_rms(first, derivatives(model, scenes, first), effect), effect=effect)
+    explanations = [
+        Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
+        for claim in claims
+        if same_place(claim, first)
+    ]
+    unknown = trial.explanations(without_cause)
+    share = max(unknown_share(claim, model.scope) for claim in claims)
+    places = looked.own.get(first.physics.name, 1)
+    return Weighed(
+        posterior=weighed([*explanations, *unknown], unknown_share=share, places=places),
+        unknown=_likeliest(unknown, without_cause),
+    )
+
+
+def _likeliest(explanations: Sequence[Explanation], unknown: Sequence[Unexplained]) -> list[FloatArray] | None:
+    both = zip(explanations, unknown, strict=True)
+    best = max(both, key=lambda pair: pair[0].log_evidence, default=None)
+    return None if best is None else best[1].drawn
