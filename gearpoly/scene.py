@@ -32,6 +32,10 @@ SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
 
+CERTIFIED = 12
+"""Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so fifty
+times and more, so that as many as of a user's fifty simulations are seen."""
+
 Held = tuple[IntArray, FloatArray, FloatArray]
 """Samples, roll lengths in mm and weights of one tooth's contacts, (k,) each."""
 
@@ -247,7 +251,7 @@ class Scene:
 
 def _met(mesh: Meshing, samples: Samples, *, near: float) -> Met:
     # Within one hunting cycle: whole cycles change nothing, and small angles keep their digits.
-    return mesh.at(np.mod(samples.theta_2, mesh.pair.cycle), near=near, fast=True)
+    return mesh.at(np.mod(samples.theta_2, mesh.pair.cycle), near=near, fast=True, certified=CERTIFIED)
 
 
 def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.scan import Looked, scan
-from gearpoly.diagnose.trial import Trial, Unexplained, ordinary_rms
+from gearpoly.diagnose.scan import Looked, polished, scan
+from gearpoly.diagnose.trial import POSSIBLE, Trial, Unexplained, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
 from gearpoly.infer.prior import same_place, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics
@@ -33,13 +33,17 @@ def at_place(
     possible: Sequence[tuple[Physics, Place]],
     *,
     looked: Looked,
+    polish: bool = False,
 ) -> Weighed | None:
     """Weigh the ``possible`` physics of one place to first order, against each other and against unknown causes, beside
-    all that is believed; None where none of them could be, or where nothing is left of it."""
+    all that is believed; None where none of them could be, or where nothing is left of it. ``polish``: each at the
+    shape that gains most, else at the coarse one that does."""
     found, _ = scan(model, scenes, linear, only=possible)
     best: dict[tuple[object, ...], Claim] = {}
     for one in found:
-        best.setdefault(one.claim.key, one.claim)
+        if one.claim.key not in best:
+            near = polish and one.gain > POSSIBLE * found[0].gain
+            best[one.claim.key] = polished(model, scenes, linear, one).claim if near else one.claim
     if not best:
         return None
     claims = list(best.values())

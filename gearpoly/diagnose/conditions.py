@@ -112,9 +112,8 @@ def swells(linear: Linear, model: Model, k: int) -> bool:
 
 
 def take_back(search: Search) -> bool:
-    """Take back every claim that does not pay on what its fit never saw, the dearest first: on held-out cycles, which
-    what took another's place was never asked, and on held-out torques and flanks; and what is not steady. Whether any
-    went."""
+    """Take back every claim that does not pay on held-out torques and flanks, the dearest first, and what is not steady.
+    Whether any went."""
     needed: set[tuple[object, ...]] = set()
     gone = False
     while True:
@@ -142,13 +141,11 @@ def take_back(search: Search) -> bool:
 
 
 def _cost(search: Search, k: int) -> float | None:
-    """What claim ``k`` costs in misfit on conditions that its fit never saw; None where it pays there and on held-out
-    cycles, and is steady."""
+    """What claim ``k`` costs in misfit on conditions that its fit never saw; None where it pays there and is steady."""
     made = conditions(search.model.scope)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, k)
     cost = -foretold(plain, wider, made) if len(made) > 1 else 0.0
-    pays = cost <= 0.0 and search.paid(search.model.claims[k], plain, wider)
-    return None if pays and not swells(search.linear, search.model, k) else cost
+    return None if cost <= 0.0 and not swells(search.linear, search.model, k) else cost
 
 
 def held_places(search: Search) -> list[int]:

@@ -15,16 +15,13 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
-from gearpoly.diagnose.trial import Trial, ordinary_rms
+from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import LEAST_SHARE, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 from gearpoly.scene import Scene
 from gearpoly.units import BoolArray, FloatArray
-
-POSSIBLE = 0.5
-"""Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
 
 TWIN = 0.25
 """The same for a damage of the mate's tooth, whose coarse shapes are laid elsewhere than those of the claim: where two

@@ -19,6 +19,9 @@ from gearpoly.physics.base import Claim, Physics, Scope
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
+POSSIBLE = 0.5
+"""Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
+
 SAME = 0.3
 """Part of a located wave's power, from 0 to 1, that the waves of a place hold, from which on it is there: two waves
 half a line apart share two fifths (sinc squared), a whole line apart nothing. A judgement, not tuned."""

@@ -115,7 +115,7 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
 def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) -> Checked | None:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, and then all
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
-    larger with names than without; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
+    larger with names than without by more than it is known to; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
     claimed."""
     model = search.model
     refused: list[tuple[Claim, float]] = []
@@ -141,7 +141,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     gains = [gained(one, named, number) for one in (declared, as_built)]
     rms = _told(search, before_any)
     # How probable names are was weighed before: here they must only not be worse where no fit looked.
-    worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0]
+    worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0] * (1.0 + _doubt(search))
     if len(unchecked) < len(model.claims) and worse:
         refused += [(one, model.rms_of(search.scenes, one)) for one in model.claims]
         unchecked = ()
@@ -204,6 +204,12 @@ def _told(search: Search, start: Linear) -> tuple[float, float]:
     waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
     without = cross_validated(start, masks, leave=waves)
     return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
+
+
+def _doubt(search: Search) -> float:
+    """Relative standard error of an rms of all unseen samples, were they normal: 1 / sqrt(2 n)."""
+    unseen = sum(int(np.count_nonzero(~one.fit)) for one in search.model.observed)
+    return 1.0 / math.sqrt(2.0 * max(1, unseen))
 
 
 def _held(search: Search) -> System:

@@ -14,7 +14,7 @@ from gearpoly.mesh.loaded import LoadedContacts, Sharing, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.transmission import NEAR, SAMPLES, FlankContacts, contacts
 from gearpoly.mesh.varied import GENTLE, giving
 from gearpoly.units import FloatArray, IntArray, read_only
 
@@ -64,14 +64,19 @@ class Meshing:
         """The same gears with teeth that give otherwise (None: not at all). Raises what ``pair_compliance`` does."""
         return replace(self, compliance=compliance_under(self.pair, elasticity, self.condition))
 
-    def at(self, theta_2: FloatArray, *, near: float | None = None, fast: bool = False) -> Met:
-        """Contacts and load at driven rotations ``theta_2`` (N,) in rad; pairs are looked for within ``near`` mm.
+    def at(
+        self, theta_2: FloatArray, *, near: float | None = None, fast: bool = False, certified: int = SAMPLES
+    ) -> Met:
+        """Contacts and load at driven rotations ``theta_2`` (N,) in rad; pairs are looked for within ``near`` mm, and
+        of a ``fast`` run so many positions are ``certified``.
 
         Raises ``NoContactError`` where no teeth touch, ``NotConvergedError`` or ``SelfCheckError`` where a contact
         cannot be certified, ``OutOfRangeError`` for a load beyond small deflections.
         """
         within = self.near if near is None else near
-        return self.met(contacts(self.pair, theta_2, flank=self.condition.flank, near=within, fast=fast))
+        return self.met(
+            contacts(self.pair, theta_2, flank=self.condition.flank, near=within, fast=fast, certified=certified)
+        )
 
     def met(self, rows: FlankContacts) -> Met:
         """The load on contacts that were found already; raises what ``loaded`` does."""

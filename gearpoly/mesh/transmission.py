@@ -90,13 +90,14 @@ def contacts(
     flank: Flank = "drive",
     near: float = NEAR,
     fast: bool = False,
+    certified: int = SAMPLES,
     progress: Progress = _no_progress,
 ) -> FlankContacts:
     """First touch and all near pairs of one ``flank`` at driven rotations ``theta_2`` (N,) in rad, unloaded; pairs
     are near that close within ``near`` mm along the line of action.
 
     Every contact is certified by the polygon kernel. With ``fast`` the compiled radial gap of the same polylines
-    finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies ``SAMPLES`` positions of the run.
+    finds them thirty times sooner, to 1e-12 rad, and the polygon kernel certifies so many positions of the run.
 
     Raises ``NoContactError`` at a position where no pair touches, ``NotConvergedError`` where a contact cannot be
     certified.
@@ -121,7 +122,7 @@ def contacts(
             progress(found.positions)
     rows = _joined(parts)
     if fast:
-        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=SAMPLES)
+        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=certified)
     first = rows.first()
     if first.size != theta_2.size:
         missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
@@ -146,7 +147,7 @@ def contacts(
         overrun=rows.overrun,
         touching=touching,
         pairs=pairs,
-        certified=SAMPLES if fast else rows.pose.size,
+        certified=certified if fast else rows.pose.size,
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )

@@ -72,6 +72,7 @@ PHYSICS = Physics(
     ),
     amplitudes=1,
     ordinary=(1.0,),
+    common=3.0,
     places=_places,
     effect=_effect,
     write=_write,

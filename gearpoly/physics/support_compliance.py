@@ -62,10 +62,6 @@ PHYSICS = Physics(
     case=(Place(), (1.0,)),
     keys={"pair": PairKeys},
     build=_build,
-    unsearched=(
-        "it moves the mean with the torque as shafts that twist do, and no probability yet weighs the two against "
-        "each other"
-    ),
     coordinates=(
         Quantity(
             name="um_per_nm",
@@ -79,7 +75,6 @@ PHYSICS = Physics(
     amplitudes=1,
     ordinary=(0.5,),
     places=_places,
-    mean_tooth=True,
     effect=_effect,
     write=_write,
     report=plain("um_per_nm"),
