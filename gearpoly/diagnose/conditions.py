@@ -112,8 +112,8 @@ def swells(linear: Linear, model: Model, k: int) -> bool:
 
 
 def take_back(search: Search) -> bool:
-    """Take back every claim that does not pay on held-out torques and flanks, the dearest first, and what is not steady.
-    Whether any went."""
+    """Take back every claim that does not pay on held-out torques and flanks, the dearest first, and what is not
+    steady. Whether any went."""
     needed: set[tuple[object, ...]] = set()
     gone = False
     while True:

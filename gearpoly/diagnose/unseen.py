@@ -115,8 +115,8 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
 def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) -> Checked | None:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, and then all
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
-    larger with names than without by more than it is known to; ``start`` is the fit of the state ``begun`` before any claim. None where nothing is
-    claimed."""
+    larger with names than without by more than it is known to; ``start`` is the fit of the state ``begun`` before any
+    claim. None where nothing is claimed."""
     model = search.model
     refused: list[tuple[Claim, float]] = []
     if not model.claims:
