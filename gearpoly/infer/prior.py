@@ -37,8 +37,11 @@ ONCE_PER_TURN = 0.02
 the two is off its axis nearly always. What else sits on that shaft (a coupling out of line, a bearing) seldom shows."""
 
 TURNS_WITH_IT = 0.5
-"""The same at other whole orders of a shaft, and once per turn of one that something else is known to turn with: worms,
-couplings, bearings, belts and poles of a motor make all of them."""
+"""The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with."""
+
+LOW_ORDERS, LOW = 0.8, 2
+"""The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
+of a motor make all of them; waves of a cutting machine, whose index wheel has more teeth, come oftener."""
 
 LINES = 0.03
 """The same at a number of waves per turn that encoders have as lines: nothing else on a shaft comes so often."""
@@ -113,7 +116,9 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         return TURNS_WITH_IT if worm else ONCE_PER_TURN
     if kind == "wave":
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
-        return LINES if read and order in LINE_COUNTS else TURNS_WITH_IT
+        if read and order in LINE_COUNTS:
+            return LINES
+        return LOW_ORDERS if order is not None and order <= LOW * scope.gears[place.gear or 0].z else TURNS_WITH_IT
     return {"slow": SLOW, "tooth": ONE_TOOTH, "means": BETWEEN_RECORDINGS, "mesh": EVERY_MESH}[kind]
 
 

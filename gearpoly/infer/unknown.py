@@ -102,7 +102,13 @@ def _repeated(
         seen.append(groups)
         many = max(groups) + 1
         out.append(Unknown(name=f"{name}{words}", columns=_apart(parts, groups), std=np.tile(std, many), weight=1.0))
-    return [Unknown(name=one.name, columns=one.columns, std=one.std, weight=1.0 / len(out)) for one in out]
+    return [replace(one, weight=weight) for one, weight in zip(out, plainest_first(len(out)), strict=True)]
+
+
+def plainest_first(many: int) -> list[float]:
+    """Weights of so many forms of one unknown cause, the plainest first: it has half, the others share the rest. Were
+    all alike, a cause would be the less likely the more forms of it were thought of."""
+    return [1.0] if many == 1 else [0.5, *[0.5 / (many - 1)] * (many - 1)]
 
 
 def waves(scenes: Sequence[Scene], gear: int, orders: Sequence[float]) -> list[Unknown]:
@@ -120,6 +126,12 @@ def harmonics_of(order: int) -> list[int]:
     """An order with its next harmonics: what comes so often per turn, as the teeth of another gear do, is seldom a pure
     wave."""
     return [order * k for k in (1, 2, 3)]
+
+
+def with_side_bands(order: int) -> list[int]:
+    """The same harmonics with the orders beside each: teeth of another gear that runs off its axis come stronger and
+    weaker once per turn."""
+    return [order, *(k * order + s for k in (1, 2, 3) for s in (-1, 0, 1) if k * order + s not in (0, order))]
 
 
 def angles_of(scene: Scene, gear: int) -> tuple[FloatArray, FloatArray]:
@@ -144,10 +156,20 @@ def flank_waves(scenes: Sequence[Scene], gear: int, order: int, effect: Sequence
             power[k] += abs(complex(np.exp(-1j * image * angle) @ one)) ** 2 / max(1, one.size)
     most = float(np.max(power, initial=0.0))
     seen = [image for image, p in zip(images, power.tolist(), strict=True) if image == order or p > SEEN * most]
-    groups: list[list[int]] = [[image] for image in seen]
+    groups: list[list[int]] = [[order], *([image] for image in seen if image != order)]
     groups += [seen] if len(seen) > 1 else []
-    groups.append(harmonics_of(order))
-    return [replace(one, weight=one.weight / len(groups)) for group in groups for one in waves(scenes, gear, group)]
+    groups += [harmonics_of(order), with_side_bands(order)]
+    return _each(scenes, gear, groups)
+
+
+def _each(scenes: Sequence[Scene], gear: int, groups: Sequence[Sequence[float]]) -> list[Unknown]:
+    """Waves of each of these groups of orders, the plainest first."""
+    weights = plainest_first(len(groups))
+    return [
+        replace(one, weight=weight * one.weight)
+        for group, weight in zip(groups, weights, strict=True)
+        for one in waves(scenes, gear, group)
+    ]
 
 
 def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
@@ -225,8 +247,7 @@ def unknowns(
         turning = physics.measures or place.order is None
         if not turning:
             return flank_waves(scenes, gear, order, effect)
-        both = ([order], harmonics_of(order))
-        return [replace(one, weight=one.weight / len(both)) for orders in both for one in waves(scenes, gear, orders)]
+        return _each(scenes, gear, ([order], harmonics_of(order), with_side_bands(order)))
     return mesh_curves(scenes, means=physics.whole_gear or not physics.mean_tooth)
 
 
