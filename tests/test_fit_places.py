@@ -16,7 +16,7 @@ from gearpoly.diagnose import placing
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ENOUGH, _best_of, first, off_by, opening, placed, well_placed
+from gearpoly.diagnose.placing import ASKEW, ENOUGH, _best_of, off_by, opening, placed, seen_at, well_placed
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.errors import GeometryError
@@ -250,17 +250,24 @@ def test_the_opening_of_a_long_recording_is_whole_cycles(tmp_path: Path) -> None
     (one,) = recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=16.0)
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, [one], path=path), path=path)
-    n = opening(model.observed[0], model)
     (observed,) = model.observed
+    where = opening(observed, model, few=5000)
     cycle = math.lcm(*Z) * model.scope.gears[1].tau
-    turned = observed.samples.theta_2[[0, n]]
-    assert ENOUGH <= n < observed.samples.size
-    assert float(np.ptp(turned)) / cycle == pytest.approx(round(float(np.ptp(turned)) / cycle), abs=0.01)
+    turned = observed.samples.theta_2[where]
+    step = float(np.max(np.diff(turned)))
+    cycles = (float(np.ptp(turned)) + step) / cycle
+    assert ENOUGH <= where[-1] < observed.samples.size
+    assert cycles == pytest.approx(round(cycles), abs=2.0 * step / cycle)
+    assert pytest.approx(where.size, abs=1) == 5000 / ASKEW
+    # Uneven in the pitch, so that every part of it is seen: of 100 parts none is empty, and none holds twice its share.
+    parts, _ = np.histogram(np.mod(turned / model.scope.gears[1].tau, 1.0), bins=100, range=(0.0, 1.0))
+    assert np.min(parts) > 0 and np.max(parts) < 2 * where.size / 100
     rng = np.random.default_rng(2)
     left = rng.normal(0.0, 0.3 * UM, observed.samples.size)
-    level = first(observed, n, model).estimator.estimate(left[:n]).level
-    assert level == pytest.approx(observed.estimator.estimate(left).level, rel=0.03)  # 1 / sqrt(2 n) is 0.6 %
-    assert opening(first(observed, 2000, model), model) == 2000
+    level = seen_at(observed, where, model).estimator.estimate(left[where]).level
+    assert level == pytest.approx(observed.estimator.estimate(left).level, rel=0.05)  # 1 / sqrt(2 n) is 1 %
+    short = seen_at(observed, np.arange(3000), model)
+    np.testing.assert_array_equal(opening(short, model, few=2000), np.arange(3000))
 
 
 @pytest.mark.parametrize(
@@ -281,7 +288,7 @@ def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
     model: Any = SimpleNamespace(scope=scope, phased=True, elsewhere=(), turns_of=None)
     fit = SimpleNamespace(linear=SimpleNamespace(system=SimpleNamespace(beyond=beyond, samples=1000)))
     tried: list[float] = []
-    monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))
+    monkeypatch.setattr("gearpoly.diagnose.placing.shortened", lambda model, foreign, few: (model, foreign))
     monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", lambda *given, **how: fit)
     monkeypatch.setattr("gearpoly.diagnose.placing.relieved", lambda model: [])
     monkeypatch.setattr("gearpoly.diagnose.placing._best_of", lambda m, f, s, ways, **how: tried.extend(ways))
@@ -321,7 +328,7 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
         claims=[],
         budget=Budget(),
     )
-    monkeypatch.setattr("gearpoly.diagnose.placing._shortened", lambda model, foreign: (model, foreign))
+    monkeypatch.setattr("gearpoly.diagnose.placing.shortened", lambda model, foreign, few: (model, foreign))
     monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", begun)
     _best_of(model, [], lambda text: None, [0.0, 0.05], hopeful=1.15)
     assert sum(moved) == pytest.approx(0.05 if moves else 0.0)

@@ -69,6 +69,9 @@ class Walk(Search):
     def gained(self, kept: Any) -> float:
         return self.worths[kept[0]["here"]] - self.worths[self.here]
 
+    def laws_anew(self) -> bool:
+        return False
+
     def withdraw(self) -> None:
         pass
 

@@ -39,7 +39,7 @@ class GearPrior:
     every tooth's ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``.
     ``shared``: part of the drive flank's variance that the coast flank has as well, of pitch and of form (slope and
     crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
-    ``graded``: nobody inspected it."""
+    ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action."""
 
     z: int
     pitch: FloatArray
@@ -50,6 +50,7 @@ class GearPrior:
     shared: tuple[float, float]
     own: tuple[float, float]
     graded: bool
+    single: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

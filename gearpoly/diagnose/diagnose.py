@@ -44,6 +44,7 @@ from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.unseen import checked
+from gearpoly.diagnose.unstated import as_seen
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
@@ -83,6 +84,7 @@ def diagnose(
     model = replace(model, method=method or Method(), strangers=strangers(entries), budget=budget)
     model.observed = beside_jumps(model.observed, jumps(comparison))
     waves, preparing = foreign(comparison, model, entries), watch.stage("prepare")
+    model, seen = as_seen(model, waves, preparing)
     placed(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
     if model.offset:
@@ -96,6 +98,7 @@ def diagnose(
     counted = recounted(search, begun)
     if counted is not None:
         looked_at = counted.looked
+    stopped, model.budget = search.over, budget.further
     search.step = watch.stage("rivals")
     refitted = contest(search)
     if take_back(search):
@@ -124,7 +127,6 @@ def diagnose(
     left_over = explained(search, comparison, left_over)
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
-    stopped = search.over
     if (stopped or (unseen is not None and unseen.refused)) and not left_over and not findings:
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
@@ -157,6 +159,7 @@ def diagnose(
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,
+            *seen,
             *_untouched(findings),
             *recount,
             *(() if unseen is None else unseen.says),

@@ -13,9 +13,10 @@ from gearpoly.diagnose.in_stead import give_way, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.unnamed import leave
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
-from gearpoly.infer.posterior import CERTAIN
+from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
@@ -34,6 +35,9 @@ def earned(
     plain: dict[Key, Judged] = {}
     while True:
         named = _named(search, gone)
+        if search.over:
+            # What was not weighed to its end has no name.
+            return {}, (*gone, *(_unweighed(search, claim, plain.get(claim.key)) for claim in named))
         if any(claim.key not in plain for claim in named):
             search.step("weighing names against unknown causes")
         for claim in named:
@@ -78,6 +82,12 @@ def earned(
         gone.append(_unearned(search, least, judged[least.key]))
         _give_up(search, least, effect)
         plain.clear()
+
+
+def _unweighed(search: Search, claim: Claim, judged: Judged | None) -> Unearned:
+    """A place whose claim was not weighed to its end; nobody knows how likely it is."""
+    posterior = Posterior(claims=(), unknown=1.0, nothing=0.0) if judged is None else judged.posterior
+    return Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=posterior)
 
 
 def _unearned(search: Search, claim: Claim, judged: Judged) -> Unearned:
@@ -167,7 +177,7 @@ def _give_up(search: Search, claim: Claim, effect: Sequence[FloatArray]) -> None
     begun = search.kept()
     try:
         search.join([], instead=[number_of(search, claim)])
-        search.leave(curve, slow=claim.physics.slow)
+        leave(search, curve, slow=claim.physics.slow)
         search.settle()
     except GearpolyError:
         search.restore(begun)

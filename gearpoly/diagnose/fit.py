@@ -17,6 +17,7 @@ from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes, make_nuisance
 from gearpoly.diagnose.way import Way
+from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
@@ -111,7 +112,17 @@ class Fit:
         for turn in range(passes):
             if turn and self.over:
                 break
-            self.scenes = self.model.scenes()
+            try:
+                self.scenes = self.model.scenes()
+            except GearpolyError:
+                # A step to gears that cannot run went too far; those that it began from could.
+                if turn == 0:
+                    raise
+                self.restore(good)
+                if not way.again():
+                    break
+                moved = self.take(self.linear, way.step)
+                continue
             if turn == 0:
                 if self.laws is None and not self.trial:
                     # Teeth may have begun to bend.
@@ -210,19 +221,6 @@ class Fit:
         if made is not self.model.as_built:
             self.model.as_built = made
             self.settle()
-
-    def leave(self, columns: Sequence[FloatArray], *, slow: bool) -> None:
-        """Fit ``columns`` (n_k, q) in mm that have no cause beside all else; ``slow`` ones are no wave."""
-        many = columns[0].shape[1]
-        both = list(zip(columns, self.foreign, strict=True))
-        if slow:
-            self.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
-            self.model.slow_courses += many
-        else:
-            self.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
-            moved = tuple(tuple(column + many for column in wave) for wave in self.model.strangers)
-            self.model.strangers = (tuple(range(many)), *moved)
-        self.linear = self.linearised()
 
     def forget(self) -> None:
         """Let go of waves of unknown make that are now explained: they tell nothing any more, and where two of them are

@@ -84,7 +84,7 @@ def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
     if model.turns_of is None or len(model.as_built.flanks) < 2 or not model.as_built.gears[mate].graded:
         return
     step("counting turns between the flanks")
-    trial, columns = _shortened(model, foreign, few=FEW[-1])
+    trial, columns = shortened(model, foreign, few=FEW[-1])
     fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
     model.turned(turns_told(fit.model, fit.scenes, fit.linear))
 
@@ -100,7 +100,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
     before: Fit | None = None
     by = 0
     for _ in range(0 if model.budget.over else MOVES + 1):
-        trial, columns = _shortened(model, foreign, few=FEW[-1])
+        trial, columns = shortened(model, foreign, few=FEW[-1])
         fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
         # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
         fit.share()
@@ -191,12 +191,12 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     load those that lean together look like others that hand over elsewhere."""
     if all(model.scope.inspected) or max(model.scope.torques) <= 0.0:
         return False
-    trial, columns = _shortened(model, foreign, few=FEW[-1])
+    trial, columns = shortened(model, foreign, few=FEW[-1])
     system = Fit.begun(trial, columns, step, trial=TRIALS[-1]).linear.system
     return system.beyond > LOST * system.samples
 
 
-def _shortened(model: Model, foreign: list[FloatArray], *, few: int) -> tuple[Model, list[FloatArray]]:
+def shortened(model: Model, foreign: list[FloatArray], *, few: int) -> tuple[Model, list[FloatArray]]:
     """The model with as much of its recordings as suffices to place the teeth, a ``few`` samples of each, and so much
     of foreign columns."""
     wheres = [opening(one, model, few=few) for one in model.observed]
@@ -218,7 +218,7 @@ def _best_of(
         closest = sorted(tried.values())[:CLOSELY][-1]
         most = min(closest, hopeful * min(tried.values()))
         tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= most}
-        trial, columns = _shortened(model, foreign, few=few)
+        trial, columns = shortened(model, foreign, few=few)
         kept, noises = trial.kept(), None
         counted = sum(one.samples.size for one in trial.observed)
         if trial.budget.over:

@@ -76,7 +76,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         span=max(float(np.ptp(one.samples.theta_1)) for one in observed) / (2.0 * math.pi),
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
-        form=(_form(priors[0]), _form(priors[1])),
+        form=(form_of(priors[0]), form_of(priors[1])),
         finest=_finest(observed),
         stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
@@ -135,7 +135,7 @@ def _zeroed(recording: Recording) -> bool:
     return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
 
 
-def _form(prior: GearPrior) -> float:
+def form_of(prior: GearPrior) -> float:
     """Half the standard deviation of a graded gear's form: what is smaller on all its teeth is as it was built."""
     return 0.5 * prior.crowning if prior.graded else 0.0
 
@@ -166,23 +166,29 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
+    return graded_prior(section, gears, which)
+
+
+def graded_prior(section: GearSection, gears: tuple[Gear, Gear], which: int, *, by: float = 1.0) -> GearPrior:
+    """What a gear is like that keeps to its limits, or to so many times these."""
     mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
-    slope = limits.f_HalphaT / WITHIN / UM
-    cosine = math.cos(mine.alpha)  # from the reference circle to the line of action
+    slope = by * limits.f_HalphaT / WITHIN / UM
+    cosine = by * math.cos(mine.alpha)  # from the reference circle to the line of action
     return GearPrior(
-        z=z,
-        pitch=chain(z, single=cosine * limits.f_pT / UM, cumulative=cosine * limits.F_pT / UM),
+        z=section.teeth,
+        pitch=chain(section.teeth, single=cosine * limits.f_pT / UM, cumulative=cosine * limits.F_pT / UM),
         slope=max(slope, IDEAL),
         mean_slope=max(slope, IDEAL),
         # Of what every tooth's form ranges over, half the variance is its own.
-        crowning=max(limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
+        crowning=max(by * limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
         # A gear that passed lies within its limits, all of them.
-        thickness=max((limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
+        thickness=max(by * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.
         shared=(0.5, 0.5),
         own=(0.0, 0.0),
         graded=True,
+        single=cosine * limits.f_pT / UM,
     )
 
 

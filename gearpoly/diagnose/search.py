@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from gearpoly.diagnose.at_place import Weighed, at_place
 from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
 from gearpoly.diagnose.relieved import relieved
-from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
-from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.scan import Candidate, polished, scan
+from gearpoly.diagnose.unnamed import EVEN, is_weighed, leave_more, left_unnamed, likeliest, weigh_at
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
-from gearpoly.infer.load_wave import LOAD_WAVE, apart
-from gearpoly.infer.posterior import CERTAIN, Posterior
-from gearpoly.infer.prior import kind_of, order_of, same_place
+from gearpoly.infer.prior import order_of
 from gearpoly.physics.base import Claim
 from gearpoly.threads import each
 
@@ -36,16 +31,6 @@ POLISHED = 4
 
 GROWN = 10.0
 """Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
-
-AT_ONCE = 6
-"""Places that are left without a name after one look: as many as cost what another look does."""
-
-EVEN = 0.5
-"""Probability that nothing is at a place from which on nothing is claimed there."""
-
-UNNAMED = 24
-"""Places that are left without a name in one search: each costs columns, and beyond these `compare` has said what there
-is to say."""
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
@@ -89,9 +74,7 @@ class Search(Exchange):
         for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
             if self.strained:
                 found = self.otherwise(road.state, [road.claim], found)
-        law = self.model.law
-        self.laws_anew()
-        if self.model.law != law:
+        if self.laws_anew():
             found, _ = self.forward()
         self.disown(missing)
         self.withdraw()
@@ -155,22 +138,21 @@ class Search(Exchange):
                 found, self.looked = scan(self.model, self.scenes, self.linear)
                 self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
             ones = self.likely(found, refused)
-            best = next((one for one in ones if self.matters(one) and (_is_weighed(one.claim) or self.pays(one))), None)
+            best = next((one for one in ones if self.matters(one) and (is_weighed(one.claim) or self.pays(one))), None)
             if best is None:
                 break
             before = self.kept()
-            weighed = self.weighed(best)
+            weighed = weigh_at(self, best)
             if weighed is not None and weighed.posterior.nothing > EVEN:
                 refused.add(best.claim.key)
                 looked = True
                 continue
-            if weighed is not None and self.left_unnamed(best.claim, weighed):
-                self.leave_more(found, besides=best.claim)
+            if weighed is not None and left_unnamed(self, best.claim, weighed):
+                leave_more(self, found[:SHORTLIST], besides=best.claim)
                 self.settle()
                 looked = False
                 continue
-            if weighed is not None:
-                best = self.likeliest(best, weighed)
+            best = best if weighed is None else likeliest(best, weighed)
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if self.taken(best, found, before):
                 roads += [
@@ -185,57 +167,6 @@ class Search(Exchange):
             if len(refused) > MOST:
                 break
         return found, roads
-
-    def weighed(self, best: Candidate) -> Weighed | None:
-        """What may be at the place of the ``best`` candidate: a wave, or one tooth. None elsewhere: what all teeth do
-        bends the curve, and is told to its end only."""
-        claim = best.claim
-        if claim.physics is LOAD_WAVE:
-            alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
-            return Weighed(posterior=alone, unknown=apart(self.scenes, claim.place))
-        if not _is_weighed(claim):
-            return None
-        possible = [
-            one for one in all_places(self.model) if same_place(Claim(physics=one[0], place=one[1], values=()), claim)
-        ]
-        return at_place(self.model, self.scenes, self.linear, possible, looked=self.looked, polish=True)
-
-    def left_unnamed(self, claim: Claim, weighed: Weighed) -> bool:
-        """Whether an unknown cause stands in the place of a ``claim`` from now on, where that is likelier than every
-        physics together. It needs no simulation."""
-        surely = weighed.posterior.unknown > CERTAIN and len(self.model.unnamed) < UNNAMED
-        if not surely or weighed.unknown is None:
-            return False
-        where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
-        self.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")
-        effect = self.model.change(self.scenes, claim, claim.values)
-        rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
-        place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
-        self.leave(weighed.unknown, slow=False)
-        self.model.unnamed = (*self.model.unnamed, place)
-        return True
-
-    def leave_more(self, found: list[Candidate], *, besides: Claim) -> None:
-        """Leave further places of one look without a name, before all is fitted again: where there is one, there are
-        more, and each is weighed beside those before it."""
-        seen = {_place(besides)}
-        for one in found[:SHORTLIST]:
-            if len(seen) > AT_ONCE or self.over:
-                return
-            if _place(one.claim) in seen or one.claim.physics is LOAD_WAVE:
-                continue
-            seen.add(_place(one.claim))
-            weighed = self.weighed(one)
-            if weighed is not None:
-                self.left_unnamed(one.claim, weighed)
-
-    def likeliest(self, best: Candidate, weighed: Weighed) -> Candidate:
-        """The ``best`` candidate, or what is likelier at its place than it."""
-        posterior = weighed.posterior
-        claim, chance = posterior.claims[0]
-        if claim.key == best.claim.key or chance <= posterior.of(best.claim):
-            return best
-        return replace(best, claim=claim, freedoms=len(claim.values))
 
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
@@ -285,11 +216,13 @@ class Search(Exchange):
             return False
         return kept
 
-    def laws_anew(self) -> None:
-        """Ask again how soft teeth are, and by which law they give."""
+    def laws_anew(self) -> bool:
+        """Ask again how soft teeth are, and by which law they give; whether that is another one now."""
+        law = self.model.law
         self.declared_softness()
         self.declared_law()
         self.choose_law()
+        return self.model.law != law
 
     def likely(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
         """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
@@ -368,13 +301,3 @@ def shows_in_laws(claim: Claim) -> bool:
     """Whether another law of compliance may do what a claim does: what is the same at every mesh, or a mean. A single
     tooth or a wave of one is no law."""
     return claim.place.tooth is None and order_of(claim) is None
-
-
-def _is_weighed(claim: Claim) -> bool:
-    """Whether a claim is weighed at its place before it is fitted: a wave, or what one tooth has."""
-    return kind_of(claim) in ("wave", "tooth") and not claim.physics.once_per_turn
-
-
-def _place(claim: Claim) -> tuple[int | None, int | None, int | None]:
-    """Gear, tooth and order that a claim is about."""
-    return claim.place.gear, claim.place.tooth, order_of(claim)

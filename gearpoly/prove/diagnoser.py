@@ -10,9 +10,9 @@ from typing import Any
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed, on_gear
 
-WITHIN = 45.0
-"""Processor seconds after which no more is looked for, as ``--within`` has it: weighing and telling what was found take
-a third as long again, and a case has 60 s in all."""
+WITHIN = 36.0
+"""Processor seconds after which no more is looked for, as ``--within`` has it: weighing takes a third as long again at
+most, telling some 10 s of a large recording, and a case has 60 s in all."""
 
 WRONG = 1.05
 """Factor by which known parameters are wrong in the control that asks what then happens."""

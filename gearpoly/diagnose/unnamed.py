@@ -1,0 +1,109 @@
+"""Places that are left without a name: an unknown cause stands there, as columns beside all else, and nothing is
+simulated anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.diagnose.at_place import Weighed, at_place
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.scan import Candidate, all_places
+from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.weigh import Weigh
+from gearpoly.infer.load_wave import LOAD_WAVE, apart
+from gearpoly.infer.posterior import CERTAIN, Posterior
+from gearpoly.infer.prior import kind_of, order_of, same_place
+from gearpoly.physics.base import Claim
+from gearpoly.units import FloatArray
+
+EVEN = 0.5
+"""Probability that nothing is at a place from which on nothing is claimed there."""
+
+AT_ONCE = 6
+"""Places that are left without a name after one look: as many as cost what another look does."""
+
+UNNAMED = 24
+"""Places that are left without a name in one search: each costs columns, and beyond these `compare` has said what there
+is to say."""
+
+
+def leave(fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False) -> None:
+    """Fit ``columns`` (n_k, q) in mm that have no cause beside all else from now on; ``slow`` ones are no wave."""
+    many = columns[0].shape[1]
+    both = list(zip(columns, fit.foreign, strict=True))
+    if slow:
+        fit.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
+        fit.model.slow_courses += many
+    else:
+        fit.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
+        moved = tuple(tuple(column + many for column in wave) for wave in fit.model.strangers)
+        fit.model.strangers = (tuple(range(many)), *moved)
+    fit.linear = fit.linearised()
+
+
+def is_weighed(claim: Claim) -> bool:
+    """Whether a claim is weighed at its place before it is fitted: a wave, or what one tooth has. What all teeth do
+    bends the curve, and is told to its end only."""
+    return kind_of(claim) in ("wave", "tooth") and not claim.physics.once_per_turn
+
+
+def weigh_at(fit: Weigh, best: Candidate) -> Weighed | None:
+    """What may be at the place of the ``best`` candidate; None where that is not weighed before it is fitted."""
+    claim = best.claim
+    if claim.physics is LOAD_WAVE:
+        alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
+        return Weighed(posterior=alone, unknown=apart(fit.scenes, claim.place))
+    if not is_weighed(claim):
+        return None
+    possible = [
+        one for one in all_places(fit.model) if same_place(Claim(physics=one[0], place=one[1], values=()), claim)
+    ]
+    return at_place(fit.model, fit.scenes, fit.linear, possible, looked=fit.looked, polish=True)
+
+
+def left_unnamed(fit: Weigh, claim: Claim, weighed: Weighed) -> bool:
+    """Whether an unknown cause stands in the place of a ``claim`` from now on, where that is likelier than every
+    physics together."""
+    surely = weighed.posterior.unknown > CERTAIN and len(fit.model.unnamed) < UNNAMED
+    if not surely or weighed.unknown is None:
+        return False
+    where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
+    fit.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")
+    effect = fit.model.change(fit.scenes, claim, claim.values)
+    rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
+    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
+    leave(fit, weighed.unknown)
+    fit.model.unnamed = (*fit.model.unnamed, place)
+    return True
+
+
+def leave_more(fit: Weigh, found: Sequence[Candidate], *, besides: Claim) -> None:
+    """Leave further places of one look without a name, before all is fitted again: where there is one, there are more,
+    and each is weighed beside those before it."""
+    seen = {_place(besides)}
+    for one in found:
+        if len(seen) > AT_ONCE or fit.over:
+            return
+        if _place(one.claim) in seen or one.claim.physics is LOAD_WAVE:
+            continue
+        seen.add(_place(one.claim))
+        weighed = weigh_at(fit, one)
+        if weighed is not None:
+            left_unnamed(fit, one.claim, weighed)
+
+
+def likeliest(best: Candidate, weighed: Weighed) -> Candidate:
+    """The ``best`` candidate, or what is likelier at its place than it."""
+    posterior = weighed.posterior
+    claim, chance = posterior.claims[0]
+    if claim.key == best.claim.key or chance <= posterior.of(best.claim):
+        return best
+    return replace(best, claim=claim, freedoms=len(claim.values))
+
+
+def _place(claim: Claim) -> tuple[int | None, int | None, int | None]:
+    """Gear, tooth and order that a claim is about."""
+    return claim.place.gear, claim.place.tooth, order_of(claim)

@@ -1,0 +1,114 @@
+"""Gears of which the pair file states neither grade nor inspection: how far their teeth deviate is read off the
+recordings, so that what all teeth have is no fault of one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.placing import FEW, shortened
+from gearpoly.diagnose.prepare import form_of, graded_prior
+from gearpoly.gear.nominal import nominal_gears
+from gearpoly.keys.edit import changed, gear_section
+from gearpoly.units import FloatArray
+
+BASE = 5
+"""Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
+
+COARSEST = 64.0
+"""Limits of the coarsest teeth that are thought of, over those of grade 5: those of grade 17, which nothing but a
+printed gear has. It only has to be wide."""
+
+ROUNDS = 1
+"""Rounds of simulating and fitting: to first order about the declared gears, how far teeth deviate is told to a tenth
+of it, and so soft or coarse that they could not run no fit makes them."""
+
+TO_SIGMA = 1.4826
+"""Standard deviation of normal values over their median: half of the teeth may be anything."""
+
+SEEN = 2.0
+"""By how many times their own doubt the steps from tooth to tooth must deviate, or they say nothing of the teeth."""
+
+
+def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> tuple[Model, tuple[str, ...]]:
+    """The model with limits for gears that have none stated, as their own teeth have them, and what to tell of that.
+
+    The median step from tooth to tooth decides, once per turn left out: one tooth off its place, or an eccentricity,
+    is a fault of an ideal gear as before. Raises what ``Fit.begun`` does.
+    """
+    unstated = [gear for gear in (0, 1) if _is_unstated(model, gear)]
+    if not unstated or model.budget.over:
+        return model, ()
+    step("asking how far the teeth deviate")
+    fit = Fit.begun(
+        *shortened(_limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=FEW[-1]), step, trial=ROUNDS
+    )
+    found = {gear: by for gear in unstated if (by := _limits_seen(fit, gear)) > 0.0}
+    says = tuple(
+        f"no grade of the {('driving', 'driven')[gear]} gear is stated, and its teeth deviate as those of grade "
+        f"{grade_of(by)} do: what such teeth may have is not looked for; state a grade, or inspect it"
+        for gear, by in found.items()
+    )
+    return (_limited(model, found) if found else model), says
+
+
+def grade_of(by: float) -> int:
+    """The grade, 1 or more, whose limits are so many times those of grade 5."""
+    return max(1, BASE + math.ceil(2.0 * math.log2(by) - 1e-9))
+
+
+def _is_unstated(model: Model, gear: int) -> bool:
+    section = gear_section(model.declared, gear)
+    return section.grade is None and section.limits is None and section.inspection is None
+
+
+def _limited(model: Model, by: dict[int, float]) -> Model:
+    """The model with limits of so many times those of grade 5 for these gears."""
+    gears = nominal_gears(model.declared)
+    priors: list[GearPrior] = list(model.as_built.gears)
+    for gear, times in by.items():
+        section = changed(gear_section(model.declared, gear), grade=BASE)
+        priors[gear] = graded_prior(section, gears, gear, by=times)
+    both = priors[0], priors[1]
+    scope = replace(
+        model.scope,
+        inspected=(not both[0].graded, not both[1].graded),
+        form=(form_of(both[0]), form_of(both[1])),
+    )
+    return replace(model, scope=scope, as_built=make_as_built(both, model.as_built.flanks))
+
+
+def _limits_seen(fit: Fit, gear: int) -> float:
+    """Limits of a gear over those of grade 5 by the steps of its teeth; 0 where these say nothing."""
+    teeth, at = fit.model.as_built, fit.linear.layout.built
+    built, covariance = fit.linear.system.solution[at], fit.linear.system.covariance[at, at]
+    seen = [
+        _step(teeth.pitch(built, flank, gear), _block(covariance, teeth.start(flank, gear), teeth.gears[gear].z))
+        for flank in teeth.flanks
+    ]
+    most = max(seen)
+    unit = teeth.gears[gear].single / COARSEST
+    return math.sqrt(3.0) * most / unit if most > IDEAL else 0.0
+
+
+def _block(covariance: FloatArray, start: int, z: int) -> FloatArray:
+    return covariance[start : start + z, start : start + z]
+
+
+def _step(pitch: FloatArray, covariance: FloatArray) -> float:
+    """Standard deviation in um of the steps between teeth of these index deviations (z,), by their median, what they
+    are known to (z, z) taken off; 0 where that is nearly all of it."""
+    z = pitch.size
+    angle = 2.0 * np.pi / z * np.arange(z)
+    once = np.column_stack((np.ones(z), np.cos(angle), np.sin(angle)))
+    without = np.eye(z) - once @ np.linalg.pinv(once)
+    between = (np.roll(np.eye(z), -1, axis=0) - np.eye(z)) @ without
+    scatter = TO_SIGMA * float(np.median(np.abs(between @ pitch)))
+    doubt = math.sqrt(float(np.median(np.diag(between @ covariance @ between.T))))
+    return math.sqrt(scatter**2 - doubt**2) if scatter > SEEN * doubt else 0.0
