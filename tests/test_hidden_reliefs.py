@@ -11,7 +11,7 @@ import pytest
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose import fit
+from gearpoly.diagnose import left_open
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.verdict import Diagnosis
@@ -81,13 +81,13 @@ def test_reliefs_and_bending_are_told_though_the_curve_was_placed_by_another_han
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("hand_over", "held"), [(fit.HAND_OVER, False), (0.0, True)])
+@pytest.mark.parametrize(("hand_over", "held"), [(left_open.HAND_OVER, False), (0.0, True)])
 def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     hand_over: float, held: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """All reliefs and bending claimed, but the zeros an eighth of a pitch late: the fit finds back, unless it is held
     to the doubt of an alignment that knows nothing of reliefs."""
-    monkeypatch.setattr(fit, "HAND_OVER", hand_over)
+    monkeypatch.setattr(left_open, "HAND_OVER", hand_over)
     true, known = hidden(np.random.default_rng(11))
     conditions = tuple(Condition(torque_nm=one) for one in TORQUES[::2])
     recordings = recorded(true, conditions, np.random.default_rng(12), cycles=2.0, per_mesh=10, noise_um=0.5)

@@ -13,9 +13,10 @@ import numpy as np
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.foreign import faded
+from gearpoly.diagnose.left_open import nuisance_of
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
-from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes, make_nuisance
+from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes
 from gearpoly.diagnose.way import Way
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -33,10 +34,6 @@ STEADY = 0.1
 
 MOST_SHIFT = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
-
-HAND_OVER = 0.1
-"""Pitches, one sigma, by which a zero may be wrong where a physics of all teeth was left out: curves are placed by
-where pairs hand over, and a relief moves that from the end of double contact to its middle."""
 
 PASSES = 16
 """Most rounds of simulating and fitting again after a change."""
@@ -346,19 +343,3 @@ class Fit:
 def without_columns(kept: Kept) -> Kept:
     """A state without what the next fit makes anew, which is large: a hundred columns at all samples."""
     return kept[0], {name: value for name, value in kept[1].items() if name not in ("scenes", "linear")}
-
-
-def nuisance_of(model: Model, scenes: list[Scene], laws: LawModes | None) -> Nuisance:
-    """What is open of ``scenes`` without being physics, the zeros doubted as the claims make it necessary."""
-    scaled = model.declared.model.tooth_deflection
-    meshes_otherwise = any(one.physics.mean_tooth for one in model.claims)
-    shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if meshes_otherwise else 0.0)
-    parts = None if laws is None else laws.parts
-    return make_nuisance(scenes, shift_std=shift_std, laws=parts, scaled=scaled, apart=_apart(model, scenes))
-
-
-def _apart(model: Model, scenes: list[Scene]) -> float:
-    """How far in mm the means of recordings may be apart, one sigma, since some of them wandered and others did not:
-    what wanders goes on between recordings too."""
-    some = [one for one in model.claims if 0 < len(one.place.recordings) < len(scenes)]
-    return math.hypot(*(float(np.ptp(c)) for one in some for c in model.change(scenes, one, one.values, but=one)))

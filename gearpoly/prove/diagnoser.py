@@ -10,9 +10,9 @@ from typing import Any
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed, on_gear
 
-WITHIN = 36.0
+WITHIN = 40.0
 """Processor seconds after which no more is looked for, as ``--within`` has it: weighing takes a third as long again at
-most, telling some 10 s of a large recording, and a case has 60 s in all."""
+most, telling some 5 s, and a case has 60 s in all."""
 
 WRONG = 1.05
 """Factor by which known parameters are wrong in the control that asks what then happens."""
