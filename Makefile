@@ -36,7 +36,7 @@ test-slow: $(VENV)/.test
 knowledge: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) tests/knowledge
 
-# Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
+# Inputs of each fuzzer; the table of what became of them ends the run (docs/explanation/reliability.md).
 FUZZ ?= 550
 fuzz: $(VENV)/.test
 	GEARPOLY_FUZZ=$(FUZZ) $(BIN)/pytest tests/fuzz
@@ -56,7 +56,7 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.study
 
 paper: $(VENV)/.core
-	$(BIN)/python -m gearpoly.studies.paper --out docs
+	$(BIN)/python -m gearpoly.studies.paper --out docs/explanation
 
 $(VENV)/.core: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

@@ -15,8 +15,8 @@ from gearpoly.files.sheet_csv import FLANKS
 
 HEAD = """# The pair file
 
-Written from the models that read it (`python -m gearpoly.files.reference docs/pair_file.md`; a test compares). TOML; a
-file needs no more than
+From the models that read it (`python -m gearpoly.files.reference docs/reference/pair_file.md`; a test compares).
+TOML; a file needs no more than
 
 ```toml
 [driving]
@@ -29,7 +29,7 @@ module_mm = 2
 ```
 
 Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of the other. Angles and signs:
-[nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](diagnose.md).
+[nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](../diagnose.md).
 
 `gearpoly pair --new pair.toml --sheet sheet.csv` writes a commented pair file, and an inspection sheet that it reads
 with `sheet_csv`: a row per tooth, columns `gear`, `tooth` and keys of the inspection; empty columns were not
