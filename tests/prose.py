@@ -1,7 +1,7 @@
 """The prose of a Markdown page: its sentences and its terms. ``python -m tests.prose`` lists what is wrong.
 
-Sentences are counted as a reader meets them: code counts as one word, a table's cell is a text of its own, and a colon
-that begins a list ends a sentence.
+Sentences are counted as a reader meets them: code is one word, and a colon that a capital follows ends a sentence.
+A table's cell is a text of its own, in which semicolons divide; a cell that lists short names is no sentence at all.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ MEAN = 25
 # A full stop ends a sentence where a capital, a digit, code or a bracket goes on; after these it does not.
 SHORT = re.compile(r"\b(e\.g|i\.e|cf|vs|No|Eqs?|Fig|Figs|Dr|St|et al|J|Cent|Univ|approx|incl)\.$")
 END = re.compile(r"(?<=[.!?:])[\"')\]]*\s+(?=[\"'(\[]?[A-Z0-9`])")
+CELL_END = re.compile(END.pattern + r"|;\s")
 WORD = re.compile(r"[^\W_]+(?:[-'./^_·][^\W_]+)*")
 ABBREVIATION = re.compile(r"\b[A-Z][A-Z0-9]+\b")
 
@@ -48,14 +49,17 @@ def pages() -> list[Path]:
     return sorted(path for path in found if str(path.relative_to(ROOT)) not in WRITTEN_ELSEWHERE)
 
 
-def blocks(path: Path) -> list[tuple[int, list[Token]]]:
-    """Line and inline parts of every paragraph, heading, list item and table cell; no code."""
+def blocks(path: Path) -> list[tuple[int, bool, list[Token]]]:
+    """Line, whether it is a table's cell, and inline parts of every paragraph, heading, list item and cell; no code."""
     out = []
     line = 1
+    cell = False
     for token in MarkdownIt("commonmark").enable("table").parse(path.read_text(encoding="utf-8")):
         line = token.map[0] + 1 if token.map else line
+        if token.type in ("td_open", "th_open", "td_close", "th_close"):
+            cell = token.type.endswith("open")
         if token.type == "inline":
-            out.append((line, token.children or []))
+            out.append((line, cell, token.children or []))
     return out
 
 
@@ -75,9 +79,12 @@ def spoken(parts: list[Token]) -> str:
 def sentences(path: Path) -> list[Sentence]:
     """All sentences of a page."""
     out = []
-    for line, parts in blocks(path):
+    for line, cell, parts in blocks(path):
         pieces: list[str] = []
-        for piece in END.split(spoken(parts)):
+        text = spoken(parts)
+        if cell and max(len(WORD.findall(one)) for one in text.split(", ")) <= 5:
+            continue
+        for piece in (CELL_END if cell else END).split(text):
             if pieces and SHORT.search(pieces[-1]):
                 pieces[-1] += " " + piece
             else:
@@ -113,7 +120,7 @@ def terms() -> list[str]:
 
 def used(path: Path) -> set[str]:
     """Terms that a page uses: those of the list, and abbreviations in capitals."""
-    text = " ".join(spoken(parts) for _, parts in blocks(path))
+    text = " ".join(spoken(parts) for _, _, parts in blocks(path))
     low = text.lower()
     found = {term for term in terms() if re.search(rf"\b{re.escape(term.lower())}(?:s|es)?\b", low)}
     return found | {one.lower() for one in ABBREVIATION.findall(text)}
