@@ -29,6 +29,9 @@ SHORT = re.compile(r"\b(e\.g|i\.e|cf|vs|No|Eqs?|Fig|Figs|Dr|St|et al|J|Cent|Univ
 END = re.compile(r"(?<=[.!?:])[\"')\]]*\s+(?=[\"'(\[]?[A-Z0-9`])")
 CELL_END = re.compile(END.pattern + r"|;\s")
 WORD = re.compile(r"[^\W_]+(?:[-'./^_·][^\W_]+)*")
+PLACES = {"PAIR", "DIR", "FILE", "NAME", "FOLDER"}
+"""Words in capitals that stand for what a user gives."""
+
 ABBREVIATION = re.compile(r"\b[A-Z][A-Z0-9]+\b")
 
 
@@ -92,7 +95,14 @@ def sentences(path: Path) -> list[Sentence]:
         for piece in pieces:
             words = len(WORD.findall(piece))
             if words:
-                out.append(Sentence(str(path.relative_to(ROOT)), line, piece.strip(), words))
+                out.append(
+                    Sentence(
+                        path.name if ROOT not in path.parents else str(path.relative_to(ROOT)),
+                        line,
+                        piece.strip(),
+                        words,
+                    )
+                )
     return out
 
 
@@ -123,7 +133,7 @@ def used(path: Path) -> set[str]:
     text = " ".join(spoken(parts) for _, _, parts in blocks(path))
     low = text.lower()
     found = {term for term in terms() if re.search(rf"\b{re.escape(term.lower())}(?:s|es)?\b", low)}
-    return found | {one.lower() for one in ABBREVIATION.findall(text)}
+    return found | {one.lower() for one in ABBREVIATION.findall(text) if one not in PLACES}
 
 
 def main() -> None:
