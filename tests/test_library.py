@@ -61,7 +61,7 @@ def test_deviation_includes_pitch_and_relief() -> None:
 
 def test_simulation_and_seed(pair: gearpoly.Pair) -> None:
     run = pair.simulate(turns=0.1, torque_nm=0.0, fast=True)
-    assert run.te.size == 120 and run.load is None
+    assert run.te_um.size == 120 and run.simulation.load is None
     assert gearpoly.load(GRADED, seed=2).transmission_error(0.1)[0] == pair.transmission_error(0.1)[0]
     assert gearpoly.load(GRADED, seed=3).transmission_error(0.1)[0] != pair.transmission_error(0.1)[0]
 

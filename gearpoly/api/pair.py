@@ -1,11 +1,12 @@
-"""gearpoly from Python in a few lines: a pair, its gears, their polygons and contacts, and pictures in notebooks.
+"""A pair of gears from Python: polygons and contacts, and all that the command line does with it.
 
 Angles are rad and lengths mm, as everywhere inside; keys of pair files keep the file's units.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +16,12 @@ import numpy as np
 from pydantic import ValidationError
 from shapely.geometry import Polygon
 
+from gearpoly.api.results import Compared, Simulated
+from gearpoly.api.verdicts import Diagnosed, Planned
 from gearpoly.assemble import Assembled, assemble
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.plan import plan
 from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Drawing, Request, draw
 from gearpoly.export.formats.svg import svg_text
@@ -23,20 +29,28 @@ from gearpoly.export.outline import Detail
 from gearpoly.export.write import Exported, export
 from gearpoly.files.faults import explain
 from gearpoly.files.models import PairFile
-from gearpoly.files.pairfile import read_pair
+from gearpoly.files.output import write_text
+from gearpoly.files.pairfile import dump_pair, moved, read_pair
 from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.gear.deviations import Deviations, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
+from gearpoly.keys.sections import WormSection
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
 from gearpoly.positions import POINTS_PER_MESH, cycle_positions
-from gearpoly.simulate import Simulation, simulate
+from gearpoly.recording.read import read_set
+from gearpoly.recording.recording import Recording
+from gearpoly.simulate import simulate, strength_remarks
 from gearpoly.units import NM, FloatArray, read_only
 
 GLANCE = Detail(points=24)
 """Detail of pictures in notebooks: under 150 kB a pair, and no edge shows on a screen."""
+
+
+Recorded = Path | str | Recording | Sequence[Path | str | Recording]
+"""One recording or several of one set-up: files, or what ``read`` gave."""
 
 
 def _quiet(done: int) -> None:
@@ -154,9 +168,9 @@ class Pair:
         torque_nm: float | None = None,
         flank: Flank = "drive",
         fast: bool = False,
-    ) -> Simulation:
+    ) -> Simulated:
         """What ``gearpoly simulate`` computes, over ``turns`` of the driven gear (default: a whole hunting cycle)."""
-        return simulate(
+        made = simulate(
             self.assembled,
             cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
             Condition(flank=flank, torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM),
@@ -165,6 +179,33 @@ class Pair:
             fast=fast,
             progress=_quiet,
         )
+        return Simulated(name=self.file.name, simulation=made, remarks=tuple(strength_remarks(made)))
+
+    def compare(self, recordings: Recorded, *, map: Path | str | None = None) -> Compared:
+        """Lay recordings of one set-up on the simulation of this pair, as ``gearpoly compare`` does; ``map`` says what
+        their columns are. Raises ``InputFileError`` as the command does."""
+        return Compared(comparison=compare(self.file, self._read(recordings, map), path=self.source))
+
+    def diagnose(self, recordings: Recorded, *, map: Path | str | None = None, within: float = math.inf) -> Diagnosed:
+        """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
+        ``within`` seconds of work. Raises ``InputFileError`` as the command does."""
+        found = diagnose(self.file, self._read(recordings, map), path=self.source, within=within)
+        return Diagnosed(source=self.source, diagnosis=found)
+
+    def plan(self) -> Planned:
+        """Which recordings would tell the look-alikes of this pair apart, as ``gearpoly plan`` says."""
+        return Planned(plan=plan(self.file, path=self.source))
+
+    def _read(self, recordings: Recorded, map: Path | str | None) -> list[Recording]:
+        given = [recordings] if isinstance(recordings, str | Path | Recording) else list(recordings)
+        out: list[Recording] = []
+        for one in given:
+            out += [one] if isinstance(one, Recording) else read(one, map=map, worm=self.file.worm)
+        return out
+
+    def save(self, target: Path | str) -> None:
+        """Write what is known of the pair as a pair file."""
+        write_text(target, dump_pair(moved(self.file, source=Path(self.source), target=Path(target))))
 
     def drawing(self, request: Request | None = None) -> Drawing:
         """The gears placed and drawn as ``request`` wants them: polygons, parts, contacts."""
@@ -218,3 +259,9 @@ def _glance(drawing: Drawing) -> str:
 def load(path: Path | str, *, seed: int = 0) -> Pair:
     """The pair of a pair file; ``seed`` decides what a grade leaves to chance."""
     return Pair.read(path, seed=seed)
+
+
+def read(path: Path | str, *, map: Path | str | None = None, worm: WormSection | None = None) -> list[Recording]:
+    """All recordings of one file, in any format that ``gearpoly read`` knows; ``map`` says what its columns are, and
+    ``worm`` turns the error of a telescope's axis into the pair's. Raises ``InputFileError``."""
+    return read_set([Path(path)], None if map is None else [Path(map)], worm=worm)
