@@ -34,7 +34,7 @@ def test_what_is_offered_is_documented_and_typed(name: str) -> None:
     """Also every public member of a class of the API: a docstring, and a type for what it takes and gives."""
     one = getattr(gearpoly, name)
     text = REFERENCE.read_text(encoding="utf-8")
-    assert f"gearpoly.api.{name}\n" in text or f"`{name}`" in text
+    assert f":: gearpoly.{name}\n" in text or f"`{name}`" in text
     assert inspect.getdoc(one)
     if inspect.isclass(one) and one.__module__.startswith("gearpoly.api"):
         for member, value in vars(one).items():
@@ -128,7 +128,7 @@ def test_tables_have_every_sample(bench: Path) -> None:  # noqa: F811
 def test_tables_ask_for_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     run = gearpoly.load(GRADED).simulate(turns=0.1, fast=True)
-    with pytest.raises(gearpoly.MissingExtraError, match=r"pip install gearpoly\[pandas\]"):
+    with pytest.raises(gearpoly.MissingExtraError, match=r"pip install 'gearpoly\[pandas\]'"):
         run.to_pandas()
 
 

@@ -65,7 +65,7 @@ def test_names_that_look_like_markup_are_words(diagnosis: Diagnosis, tmp_path: P
 def test_without_reportlab_it_is_asked_for_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "reportlab", None)
     monkeypatch.setitem(sys.modules, "reportlab.platypus", None)
-    with pytest.raises(MissingExtraError, match=r"pip install gearpoly\[pdf\]"):
+    with pytest.raises(MissingExtraError, match=r"pip install 'gearpoly\[pdf\]'"):
         diagnosis_pdf.check_extra()
 
 

@@ -19,5 +19,5 @@ def data_frame(columns: Mapping[str, Any]) -> DataFrame:
     try:
         import pandas
     except ImportError:
-        raise MissingExtraError("tables need pandas: pip install gearpoly[pandas]") from None
+        raise MissingExtraError("tables need pandas: pip install 'gearpoly[pandas]'") from None
     return pandas.DataFrame(columns)

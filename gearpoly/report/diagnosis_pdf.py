@@ -64,7 +64,7 @@ def _lab(module: str) -> Any:
     try:
         return import_module(f"reportlab.{module}")
     except ImportError:
-        raise MissingExtraError("a report as PDF needs reportlab: pip install gearpoly[pdf]") from None
+        raise MissingExtraError("a report as PDF needs reportlab: pip install 'gearpoly[pdf]'") from None
 
 
 class _Report:
