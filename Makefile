@@ -7,7 +7,7 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow knowledge fuzz lint bench paper proof clean
+.PHONY: run test test-slow knowledge fuzz lint docs bench paper proof clean
 
 # What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
 PAIR := data/pairs/ottewill_18_18.toml
@@ -36,7 +36,7 @@ test-slow: $(VENV)/.test
 knowledge: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) tests/knowledge
 
-# Inputs of each fuzzer; the table of what became of them ends the run (docs/reliability.md).
+# Inputs of each fuzzer; the table of what became of them ends the run (docs/explanation/reliability.md).
 FUZZ ?= 550
 fuzz: $(VENV)/.test
 	GEARPOLY_FUZZ=$(FUZZ) $(BIN)/pytest tests/fuzz
@@ -45,6 +45,11 @@ lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# The site, to open from disk: search works without a network.
+docs: $(VENV)/.docs
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --builder html docs out/site
+	@printf 'Open out/site/index.html\n'
 
 bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.contact_kernel
@@ -56,7 +61,7 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.study
 
 paper: $(VENV)/.core
-	$(BIN)/python -m gearpoly.studies.paper --out docs
+	$(BIN)/python -m gearpoly.studies.paper --out docs/explanation
 
 $(VENV)/.core: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
@@ -66,6 +71,11 @@ $(VENV)/.core: pyproject.toml
 $(VENV)/.test: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	touch $@
+
+$(VENV)/.docs: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable ".[docs]"
 	touch $@
 
 # The published seed comes from the commit that is put to the proof, so nobody chose it.

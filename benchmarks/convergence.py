@@ -19,7 +19,7 @@ from gearpoly.mesh.transmission import contacts
 COUNTS = (50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000)
 POSITIONS = 1500
 NM = 1e-6
-FIGURE = Path(__file__).parents[1] / "docs" / "figures" / "convergence.png"
+FIGURE = Path(__file__).parents[1] / "docs" / "explanation" / "figures" / "convergence.png"
 
 
 def measure() -> tuple[list[float], list[float]]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -32,14 +34,21 @@ def axis_error(time: FloatArray) -> FloatArray:
 
 
 def made_log(
-    *, frames: int = 400, dithered: tuple[int, float] = (150, 4.0), lost: int = 90, per_ms: bool = False
+    *,
+    frames: int = 400,
+    dithered: tuple[int, float] = (150, 4.0),
+    lost: int = 90,
+    per_ms: bool = False,
+    air: float = 0.0,
 ) -> tuple[str, FloatArray, FloatArray]:
     """A guide log of a guider that halves what it sees, made from the error of the axis; time in s and that error.
 
-    The axis stands at tracking + error + pulses; the star's offset is what a pulse to the west would mend.
+    The axis stands at tracking + error + pulses; the star's offset is what a pulse to the west would mend. The
+    ``air`` moves the star by so many arcsec rms from frame to frame.
     """
     time = 2.0 + 2.1 * np.arange(frames)
     error = axis_error(time)
+    moved = air * np.random.default_rng(1).standard_normal(frames)
     arcsec = SCALE / math.cos(math.radians(DECLINATION))
     lines, sent, lock = [], 0.0, 0.0
     for k in range(frames):
@@ -48,7 +57,7 @@ def made_log(
             x = 600.0 + lock * math.cos(math.radians(ANGLE))
             y = 500.0 + lock * math.sin(math.radians(ANGLE))
             lines.append(f"INFO: DITHER by {lock:.3f}, 0.000, new lock pos = {x:.3f}, {y:.3f}")
-        offset = -error[k] / arcsec - sent - lock
+        offset = -(error[k] + moved[k]) / arcsec - sent - lock
         if k == lost:
             lines.append(f'{k + 1},{time[k]:.3f},"DROP",,,,,,,,,,,,,0,0.00,3,"Star lost - low mass, twice"')
             continue
@@ -62,3 +71,12 @@ def made_log(
         sent += math.copysign(ms, offset) / 1000.0 * RATE
     header = HEADER.replace(f"xRate = {RATE}", f"xRate = {RATE / 1000.0}") if per_ms else HEADER
     return header + "\n".join(lines) + "\nGuiding Ends at 2026-03-10 20:50:29\n", time, error
+
+
+def sample() -> str:
+    """The log in data/guide_log: half an hour in air that moves the star by half a second of arc."""
+    return made_log(frames=900, air=0.5)[0]
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(sample(), encoding="utf-8")

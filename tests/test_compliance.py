@@ -2,7 +2,7 @@
 
 The finite-element tooth (tests/oracles/fem_tooth.py) is plane strain, m = 2, 18 and 25 teeth, a
 closed ring clamped 5 modules below the root, less the ring's own twist. Found there, in per cent
-over FEM at tip / pitch point / lowest contact (docs/compliance.md has the whole table and other
+over FEM at tip / pitch point / lowest contact (docs/explanation/compliance.md has the whole table and other
 boundaries):
 
 =====================  ===================  ===================
@@ -217,7 +217,7 @@ def test_finite_element_boundary_is_as_stated() -> None:
     sector = FemTooth(tooth, r_inner=tooth.r_f - DEPTH * tooth.m, n=ACROSS, neighbours=1)
     for model, least in ((shallow, 0.92), (sector, 0.79)):
         ratio = np.array([model.load(r).compliance for r in (tooth.r_a, tooth.r, float(radius[2]))]) / fem
-        # 0.01 below what docs/compliance.md gives, for the coarser mesh here.
+        # 0.01 below what docs/explanation/compliance.md gives, for the coarser mesh here.
         assert (ratio < 1.0).all()
         assert (ratio > least).all()
 

@@ -1,4 +1,4 @@
-"""Every command of README and docs runs as it stands, and says which files it wrote."""
+"""Every command of the docs runs as it stands, and says which files it wrote; those of one block run in order."""
 
 from __future__ import annotations
 
@@ -17,27 +17,39 @@ from gearpoly.cli import app
 from tests.made_command import Command
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "data" / "recordings" / "README.md"]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / "data").rglob("README.md")),
+]
 
 PARSED = {
     "gearpoly prove": "a proving ground takes minutes to hours; tests of its own run small ones",
     "gearpoly study data/studies/grades.toml": "1500 pairs; tests of studies run small ones",
-    "gearpoly study-report": "reads what the study above has made",
+    "gearpoly study-report out/grades": "reads what the study above has made",
+    "gearpoly study data/studies/tolerance.toml": "wants a cluster; tests of studies start one",
+    "gearpoly examples": "the data are here; tests of their own copy them",
     "python -m benchmarks": "minutes of measuring",
     "python -m gearpoly.prove.page": "wants scoreboards of finished runs; tests of the page make some",
     "python -m gearpoly.studies.paper": "ten minutes; its questions have tests of their own",
     "python -m tests.oracles.fem_tooth": "minutes of finite elements; the oracle is run by tests of its own",
     "python -m proving.samples": "tests of the samples make them again",
-    "python examples/stories": "tests of the stories run them",
+    "python examples/": "tests of the examples and of the stories run them",
     "make": "this suite and set-ups",
     "pip install": "changes the environment",
 }
 """Commands, by how they begin, of which only the words are checked, and why."""
 
-SLOW = ("gearpoly diagnose", "gearpoly plan", "gearpoly view data/recordings")
+SLOW = (
+    "gearpoly diagnose",
+    "gearpoly plan",
+    "gearpoly view data/recordings",
+    "gearpoly study data/studies/robot_joint.toml",
+    "gearpoly simulate data/recordings",
+)
 """Commands, by how they begin, that take longer than a few seconds."""
 
-BEGINS = re.compile(r"(gearpoly|python|make|pip)\b")
+BEGINS = re.compile(r"(gearpoly|python|make|pip) [\w.-]")
 
 
 def code(page: Path) -> list[tuple[str, list[str]]]:
@@ -46,8 +58,8 @@ def code(page: Path) -> list[tuple[str, list[str]]]:
     fence: str | None = None
     indented = False
     for line in page.read_text(encoding="utf-8").splitlines():
-        if line.startswith("```"):
-            fence = line[3:].strip() if fence is None else None
+        if line.strip().startswith("```"):  # in a list it stands further in
+            fence = line.strip()[3:].strip() if fence is None else None
             if fence is not None:
                 blocks.append((fence, []))
         elif fence is not None:
@@ -60,17 +72,23 @@ def code(page: Path) -> list[tuple[str, list[str]]]:
     return blocks
 
 
-def commands() -> list[str]:
-    """Every command once, without its comment."""
+def blocks() -> list[list[str]]:
+    """Commands without comments, in groups that run in order: those of a block of code, each one of a text."""
     found = []
     for page in PAGES:
         for language, lines in code(page):
             if language in ("", "sh", "console"):
-                found += [line.partition(" #")[0].strip() for line in lines if BEGINS.match(line)]
+                found.append([line.partition(" #")[0].strip() for line in lines if BEGINS.match(line.strip())])
         # In a line of text, those that name a file of this repository or a module.
         text = page.read_text(encoding="utf-8")
-        found += re.findall(r"`((?:gearpoly \S+ data/|python -m |python examples/|pip install -e )[^`\n]*)`", text)
-    return list(dict.fromkeys(found))
+        loose = re.findall(r"`((?:gearpoly \S+ data/|python -m |python examples/|pip install -e )[^`\n]*)`", text)
+        found += [[one] for one in loose]
+    return [list(block) for block in dict.fromkeys(map(tuple, found)) if block]
+
+
+def commands() -> list[str]:
+    """Every command once."""
+    return list(dict.fromkeys(one for block in blocks() for one in block))
 
 
 def begins(command: str, heads: object) -> bool:
@@ -96,20 +114,36 @@ def files(folder: Path) -> set[Path]:
     return {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
 
 
-RUN = [command for command in commands() if not begins(command, PARSED) and command.startswith("gearpoly ")]
+def runs(command: str) -> bool:
+    return command.startswith("gearpoly ") and not begins(command, PARSED)
+
+
+RUN = [block for block in ([one for one in block if runs(one)] for block in blocks()) if block]
 
 
 @pytest.mark.parametrize(
-    "command", [pytest.param(one, marks=pytest.mark.slow if begins(one, SLOW) else (), id=one) for one in RUN]
+    "block",
+    [
+        pytest.param(one, marks=pytest.mark.slow if any(begins(part, SLOW) for part in one) else (), id="; ".join(one))
+        for one in RUN
+    ],
 )
-def test_a_documented_command_runs_and_says_what_it_wrote(command: str, here: Path, gearpoly_command: Command) -> None:
-    ran = gearpoly_command(*words(command)[1:])
-    assert ran.code == 0, ran.err
-    said = {Path(line.removeprefix("wrote ").partition(": ")[0]) for line in ran.err.splitlines() if "wrote " in line}
-    assert said == files(here)
+def test_documented_commands_run_and_say_what_they_wrote(
+    block: list[str], here: Path, gearpoly_command: Command
+) -> None:
+    told: set[Path] = set()
+    for command in block:
+        ran = gearpoly_command(*words(command)[1:])
+        assert ran.code == 0, f"{command}: {ran.err}"
+        written = [line for line in ran.err.splitlines() if line.startswith("wrote ")]
+        told |= {Path(line.removeprefix("wrote ").partition(": ")[0]) for line in written}
+        there = files(here)
+        # A folder is told once, whatever is in it.
+        assert {one for one in told if not (here / one).is_dir()} <= there, command
+        assert all(one in told or told & set(one.parents) for one in there), command
 
 
-@pytest.mark.parametrize("command", [one for one in commands() if one not in RUN])
+@pytest.mark.parametrize("command", [one for one in commands() if not runs(one)])
 def test_a_documented_command_that_is_long_has_the_right_words(command: str, here: Path) -> None:
     given = words(command)
     if given[0] == "gearpoly":

@@ -9,7 +9,7 @@ from pathlib import Path
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.files.reference import pair_file_reference
 
-PAGE = Path(__file__).parents[1] / "docs" / "pair_file.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "pair_file.md"
 
 
 def test_the_page_is_what_the_models_say() -> None:

@@ -412,7 +412,7 @@ def test_a_map_that_is_no_map(tmp_path: Path) -> None:
         chart(tmp_path, "columns = {")
 
 
-PAGE = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "recordings.md").read_text(encoding="utf-8")
 
 
 def test_the_documented_map_is_one(tmp_path: Path) -> None:

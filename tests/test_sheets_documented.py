@@ -18,7 +18,7 @@ from tests.made_sheets import known, samples
 
 ROOT = Path(__file__).parents[1]
 SHEETS = ROOT / "data" / "sheets"
-PAGE = (ROOT / "docs" / "sheets.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "sheets.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```toml\n(.+?)```", PAGE, flags=re.DOTALL)
 
 

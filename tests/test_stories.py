@@ -8,10 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.at_hand import SHARED
-
 STORIES = Path(__file__).resolve().parents[1] / "examples" / "stories"
-TELESCOPE = SHARED / "telescope"
 
 
 def told(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, *more: Path) -> dict[str, Any]:
@@ -48,29 +45,3 @@ def test_encoder_or_gear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "eccentricity" in found["drive flank alone"][0].split("Or else")[1]
     assert found["both flanks"][0].startswith("The encoder")
     assert "Or else" not in found["both flanks"][0]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not TELESCOPE.is_dir(), reason="the telescope recordings are not here")
-def test_telescope(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A worm's wheel of 180 teeth that follows the stars turns in a sidereal day of 86 164 s, the worm in 478.69 s."""
-    found = told("telescope", tmp_path, monkeypatch, TELESCOPE)
-    # A wave of 7.5 standard deviations in 1675 s is known to sqrt(3) / (pi 7.5 1675 s) = 4.4e-5 Hz of the mesh's 0.098:
-    # 0.21 s of the worm's turn. Four times that is allowed. A tooth more or less would be 40 s.
-    assert found["worm's turn by the mesh, s"] == pytest.approx(478.69, abs=0.85)
-    assert found["teeth of the driving gear"] == pytest.approx(12.0, abs=0.15)  # its turn is known to 0.3 %
-    assert found["12:47, named"][0].startswith("The driving gear runs 34.")
-    assert "Or else: encoder eccentricity" in found["12:47, named"][0]  # one flank leaves them alike
-    assert "such as a worm" in found["12:47, named"][1]
-    assert set(found["12:47, unnamed"]) == {"mesh_order", "mesh_phase"}
-    assert any(words.startswith("order 1 of the mesh") for words in found["12:47, located"])
-    before, after, noise = found["12:47, held-out rms before and after, noise, um"]
-    assert noise < after < 0.5 * before  # worm and wander stay; what was named is more than half
-    # Read as 9:47 nothing lies at the mesh, and a wave on the driving flanks counts the teeth that are really there.
-    assert not any("mesh" in words for words in found["9:47, located"])
-    assert any("12 times per turn" in words for words in found["9:47, named"])
-    # Another maker's worm: its harmonics agree, on a whole wheel.
-    assert found["the other mount, named"] == []
-    periods = list(found["the other mount's worm by its harmonics, s"].values())
-    assert max(periods) - min(periods) < 0.5  # each is known to 0.1 to 0.3 s
-    assert found["teeth of the other mount's wheel"] == pytest.approx(225.0, abs=0.3)

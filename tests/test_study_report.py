@@ -274,7 +274,7 @@ def test_an_unfinished_study_says_so(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_robot_joint_of_6_arcmin_at_the_output_wants_grade_4(tmp_path: Path) -> None:
-    """What docs/studies.md says of data/studies/robot_joint.toml, from the first 20 of its 100 pairs a grade."""
+    """What the page on studies says of data/studies/robot_joint.toml, from the first 20 of its 100 pairs a grade."""
     data = Path(__file__).parents[1] / "data"
     text = (data / "studies" / "robot_joint.toml").read_text(encoding="utf-8").replace("pairs = 100", "pairs = 20")
     (tmp_path / "study.toml").write_text(text.replace("../pairs", str(data / "pairs")), encoding="utf-8")

@@ -23,6 +23,10 @@ def diagnose(
     html: Annotated[
         Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network (- likewise).")
     ] = None,
+    pdf: Annotated[Path | None, typer.Option(help="Write the report for paper (A4; needs gearpoly[pdf]).")] = None,
+    figures: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write every picture (svg) into this folder.")
+    ] = None,
     fitted: Annotated[
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
@@ -33,7 +37,7 @@ def diagnose(
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run
     from gearpoly.errors import blamed
-    from gearpoly.files.output import check_targets, say_written, write_text
+    from gearpoly.files.output import check_folder, check_targets, say_written, write_text
     from gearpoly.files.pairfile import dump_pair, moved, read_pair
     from gearpoly.recording.read import read_set
     from gearpoly.report.diagnosis_page import page
@@ -41,7 +45,13 @@ def diagnose(
     from gearpoly.report.progress import steps
     from gearpoly.report.terminal import Terminal
 
-    check_targets([json, html, fitted], inputs=[pair, *recordings, *(map or [])])
+    check_targets([json, html, pdf, fitted], inputs=[pair, *recordings, *(map or [])])
+    if figures is not None:
+        check_folder(figures)
+    if pdf is not None:
+        from gearpoly.report.diagnosis_pdf import check_extra
+
+        check_extra()
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         step("reading")
@@ -58,7 +68,17 @@ def diagnose(
         made.append((html, page(diagnosis), "the verdict as a page, open it in a browser"))
     for target, text, _ in made:
         write_text(target, text)
+    if pdf is not None:
+        from gearpoly.report.diagnosis_pdf import write_pdf
+
+        write_pdf(diagnosis, pdf)
+    if figures is not None:
+        from gearpoly.report.diagnosis_figures import write_figures
+
+        write_figures(diagnosis, figures)
     if all(str(target) != "-" for target, _, _ in made):
         print_diagnosis(Terminal(), diagnosis)
     for target, _, what in made:
         say_written(target, what)
+    say_written(pdf, "the report for paper")
+    say_written(figures, "every picture")

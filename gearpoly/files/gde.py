@@ -1,8 +1,8 @@
 """Gear inspections as XML, arranged after VDI/VDE 2610 (gear data exchange format): geometry, tolerances, measured
 pitch and profiles of one gear.
 
-A documented subset (docs/export.md) with a unit on every length and deviation. Values stay as the file has them (mm,
-deg, um), teeth count from 1, flanks are left and right seen on the datum face: ``gde_inspection`` translates.
+A documented subset (docs/reference/export.md) with a unit on every length and deviation. Values stay as the file has
+them (mm, deg, um), teeth count from 1, flanks are left and right seen on the datum face: ``gde_inspection`` translates.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ def read_gde(path: Path | str) -> GearInspection:
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     root = _Block(file, _parsed(file), "")
     if root.tag != ROOT:
-        raise root.fault(f"<{shown(root.tag)}>", f"want <{ROOT}> (docs/export.md describes the subset that is read)")
+        raise root.fault(f"<{shown(root.tag)}>", f"want <{ROOT}> (docs/reference/export.md has the subset)")
     root.check_blocks(("identification", "geometry", "tolerances", "inspection"))
     identification = root.child("identification")
     name = identification.child("name") if identification is not None else None

@@ -52,6 +52,16 @@ def check_targets(targets: Iterable[Path | None], *, inputs: Iterable[Path]) -> 
         taken.add(place)
 
 
+def check_folder(target: Path) -> None:
+    """Raise ``InputFileError`` where ``target`` is no folder and cannot become one."""
+    if look(target) is None:
+        check_target(target)
+    elif not is_folder(target):
+        raise InputFileError(target, found="this is a file", wish="want the name of a folder")
+    elif not os.access(target, os.W_OK):
+        raise InputFileError(target, found="the folder is read-only", wish="want a folder that can be written to")
+
+
 @contextmanager
 def written_aside(target: Path) -> Iterator[Path]:
     """A temporary path beside ``target`` that replaces it on success and vanishes on any error.

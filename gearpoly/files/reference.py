@@ -15,8 +15,8 @@ from gearpoly.files.sheet_csv import FLANKS
 
 HEAD = """# The pair file
 
-Written from the models that read it (`python -m gearpoly.files.reference docs/pair_file.md`; a test compares). TOML; a
-file needs no more than
+From the models that read it (`python -m gearpoly.files.reference docs/reference/pair_file.md`; a test compares).
+TOML; a file needs no more than
 
 ```toml
 [driving]
@@ -29,11 +29,11 @@ module_mm = 2
 ```
 
 Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of the other. Angles and signs:
-[nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](diagnose.md).
+[nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](../diagnose.md).
 
 `gearpoly pair --new pair.toml --sheet sheet.csv` writes a commented pair file, and an inspection sheet that it reads
-with `sheet_csv`: a row per tooth, columns `gear`, `tooth` and keys of the inspection; empty columns were not
-measured, and a gear without any value counts as not inspected.
+with `sheet_csv`. The sheet has a row per tooth, columns `gear`, `tooth` and keys of the inspection. Empty columns were
+not measured, and a gear without any value counts as not inspected.
 
 `gearpoly pair --from FILE PAIR` writes one from an inspection sheet or a design: [sheets](sheets.md).
 
@@ -42,8 +42,8 @@ number; `--mount` without a name lists the names.
 
 {flanks}
 
-`single_pitch_um` is f_p: the index deviations of the drive flank are its running sum times cos(alpha), mean removed,
-minus for the driving gear and plus for the driven one; on the coast flank the signs are reversed. Its values add up
+`single_pitch_um` is f_p. The index deviations of the drive flank are its running sum times cos(alpha), mean removed,
+minus for the driving gear and plus for the driven one. On the coast flank the signs are reversed. Its values add up
 to 0 but for rounding, or are refused. `span_mm` and `over_pins_mm` give E_s, the same for all teeth, by ISO 21771
 (external spur gears, odd and even numbers of teeth). Single pitches of the coast flank have no level of their own: they
 stand where the mean thickness has them.

@@ -30,9 +30,10 @@ HOW = """# Inspection sheet: one row per tooth, numbered from 0 in the order in 
 
 FLANKS = """# Left and right on a sheet: look at the datum face, the tooth pointing up. Where the driving gear turns
 # counter-clockwise (the driven gear then clockwise) seen on the datum faces, the left flank is the drive flank of both
-# gears and the right one the coast flank; teeth come into mesh clockwise on the driving gear and counter-clockwise on
-# the driven one. Where a gear turns the other way, or was measured from its other face, right is drive, left is coast,
-# and its teeth come the other way round. The columns without "coast" are those of the drive flank."""
+# gears and the right one the coast flank. Teeth then come into mesh clockwise on the driving gear, and
+# counter-clockwise on the driven one. Where a gear turns the other way, or was measured from its other face, right is
+# drive, left is coast, and its teeth come the other way round. The columns without "coast" are those of the drive
+# flank."""
 
 
 def sheet_text(teeth: Mapping[str, int]) -> str:

@@ -7,7 +7,7 @@ import json
 from gearpoly.files.sheet_csv import FLANKS
 
 TEMPLATE = """# A pair file of gearpoly. It runs as it stands; keys behind a # may be stated.
-# All keys: docs/pair_file.md. Lengths in mm, deviations in um, angles in deg.
+# All keys: docs/reference/pair_file.md. Lengths in mm, deviations in um, angles in deg.
 
 name = "my pair"
 

@@ -22,7 +22,7 @@ from gearpoly.units import UM, FloatArray, read_only
 SPACING = 1.5
 """Points are equidistant in l**SPACING: 1 is equal roll, 2 equal arc length. A chord of length h on the radius l
 stands off by h^2/(8 l), and h = l dl / r_b, so 1.5 gives every chord the same error; it is the best of the three
-(docs/benchmarks.md)."""
+(docs/explanation/performance.md)."""
 
 SOLVE_TOLERANCE = 1e-15
 """mm. Where the search for the involute point under a given radius stops: the float64 floor of a roll length of 10

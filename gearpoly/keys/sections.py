@@ -56,7 +56,7 @@ class ModelSection(Section):
 
     tooth_deflection: bool = field("true: teeth bend under load, false: rigid teeth", True)
     compliance: Literal["cantilever", "cantilever_published", "weber_banaschek", "potential_energy", "iso6336"] = field(
-        "law by which a tooth bends, see docs/compliance.md", "cantilever"
+        "law by which a tooth bends, see docs/explanation/compliance.md", "cantilever"
     )
     contact: Literal["palmgren", "linear", "weber_banaschek"] = field("law by which two flanks flatten", "palmgren")
     compliance_scale: float = field(

@@ -38,7 +38,7 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
 PHYSICS = Physics(
     name="tooth_deflection",
     rank=RUN,
-    source="docs/compliance.md: five laws, each with its source",
+    source="docs/explanation/compliance.md: five laws, each with its source",
     stands="model.tooth_deflection, model.compliance_scale, model.compliance, model.contact",
     parameters=("compliance_um_per_n",),
     case=(Place(), (1.2,)),

@@ -1,6 +1,6 @@
 """A map: the few lines that say what an owner's file holds, where its names and units do not.
 
-The format is TOML; docs/recordings.md has its keys. A map is read and checked before the recording it is for.
+The format is TOML; docs/reference/recordings.md has its keys. A map is read and checked before the recording it is for.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Raw encoder channels become angles: the names of channels and keys, the common times, and the report.
 
 The channels of a shaft are ``driving_a`` alone (pulses) or with ``driving_b`` (quadrature), or ``driving_count``
-(a counter), with ``driving_index`` where there is one; docs/recordings.md has the whole convention. Each shaft then has
-readings at times of its own: edges, or the samples; ``sources`` brings them to common times. Where a shaft's angle is
-stated in more than one way (an angle column beside channels, a counter beside pulses), the ways have to agree.
+(a counter), with ``driving_index`` where there is one; docs/reference/recordings.md has the whole convention. Each
+shaft then has readings at times of its own: edges, or the samples; ``sources`` brings them to common times. Where a
+shaft's angle is stated in more than one way (an angle column beside channels, a counter beside pulses), the ways have
+to agree.
 """
 
 from __future__ import annotations

@@ -28,7 +28,12 @@ LABELLED = 6
 
 
 def plot_comparison(comparison: Comparison, *, target: Path) -> None:
-    """Draw the recording with the most left over, and the spectra of all, and write them to ``target``."""
+    """Write ``comparison_figure`` to ``target``."""
+    save(comparison_figure(comparison), target)
+
+
+def comparison_figure(comparison: Comparison) -> Figure:
+    """Maps of the recording with the most left over, and the spectra of all."""
     aligned = comparison.aligned
     timed = [k for k, one in enumerate(aligned) if one.time_s is not None]
     figure = Figure(figsize=(13.0, 11.0 if timed else 8.0), layout="constrained")
@@ -45,7 +50,7 @@ def plot_comparison(comparison: Comparison, *, target: Path) -> None:
         f"({one.flank} flank, {one.torque / NM:g} N.m)",
         fontsize=11,
     )
-    save(figure, target)
+    return figure
 
 
 def _maps(figure: Any, comparison: Comparison, k: int) -> None:

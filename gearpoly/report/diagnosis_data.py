@@ -156,8 +156,21 @@ def window(u: FloatArray) -> FloatArray:
 
 
 def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int], points: int) -> dict[str, Any]:
-    """Order spectra of both residuals over the orders of the driving shaft, and what noise alone exceeds in one of a
-    hundred recordings or so."""
+    """``order_spectra``, packed."""
+    orders, before, after, limit = order_spectra(one, left, noise, z=z)
+    return {
+        "x": places(orders, points),
+        "before": envelope(before / UM, points),
+        "after": envelope(after / UM, points),
+        "limit": envelope(limit / UM, points),
+    }
+
+
+def order_spectra(
+    one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Orders (k,) of the driving shaft, amplitudes (k,) in mm of both residuals there, and what noise alone exceeds in
+    one of a hundred recordings or so."""
     order = np.argsort(one.theta_2, kind="stable")
     u = np.maximum.accumulate(one.theta_2[order] * (z[1] / (2.0 * np.pi)))
     top = min(MESHES, 0.5 / float(np.median(np.diff(u))))
@@ -169,31 +182,13 @@ def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int],
     count = max(8.0, float(np.median(noise.count)))
     # The orders of both shafts are the places that were searched.
     z_limit = line_threshold(count, places=max(top * sum(z), 1.0), share=SHARES.orders)
-    limit = 2.0 * np.sqrt(z_limit * density / samples)
-    return {
-        "x": places(frequency * z[0], points),
-        "before": envelope(before / UM, points),
-        "after": envelope(after / UM, points),
-        "limit": envelope(limit / UM, points),
-    }
+    return frequency * z[0], before, after, 2.0 * np.sqrt(z_limit * density / samples)
 
 
 def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) -> dict[str, Any]:
-    """Both residuals by tooth and mesh phase for both gears, slow curves taken off.
-
-    Cells run from half a pitch before a tooth's pitch point to half a pitch after it, so that what one tooth does
-    stays in its own row.
-    """
+    """``tooth_residuals``, packed; on coast flanks the rows are the teeth whose coast flanks touch."""
     coast = one.flank == "coast"
-    # The coast flanks' pitch points pass half a pitch after the drive flanks', driving tooth n on driven n + 1.
-    u = one.theta_2 * (z[1] / (2.0 * np.pi)) + (0.0 if coast else 0.5)
-    slow = slow_curves(one.theta_2)
-
-    def parted(values: FloatArray) -> Maps:
-        plain = values - slow @ np.linalg.lstsq(slow, values, rcond=None)[0]
-        return tooth_maps(u, plain, z_1=z[0], z_2=z[1], noise=noise)
-
-    before, after = parted(one.residual), parted(left)
+    before, after = tooth_residuals(one, left, noise, z=z)
     return {
         "note": before.note,
         "before": _map(before, coast=coast),
@@ -201,13 +196,35 @@ def maps(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) ->
     }
 
 
+def tooth_residuals(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int]) -> tuple[Maps, Maps]:
+    """Both residuals by tooth and mesh phase for both gears, slow curves taken off.
+
+    Cells run from half a pitch before a tooth's pitch point to half a pitch after it, so that what one tooth does
+    stays in its own row.
+    """
+    # The coast flanks' pitch points pass half a pitch after the drive flanks', driving tooth n on driven n + 1.
+    u = one.theta_2 * (z[1] / (2.0 * np.pi)) + (0.0 if one.flank == "coast" else 0.5)
+    slow = slow_curves(one.theta_2)
+
+    def parted(values: FloatArray) -> Maps:
+        plain = values - slow @ np.linalg.lstsq(slow, values, rcond=None)[0]
+        return tooth_maps(u, plain, z_1=z[0], z_2=z[1], noise=noise)
+
+    return parted(one.residual), parted(left)
+
+
 def _map(found: Maps, *, coast: bool) -> dict[str, Any]:
     return {
         "driving": packed(found.driving / UM, "f4"),
-        "driven": packed(np.roll(found.driven, 1 if coast else 0, axis=0) / UM, "f4"),
+        "driven": packed(by_driven(found, coast=coast) / UM, "f4"),
         "mean": packed(found.mean / UM, "f4"),
         "std": [found.std_driving / UM, found.std_driven / UM],
     }
+
+
+def by_driven(found: Maps, *, coast: bool) -> FloatArray:
+    """The rows of the driven gear; a coast flank's tooth n meets driven tooth n + 1."""
+    return np.asarray(np.roll(found.driven, 1 if coast else 0, axis=0))
 
 
 def built(gear: BuiltGear, teeth: list[int]) -> dict[str, Any]:

@@ -1,20 +1,17 @@
-"""Still pictures of a run. The only module that imports matplotlib."""
+"""Still pictures of a run, and how every picture is written."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
 import numpy as np
+from matplotlib.figure import Figure
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.output import written_aside
 from gearpoly.report.summary import load_words
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, UM
-
-matplotlib.use("Agg")
-from matplotlib.figure import Figure
 
 FORMATS = (".png", ".svg", ".pdf")
 
@@ -38,6 +35,11 @@ def save(figure: Figure, target: Path) -> None:
 
 
 def plot_run(simulation: Simulation, *, name: str, target: Path) -> None:
+    """Write ``run_figure`` to ``target``."""
+    save(run_figure(simulation, name=name), target)
+
+
+def run_figure(simulation: Simulation, *, name: str) -> Figure:
     """Transmission error, backlash and number of touching pairs over the driven angle, one below the other."""
     figure = Figure(figsize=(11.0, 7.5), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 1))
@@ -71,4 +73,4 @@ def plot_run(simulation: Simulation, *, name: str, target: Path) -> None:
         axis.margins(x=0.0)
         # Offsets like 1e-5 + 3.2 hide the size that a reader looks for.
         axis.ticklabel_format(useOffset=False, axis="y")
-    save(figure, target)
+    return figure

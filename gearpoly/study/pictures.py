@@ -39,14 +39,15 @@ CLOUD = 1500
 def draw_all(answers: Answers, folder: Path) -> list[tuple[Path, str]]:
     """Write every picture of ``answers`` as SVG into ``folder``; returns files and captions."""
     out = []
-    for name, figure, caption in _figures(answers):
+    for name, figure, caption in figures(answers):
         target = folder / f"{name}.svg"
         save(figure, target)
         out.append((target, caption))
     return out
 
 
-def _figures(answers: Answers) -> Iterator[tuple[str, Figure, str]]:
+def figures(answers: Answers) -> Iterator[tuple[str, Figure, str]]:
+    """Name, picture and caption of all that can be drawn of ``answers``."""
     names = [
         name for name in answers.store.plan.file.outputs if any(g.sample(name).values.size for g in answers.groups)
     ]

@@ -1,4 +1,4 @@
-"""The trends that Liu, Shi, Cura and Mura (2020) state, on a few small sets; docs/paper.md has the full study.
+"""The trends that Liu, Shi, Cura and Mura (2020) state, on small sets; docs/explanation/paper.md has the full study.
 
 Tolerances are those of the paper's own digits where it gives a number that must come out, else of signs and orders.
 """

@@ -12,7 +12,7 @@ The deflection of a tooth is read where the line of load meets the tooth's centr
 line. The dent under the load is local and stays on the flank's side, so it is left out, as in Weber
 and Banaschek's split into tooth and contact.
 
-``python -m tests.oracles.fem_tooth`` prints the tables of docs/compliance.md.
+``python -m tests.oracles.fem_tooth`` prints the tables of docs/explanation/compliance.md.
 """
 
 from __future__ import annotations

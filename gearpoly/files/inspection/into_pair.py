@@ -167,7 +167,7 @@ def _own(sheet: MeasuredGear, geometry: Mapping[str, float], which: Which) -> tu
 
 
 def _beginning(sheet: MeasuredGear) -> str:
-    head = f"# A pair file of gearpoly, begun from {sheet.file.name}. All keys: docs/pair_file.md."
+    head = f"# A pair file of gearpoly, begun from {sheet.file.name}. All keys: docs/reference/pair_file.md."
     return f"{head}\n\nname = {value_text(sheet.name[:NAME_SHOWN])}"
 
 

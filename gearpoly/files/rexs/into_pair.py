@@ -66,7 +66,8 @@ def write_design(source: Path, target: Path, *, stage: int | None, first: Which 
     except ValidationError as error:
         raise explain(source, raw, error) from None
     head = [
-        f"# A pair file of gearpoly, from {shown(source.name)}, stage {chosen.stage.id}. All keys: docs/pair_file.md."
+        f"# A pair file of gearpoly, from {shown(source.name)}, stage {chosen.stage.id}. "
+        "All keys: docs/reference/pair_file.md."
     ]
     write_text(
         target, "\n".join([*head, *(f"# {shown(one, width=300)}" for one in says), "", dump_pair(pair).lstrip("\n")])

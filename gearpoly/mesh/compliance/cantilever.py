@@ -67,7 +67,7 @@ def compliance(
     up its own line to the centre line leaves the bending as it is. Shear uses the true G =
     E/(2(1+nu)) in plane strain as well.
 
-    ``form="published"`` is Eqs. 8-11 of the study in docs/paper.md in the limit of fine elements:
+    ``form="published"`` is Eqs. 8-11 of the study in docs/explanation/paper.md in the limit of fine elements:
     half of that coupling in tan(beta) Y, no term in tan^2(beta) Y^2, and shear divided by
     E/(1-nu^2) where wide. On a uniform beam under a transverse load (beta = 0) its bending is
     L^3/(3 E_e I), as it should be.

@@ -10,5 +10,5 @@ from gearpoly.mesh.compliance.law import ComplianceLaw
 LAW = ComplianceLaw(
     name="cantilever_published",
     compliance=partial(compliance, form="published"),
-    source="Eqs. 8-11 of the study in docs/paper.md, after Cornell (1981)",
+    source="Eqs. 8-11 of the study in docs/explanation/paper.md, after Cornell (1981)",
 )

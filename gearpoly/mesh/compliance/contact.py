@@ -76,7 +76,7 @@ def palmgren(pair: ContactPair) -> Flattening:
     The slope grows without bound as the load goes to nought; the deflection does not. Palmgren's
     own roller on a flat raceway (3.84e-5 W^0.9/b^0.8 mm for steel) comes out with E_1 E_2/(E_1 +
     E_2) in place of E_12, so the published form is 0.55 of it. Source: Eq. 14 of the study in
-    docs/paper.md; Palmgren (1959).
+    docs/explanation/paper.md; Palmgren (1959).
     """
     E_12 = 2.0 * pair.E_1 * pair.E_2 / (pair.E_1 + pair.E_2)
     return Flattening(level=np.zeros(()), power=1.275 / (E_12**0.9 * pair.b**0.8))

@@ -143,7 +143,7 @@ def tooth_section(
     (radially below the base circle), meets it and where the fillet touches it.
 
     Raises ``GeometryError`` for arrays that do not fit, an outline that turns back, or a tooth
-    pinched to nothing. Source of the effective end: the study in docs/paper.md, after Tavakoli and
+    pinched to nothing. Source of the effective end: the study in docs/explanation/paper.md, after Tavakoli and
     Houser (1986); thickness derived here.
     """
     grid = np.asarray(radius, dtype=np.float64)

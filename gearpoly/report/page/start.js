@@ -225,6 +225,19 @@ element("theme").addEventListener("change", () => {
   repaint();
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+// Paper is white: plots are drawn in the light look, and in the chosen one again afterwards.
+let themeBefore;
+window.addEventListener("beforeprint", () => {
+  themeBefore = document.documentElement.dataset.theme;
+  document.documentElement.dataset.theme = "light";
+  colours = null;
+  for (const one of everyPlot) one.draw(); // now: no frame comes before the print
+});
+window.addEventListener("afterprint", () => {
+  if (themeBefore === undefined) delete document.documentElement.dataset.theme;
+  else document.documentElement.dataset.theme = themeBefore;
+  repaint();
+});
 choose(0);
 
 window.gearpoly = { data: DATA, plots, recording, choose };

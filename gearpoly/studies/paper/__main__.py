@@ -1,4 +1,4 @@
-"""The whole study from one command: ``python -m gearpoly.studies.paper --out docs [--quick] [--only NAME]``."""
+"""The whole study: ``python -m gearpoly.studies.paper --out docs/explanation [--quick] [--only NAME]``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Liu, Shi, Cura, Mura: *A novel method to predict static transmission error for s
 J. Cent. South Univ. 27 (2020) 3334-3349. Every question is a module of `gearpoly/studies/paper/`; this page and its
 figures are made by
 
-    python -m gearpoly.studies.paper --out docs
+    python -m gearpoly.studies.paper --out docs/explanation
 
 ## What was taken
 

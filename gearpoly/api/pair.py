@@ -1,0 +1,267 @@
+"""A pair of gears from Python: polygons and contacts, and all that the command line does with it.
+
+Angles are rad and lengths mm, as everywhere inside; keys of pair files keep the file's units.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import ValidationError
+from shapely.geometry import Polygon
+
+from gearpoly.api.results import Compared, Simulated
+from gearpoly.api.verdicts import Diagnosed, Planned
+from gearpoly.assemble import Assembled, assemble
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.plan import plan
+from gearpoly.errors import OutOfRangeError
+from gearpoly.export.drawing import Drawing, Request, draw
+from gearpoly.export.formats.svg import svg_text
+from gearpoly.export.outline import Detail
+from gearpoly.export.write import Exported, export
+from gearpoly.files.faults import explain
+from gearpoly.files.models import PairFile
+from gearpoly.files.output import write_text
+from gearpoly.files.pairfile import dump_pair, moved, read_pair
+from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.gear.deviations import Deviations, total
+from gearpoly.gear.gear import Gear
+from gearpoly.gear.polygon import gear_polygon
+from gearpoly.keys.sections import WormSection
+from gearpoly.mesh.condition import Condition
+from gearpoly.mesh.pair import Flank, GearPair, Mounted
+from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.positions import POINTS_PER_MESH, cycle_positions
+from gearpoly.recording.read import read_set
+from gearpoly.recording.recording import Recording
+from gearpoly.simulate import simulate, strength_remarks
+from gearpoly.units import NM, FloatArray, read_only
+
+GLANCE = Detail(points=24)
+"""Detail of pictures in notebooks: under 150 kB a pair, and no edge shows on a screen."""
+
+
+Recorded = Path | str | Recording | Sequence[Path | str | Recording]
+"""One recording or several of one set-up: files, or what ``read`` gave."""
+
+
+def _quiet(done: int) -> None:
+    """Nobody watches."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PairGear:
+    """One gear of a pair as it was drawn: ``which`` of the ``pair``; shows itself as SVG in notebooks."""
+
+    pair: Pair
+    which: Literal["driving", "driven"]
+
+    @property
+    def mounted(self) -> Mounted:
+        """The drawn gear on its axis: flanks, centre lines, eccentricity."""
+        pair = self.pair.mesh
+        return pair.driving if self.which == "driving" else pair.driven
+
+    @property
+    def nominal(self) -> Gear:
+        """The deviation-free gear: ISO 21771 quantities in mm and rad."""
+        return self.mounted.gear
+
+    @property
+    def deviations(self) -> Deviations:
+        """The deviations that its flanks were drawn from."""
+        return self.pair.assembled.deviations[0 if self.which == "driving" else 1]
+
+    @cached_property
+    def polygon(self) -> Polygon:
+        """The whole gear with its bore in mm about its own centre, at rotation 0, at the pair file's full detail."""
+        return gear_polygon(self.mounted.flanks, self.mounted.centre_lines)
+
+    def deviation(self, roll_length: FloatArray, *, flank: Flank = "drive") -> FloatArray:
+        """Normal deviation (z, n) in mm of every tooth at roll lengths (n,) in mm, pitch included, positive = more
+        material."""
+        shapes = self.deviations.drive if flank == "drive" else self.deviations.coast
+        rows = np.broadcast_to(np.asarray(roll_length, dtype=np.float64), (self.nominal.z, np.size(roll_length)))
+        return read_only(total(shapes, rows, z=self.nominal.z, span=self.mounted.flanks.span))
+
+    def export(self, target: Path | str, *, magnify: float = 1.0, **options: Any) -> Exported:
+        """Write this gear alone; options as in :meth:`Pair.export`."""
+        return self.pair.export(target, which=self.which, magnify=magnify, **options)
+
+    def _repr_svg_(self) -> str:
+        return _glance(self.pair.drawing(Request(which=self.which, detail=GLANCE)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pair:
+    """Two error gears in mesh, from a pair file or from a dictionary with its keys; shows itself as SVG in notebooks.
+
+    ``assembled`` is the pair with its deviations and compliance, ``file`` what was known, ``source`` what messages call
+    it, ``seed`` what drew the rest.
+    """
+
+    assembled: Assembled
+    file: PairFile
+    source: str
+    seed: int
+
+    @classmethod
+    def read(cls, path: Path | str, *, seed: int = 0) -> Self:
+        """The pair of a pair file. Raises ``InputFileError`` as ``gearpoly simulate`` does."""
+        file = read_pair(path)
+        return cls(assembled=assemble(file, path=path, seed=seed), file=file, source=str(path), seed=seed)
+
+    @classmethod
+    def of(cls, known: Mapping[str, Any], *, seed: int = 0) -> Self:
+        """The pair of which ``known`` states what a pair file would, in the file's keys and units.
+
+        Measured traces named in it are looked for in the working folder. Raises ``InputFileError``.
+        """
+        source = "pair"
+        raw = with_sheets(dict(known), Path(source))
+        try:
+            file = PairFile.model_validate(raw)
+        except ValidationError as error:
+            raise explain(Path(source), raw, error) from None
+        return cls(assembled=assemble(file, path=source, seed=seed), file=file, source=source, seed=seed)
+
+    @property
+    def mesh(self) -> GearPair:
+        """Both gears on their axes, for everything that the facade does not offer."""
+        return self.assembled.pair
+
+    @cached_property
+    def driving(self) -> PairGear:
+        """The driving gear."""
+        return PairGear(pair=self, which="driving")
+
+    @cached_property
+    def driven(self) -> PairGear:
+        """The driven gear."""
+        return PairGear(pair=self, which="driven")
+
+    def contacts(self, theta_2: FloatArray | float, *, flank: Flank = "drive", near: float = NEAR) -> FlankContacts:
+        """Certified contacts, unloaded, at driven rotations ``theta_2`` in rad (one or many); pairs within ``near`` mm
+        of the first touch are in it too."""
+        at = np.atleast_1d(np.asarray(theta_2, dtype=np.float64))
+        if at.ndim != 1 or not np.all(np.isfinite(at)):
+            raise OutOfRangeError("theta_2: want one finite angle in rad or a list of them")
+        return contacts(self.mesh, at, flank=flank, near=near)
+
+    def transmission_error(self, theta_2: FloatArray | float, *, flank: Flank = "drive") -> FloatArray:
+        """Unloaded transmission error (N,) in rad on the driven side at ``theta_2`` (N,) in rad."""
+        return self.contacts(theta_2, flank=flank).te
+
+    def simulate(
+        self,
+        *,
+        turns: float | None = None,
+        points_per_mesh: int = POINTS_PER_MESH,
+        torque_nm: float | None = None,
+        flank: Flank = "drive",
+        fast: bool = False,
+    ) -> Simulated:
+        """What ``gearpoly simulate`` computes, over ``turns`` of the driven gear (default: a whole hunting cycle)."""
+        made = simulate(
+            self.assembled,
+            cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
+            Condition(flank=flank, torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM),
+            seed=self.seed,
+            evenly=True,
+            fast=fast,
+            progress=_quiet,
+        )
+        return Simulated(name=self.file.name, simulation=made, remarks=tuple(strength_remarks(made)))
+
+    def compare(self, recordings: Recorded, *, map: Path | str | None = None) -> Compared:
+        """Lay recordings of one set-up on the simulation of this pair, as ``gearpoly compare`` does; ``map`` says what
+        their columns are. Raises ``InputFileError`` as the command does."""
+        return Compared(comparison=compare(self.file, self._read(recordings, map), path=self.source))
+
+    def diagnose(self, recordings: Recorded, *, map: Path | str | None = None, within: float = math.inf) -> Diagnosed:
+        """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
+        ``within`` seconds of work. Raises ``InputFileError`` as the command does."""
+        found = diagnose(self.file, self._read(recordings, map), path=self.source, within=within)
+        return Diagnosed(source=self.source, diagnosis=found)
+
+    def plan(self) -> Planned:
+        """Which recordings would tell the look-alikes of this pair apart, as ``gearpoly plan`` says."""
+        return Planned(plan=plan(self.file, path=self.source))
+
+    def _read(self, recordings: Recorded, map: Path | str | None) -> list[Recording]:
+        given = [recordings] if isinstance(recordings, str | Path | Recording) else list(recordings)
+        out: list[Recording] = []
+        for one in given:
+            out += [one] if isinstance(one, Recording) else read(one, map=map, worm=self.file.worm)
+        return out
+
+    def save(self, target: Path | str) -> None:
+        """Write what is known of the pair as a pair file."""
+        write_text(target, dump_pair(moved(self.file, source=Path(self.source), target=Path(target))))
+
+    def drawing(self, request: Request | None = None) -> Drawing:
+        """The gears placed and drawn as ``request`` wants them: polygons, parts, contacts."""
+        return draw(self.assembled, request or Request(), title=self.file.name, source=self.source, seed=self.seed)
+
+    def export(
+        self,
+        target: Path | str,
+        *,
+        which: Literal["driving", "driven", "both"] = "both",
+        theta_2: float = 0.0,
+        flank: Flank = "drive",
+        apart: bool = False,
+        magnify: float = 1.0,
+        points: int | None = None,
+        chord: float | None = None,
+        curves: str | None = None,
+    ) -> Exported:
+        """Write the gears in the format of the ending of ``target``, as ``gearpoly export`` does.
+
+        ``theta_2`` in rad, ``chord`` (the chord error) in mm; the others as on the command line. Raises
+        ``InputFileError``, ``OutOfRangeError`` or ``MissingExtraError`` with what would do.
+        """
+        request = Request(
+            which=which,
+            at=theta_2,
+            flank=flank,
+            apart=apart,
+            magnify=magnify,
+            detail=Detail(points=points, chord=chord),
+        )
+        return export(
+            self.assembled,
+            target,
+            request,
+            title=self.file.name,
+            source=self.source,
+            seed=self.seed,
+            curves=curves,
+        )
+
+    def _repr_svg_(self) -> str:
+        return _glance(self.drawing(Request(detail=GLANCE)))
+
+
+def _glance(drawing: Drawing) -> str:
+    """The drawing as SVG for a page, which wants no XML declaration."""
+    return svg_text(drawing).partition("\n")[2]
+
+
+def load(path: Path | str, *, seed: int = 0) -> Pair:
+    """The pair of a pair file; ``seed`` decides what a grade leaves to chance."""
+    return Pair.read(path, seed=seed)
+
+
+def read(path: Path | str, *, map: Path | str | None = None, worm: WormSection | None = None) -> list[Recording]:
+    """All recordings of one file, in any format that ``gearpoly read`` knows; ``map`` says what its columns are, and
+    ``worm`` turns the error of a telescope's axis into the pair's. Raises ``InputFileError``."""
+    return read_set([Path(path)], None if map is None else [Path(map)], worm=worm)

@@ -1,0 +1,81 @@
+"""Studies of many pairs from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearpoly.api.tables import data_frame
+from gearpoly.errors import OutOfRangeError, shown
+from gearpoly.study.answers import Answers, answer
+from gearpoly.study.answers_json import answers_json
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Studied:
+    """The table of a study in ``folder`` and what it answers."""
+
+    folder: Path
+
+    @cached_property
+    def answers(self) -> Answers:
+        """Percentiles with intervals, yields, sensitivity."""
+        return answer(self.folder)
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs in the table."""
+        return self.answers.pairs
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """What ``gearpoly study-report --json`` writes."""
+        return answers_json(self.answers)
+
+    def to_html(self, target: Path | str) -> None:
+        """Write the answers as one page."""
+        from gearpoly.study.page import write_page
+
+        write_page(self.answers, Path(target))
+
+    def plot(self, target: Path | str | None = None, *, what: str = "outputs_1") -> Figure:
+        """One picture of the report, written to ``target`` if given: ``outputs_1``, distributions of the first six
+        outputs (``outputs_2`` of the next), ``yield``, ``sensitivity`` or ``points``.
+
+        Raises ``OutOfRangeError`` for one that this study has not.
+        """
+        from gearpoly.report.plots import save
+        from gearpoly.study.pictures import figures
+
+        found = {name: figure for name, figure, _ in figures(self.answers)}
+        if what not in found:
+            raise OutOfRangeError(f'no picture "{shown(what)}"; want one of {", ".join(found) or "none yet"}')
+        if target is not None:
+            save(found[what], Path(target))
+        return found[what]
+
+    def to_pandas(self) -> DataFrame:
+        """A row per pair: its number, seed, status, swept keys and outputs."""
+        store = self.answers.store
+        return data_frame(store.columns(store.schema.names))
+
+
+def run_study(path: Path | str, folder: Path | str, *, workers: int = 1, scheduler: str | None = None) -> Studied:
+    """Draw and sweep the pairs of a study file into ``folder``, as ``gearpoly study`` does; what is there already is
+    gone on with. ``scheduler`` is the address of a Dask cluster. Raises ``InputFileError`` as the command does."""
+    from gearpoly.study.read import read_study
+    from gearpoly.study.run import run_study as run
+
+    run(read_study(path), out=Path(folder), workers=workers, scheduler=scheduler)
+    return Studied(folder=Path(folder))
+
+
+def open_study(folder: Path | str) -> Studied:
+    """The table that a study left in ``folder``, finished or not."""
+    return Studied(folder=Path(folder))

@@ -1,0 +1,147 @@
+"""What diagnoses and plans give from Python."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearpoly.api.results import samples_of
+from gearpoly.api.tables import data_frame
+from gearpoly.diagnose.plan import Plan
+from gearpoly.diagnose.verdict import Diagnosis, Finding, Status
+from gearpoly.files.output import write_text
+from gearpoly.files.pairfile import dump_pair, moved
+from gearpoly.units import UM
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Diagnosed:
+    """What ``gearpoly diagnose`` finds in recordings of the pair file ``source``. ``diagnosis`` has the rest, in mm and
+    rad."""
+
+    source: str
+    diagnosis: Diagnosis
+
+    @property
+    def status(self) -> Status:
+        """``"nothing_missing"``, ``"explained"``, ``"partly_explained"`` or ``"unexplained"``."""
+        return self.diagnosis.status
+
+    @property
+    def missing(self) -> tuple[Finding, ...]:
+        """The physics that the simulation left out, most important first; each has ``says``, ``probability`` and
+        ``parameters`` (value and standard error by name)."""
+        return self.diagnosis.findings
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """One sentence for each of them."""
+        return tuple(one.says for one in self.missing)
+
+    @property
+    def noise_um(self) -> float:
+        """Rms in um of what does not repeat."""
+        return self.diagnosis.noise / UM
+
+    @property
+    def before_um(self) -> float:
+        """Rms in um that the declared simulation leaves of data that the fit did not see."""
+        return self.diagnosis.before.unseen / UM
+
+    @property
+    def after_um(self) -> float:
+        """The same with everything that was named."""
+        return self.diagnosis.after.unseen / UM
+
+    @cached_property
+    def verdict(self) -> Mapping[str, Any]:
+        """The verdict with the keys of its JSON."""
+        return self.to_dict()
+
+    def plot(self, target: Path | str | None = None, *, recording: int = 0) -> Figure:
+        """Transmission error recorded and simulated, before and after, of one ``recording``; written to ``target`` if
+        given."""
+        from gearpoly.report.diagnosis_data import recording_label
+        from gearpoly.report.diagnosis_figures import curves_figure
+        from gearpoly.report.plots import save
+
+        one = self.diagnosis.comparison.aligned[recording]
+        figure = curves_figure(one, self.diagnosis.left[recording], title=recording_label(recording, one))
+        if target is not None:
+            save(figure, Path(target))
+        return figure
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``gearpoly diagnose --json`` writes."""
+        from gearpoly.report.diagnosis_report import verdict_json
+
+        return verdict_json(self.diagnosis)
+
+    def to_json(self, target: Path | str) -> None:
+        """Write the verdict."""
+        from gearpoly.report.diagnosis_report import json_text
+
+        write_text(target, json_text(self.diagnosis))
+
+    def to_html(self, target: Path | str) -> None:
+        """Write the page that opens without a network."""
+        from gearpoly.report.diagnosis_page import page
+
+        write_text(target, page(self.diagnosis))
+
+    def to_pdf(self, target: Path | str) -> None:
+        """Write the report for paper, A4. Raises ``MissingExtraError`` where reportlab is not installed."""
+        from gearpoly.report.diagnosis_pdf import write_pdf
+
+        write_pdf(self.diagnosis, Path(target))
+
+    def to_figures(self, folder: Path | str, *, ending: str = ".svg") -> list[Path]:
+        """Write every picture into ``folder`` as .svg, .png or .pdf; returns the files."""
+        from gearpoly.report.diagnosis_figures import write_figures
+
+        return write_figures(self.diagnosis, Path(folder), ending=ending)
+
+    def to_fitted(self, target: Path | str) -> None:
+        """Write the pair file with what was missing in it."""
+        write_text(target, dump_pair(moved(self.diagnosis.fitted, source=Path(self.source), target=Path(target))))
+
+    def to_pandas(self) -> DataFrame:
+        """A row per sample, as :meth:`Compared.to_pandas` has it, with what everything named leaves as residual."""
+        return samples_of(self.diagnosis.comparison, self.diagnosis.left)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Planned:
+    """Which recordings would tell the look-alikes of a pair apart: what ``gearpoly plan`` finds."""
+
+    plan: Plan
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """What to record, the most useful first."""
+        return tuple(one.says for one in (self.plan.first, *self.plan.further))
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``gearpoly plan --json`` writes."""
+        from gearpoly.report.plan_report import json_text
+
+        document: dict[str, Any] = json.loads(json_text(self.plan))
+        return document
+
+    def to_pandas(self) -> DataFrame:
+        """A row per two physics, a column per number of recordings: the sine of the angle between them, none as long as
+        either is not seen."""
+        alikes = self.plan.look_alikes
+        sines = [(one.first, *one.after) for one in alikes]
+        columns: dict[str, Any] = {"one": [one.one for one in alikes], "other": [one.other for one in alikes]}
+        for k in range(1 + len(self.plan.further)):
+            columns[f"with_{k + 1}"] = [row[k] for row in sines]
+        return data_frame(columns)

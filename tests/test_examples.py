@@ -1,0 +1,43 @@
+"""Every example runs by itself, and the numbers that it asserts hold."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.name != "first_run.py")
+SLOW = {"diagnose_recording"}
+
+
+def test_there_are_ten_and_each_asserts_a_number() -> None:
+    assert len(EXAMPLES) >= 10
+    for path in EXAMPLES:
+        text = path.read_text(encoding="utf-8")
+        assert len(text.splitlines()) <= 60, path.name
+        assert re.search(r"^assert .*\d", text, re.MULTILINE), path.name
+        # What it imports of gearpoly is the API alone.
+        assert not re.search(r"(from|import) gearpoly\.", text), path.name
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, marks=pytest.mark.slow if path.stem in SLOW else (), id=path.stem) for path in EXAMPLES],
+)
+def test_an_example_runs(path: Path, tmp_path: Path) -> None:
+    ran = subprocess.run(
+        [sys.executable, str(path)], capture_output=True, text=True, check=False, cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout and not list(tmp_path.iterdir())
+
+
+def test_the_page_lists_every_example() -> None:
+    page = (ROOT / "docs" / "reference" / "examples.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\| `(\w+)\.py`", page, re.MULTILINE)) == [path.stem for path in EXAMPLES]
