@@ -14,9 +14,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from gearpoly.assemble import Assembled
+from gearpoly.assemble import Assembled, with_tip
 from gearpoly.gear.deviations import Deviations, Index, Span
 from gearpoly.gear.gear import Gear
+from gearpoly.mesh.corner import standing_off
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance
 from gearpoly.mesh.loaded import LoadedContacts, levers
 from gearpoly.mesh.meshing import Meshing, Met, kept_compliance
@@ -157,6 +158,36 @@ class Scene:
                 part = slice(low, high)
                 out[gear].append((n[order][part], roll[part], weight[part]))
         return out
+
+    def standing_off(self, gear: int, tooth: int, off: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        """Change (n,) in mm of the transmission error when the contacts of one tooth, whole before, at roll lengths
+        (k,) in mm stand off by ``off`` (k,) mm more: load is shared anew, and pairs may let go of each other."""
+        where, whole = self._whole(gear, tooth)
+        rows, pair = whole.rows, whole.pair
+        r = np.hypot(rows.point[:, 0] - gear * pair.a, rows.point[:, 1])
+        ideal = self.gear(gear)
+        mine = (rows.driving if gear == 0 else rows.driven) == tooth
+        by = np.zeros(mine.size)
+        by[mine] = off(np.sqrt(np.maximum(r[mine] ** 2 - ideal.r_b**2, 0.0)))
+        at, _, moved = standing_off(rows, pair, by)
+        out = np.zeros(self.samples.size)
+        if at.size:
+            out[where[at]] = whole.mesh.met(moved).te * pair.r_b2 - whole.mesh_te[at]
+        return out
+
+    def _whole(self, gear: int, tooth: int) -> tuple[IntArray, Scene]:
+        """The samples (k,) at which a tooth may be in mesh, and the same there with its tip in place."""
+        if tooth not in (self.pair.driving, self.pair.driven)[gear].flanks.chipped:
+            return np.arange(self.samples.size), self
+        if (gear, tooth) not in self._with_tips:
+            where = self.samples.meshing(gear, tooth, z=self.gear(gear).z)
+            self._with_tips[gear, tooth] = where, stage(with_tip(self.assembled, gear, tooth), self.samples.at(where))
+        return self._with_tips[gear, tooth]
+
+    @cached_property
+    def _with_tips(self) -> dict[tuple[int, int], tuple[IntArray, Scene]]:
+        """Scenes with a tip in place that is missing, as far as they were asked for."""
+        return {}
 
     def displaced(self, gear: int, x: FloatArray, y: FloatArray) -> FloatArray:
         """The same when the centre of one gear moves by (x, y) (n,) mm in the global frame."""

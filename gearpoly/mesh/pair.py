@@ -103,8 +103,9 @@ class Mounted:
         hub, half = HUB * gear.r_f, 0.5 * gear.tau
         # A thinned tooth's middle is not its centre line; closed along that, the half tooth would stand out of the
         # thin one.
-        middle = 0.5 * (flanks.psi_drive[:, -1] - flanks.psi_coast[:, -1])
-        tip = np.stack((gear.r_a * np.cos(middle), gear.r_a * np.sin(middle)), axis=-1)
+        tips = flanks.tips
+        middle = 0.5 * (tips.drive - tips.coast)
+        tip = np.stack((tips.r * np.cos(middle), tips.r * np.sin(middle)), axis=-1)
         foot = np.array([[hub, 0.0], [hub * math.cos(half), side * hub * math.sin(half)]])
         back = np.concatenate((tip[:, None], np.broadcast_to(foot, (gear.z, 2, 2))), axis=1)
         body = Body(
