@@ -37,7 +37,7 @@ from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import Sharing
 from gearpoly.mesh.meshing import Meshing, compliance_under
-from gearpoly.mesh.pair import GearPair, Mounted, active_start, mount, tight_centre_distance
+from gearpoly.mesh.pair import GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.parts import EncoderErrors, Parts
@@ -95,15 +95,14 @@ def _apart(pair: GearPair, more: float) -> GearPair:
 
 def with_tip(assembled: Assembled, gear: int, tooth: int) -> Assembled:
     """The same pair with the tip of one tooth in place, which is missing."""
-    pair, name = assembled.pair, NAMES[gear]
-    mounted: Mounted = getattr(pair, name)
-    chipped = {k: one for k, one in mounted.flanks.chipped.items() if k != tooth}
-    whole = replace(mounted, flanks=replace(mounted.flanks, chipped=chipped))
-    made = assembled.deviations[gear]
-    rest = replace(made, chips=tuple(one for one in made.chips if one.tooth != tooth))
-    deviations = (rest, assembled.deviations[1]) if gear == 0 else (assembled.deviations[0], rest)
-    gears = {"driving": whole} if gear == 0 else {"driven": whole}
-    return replace(assembled, pair=replace(pair, **gears), deviations=deviations)
+    pair, made = assembled.pair, list(assembled.deviations)
+    mounted = [pair.driving, pair.driven]
+    flanks = mounted[gear].flanks
+    rest = {k: one for k, one in flanks.chipped.items() if k != tooth}
+    mounted[gear] = replace(mounted[gear], flanks=replace(flanks, chipped=rest))
+    made[gear] = replace(made[gear], chips=tuple(one for one in made[gear].chips if one.tooth != tooth))
+    whole = replace(pair, driving=mounted[0], driven=mounted[1])
+    return replace(assembled, pair=whole, deviations=(made[0], made[1]))
 
 
 def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
