@@ -60,8 +60,9 @@ def judge(
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
     gain = bare.system.misfit - bare.system.with_columns(linear.white_of(k)).misfit
     trial = Trial(
-        others=model.but(claim), scenes=scenes, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
-    )
+        others=model.but(claim), scenes=model.drawn_without(claim, scenes), linear=linear, plain=plain,
+        dispersion=max(1.0, linear.system.whiteness),
+    )  # fmt: skip
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)

@@ -189,6 +189,14 @@ class Model:
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
         return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
 
+    def drawn_without(self, claim: Claim, scenes: list[Scene]) -> list[Scene]:
+        """``scenes`` in which what could stand in the place of a ``claim`` shows: without the claim where it shapes a
+        single tooth, since where that has lost contact nothing else that it may do can be seen."""
+        if not claim.shapes_tooth:
+            return scenes
+        others = self.but(claim)
+        return others.method.scenes(others.file(), [scene.samples for scene in scenes], path=self.path)
+
     def rms_of(self, scenes: list[Scene], claim: Claim) -> float:
         """Rms in mm of what a claim that stands does over all scenes."""
         return float(np.sqrt(np.mean(np.concatenate(self.change(scenes, claim, claim.values, but=claim)) ** 2)))

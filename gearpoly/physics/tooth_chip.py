@@ -109,7 +109,7 @@ PHYSICS = Physics(
             low=0.0,
             most=_whole_flank,
             why="a tooth without flanks above its form circle does not mesh",
-            step=0.02,
+            step=0.005,
         ),
     ),
     amplitudes=1,
