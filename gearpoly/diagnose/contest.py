@@ -1,4 +1,4 @@
-"""Likenesses of what all teeth do, and of a tip that is missing, fitted in a claim's stead: to first order the claim
+"""Likenesses of what all teeth do, and of what shapes one tooth, fitted in a claim's stead: to first order the claim
 always has an advantage."""
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class Refitted:
 
 
 def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
-    """Fit the likenesses of every claim about all teeth of a gear, or a missing tip, in its stead, keep the best there,
-    and return what became of the others, by the key of the claim that stands.
+    """Fit the likenesses of every claim about all teeth of a gear, or the shape of one, in its stead, keep the best
+    there, and return what became of the others, by the key of the claim that stands.
 
     Teeth as built have settled beside a claim, and where pairs hand over has moved with it, so columns drawn about it
     say too little of what is like it. All are fitted until they rest: a last small step can open a further one, and
@@ -84,28 +84,30 @@ def rest(search: Search) -> None:
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
     """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
-    else that is so, for a gear whose flanks stand off the other gear, for a tooth without a tip what else shapes that
-    tooth: a pit that reaches the tip; nothing for other claims."""
+    else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else does, as a
+    missing tip and a pit that reaches it; nothing for other claims."""
     claim = search.model.claims[k]
     mean_tooth = claim.physics.mean_tooth
-    gone = claim.shapes_tooth and claim.physics.fixed_amplitudes
-    if not mean_tooth and not claim.physics.whole_gear and not gone:
+    one_tooth = claim.shapes_tooth
+    if not mean_tooth and not claim.physics.whole_gear and not one_tooth:
         return
-    scenes = search.model.drawn_without(claim, search.scenes)
+    scenes = search.model.drawn_without(claim, search.scenes) if one_tooth else search.scenes
     bare = search.linear.without(search.linear.layout.places(k))
     gain = bare.system.misfit - bare.system.with_columns(search.linear.white_of(k)).misfit
     others = search.model.but(claim)
     taken = {one.key for one in search.model.claims}
-    places = [
-        (physics, place)
-        for physics, place in all_places(others)
-        if (physics.mean_tooth if mean_tooth else _shapes(physics, place, claim) if gone else physics is claim.physics)
-    ]
+
+    def alike(physics: Physics, place: Place) -> bool:
+        if mean_tooth:
+            return physics.mean_tooth
+        return _shapes(physics, place, claim) if one_tooth else physics is claim.physics
+
+    places = [(physics, place) for physics, place in all_places(others) if alike(physics, place)]
     found, _ = scan(others, scenes, bare, only=places)
     seen: set[Key] = set()
     for one in found:
         twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
-        least = TWIN if twin or gone else OTHER
+        least = TWIN if twin or one_tooth else OTHER
         if one.claim.key in taken or one.claim.key in seen or one.gain < least * gain:
             continue
         seen.add(one.claim.key)
@@ -115,6 +117,6 @@ def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
 
 
 def _shapes(physics: Physics, place: Place, claim: Claim) -> bool:
-    """Whether something at a ``place`` shapes the tooth of a ``claim`` too."""
+    """Whether something else at a ``place`` shapes the tooth of a ``claim`` too."""
     mine = (claim.place.gear, claim.place.tooth)
-    return physics.shaped and (place.gear, place.tooth) == mine
+    return physics.shaped and physics is not claim.physics and (place.gear, place.tooth) == mine

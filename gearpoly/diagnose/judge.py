@@ -59,10 +59,10 @@ def judge(
     plain, wider = with_and_without(model, scenes, linear, k)
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
     gain = bare.system.misfit - bare.system.with_columns(linear.white_of(k)).misfit
+    drawn = model.drawn_without(claim, scenes) if claim.takes_contact else scenes
     trial = Trial(
-        others=model.but(claim), scenes=model.drawn_without(claim, scenes), linear=linear, plain=plain,
-        dispersion=max(1.0, linear.system.whiteness),
-    )  # fmt: skip
+        others=model.but(claim), scenes=drawn, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
+    )
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)

@@ -190,10 +190,8 @@ class Model:
         return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
 
     def drawn_without(self, claim: Claim, scenes: list[Scene]) -> list[Scene]:
-        """``scenes`` in which what could stand in the place of a ``claim`` shows: without the claim where it shapes a
-        single tooth, since where that has lost contact nothing else that it may do can be seen."""
-        if not claim.shapes_tooth:
-            return scenes
+        """``scenes`` without a ``claim``: where a tooth has lost contact over it, nothing else shows that the tooth may
+        do."""
         others = self.but(claim)
         return others.method.scenes(others.file(), [scene.samples for scene in scenes], path=self.path)
 

@@ -67,7 +67,7 @@ def would_separate(
     spans = [_span(one) for one in rivals]
 
     def signals(made: Sequence[Scene], white: Callable[[int, FloatArray], FloatArray]) -> Part:
-        here = model.drawn_without(claim, list(made))
+        here = model.drawn_without(claim, list(made)) if claim.takes_contact else made
         mine = effects(others, here, claim)
         theirs = [[effects(others, here, one) for one in span] for span in spans]
         return (
