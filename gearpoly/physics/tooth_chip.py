@@ -33,7 +33,8 @@ LEFT = 0.01
 
 
 class Chip(Section):
-    """The tip of one tooth has broken off: over the whole face width, on both flanks."""
+    """The tip of one tooth has broken off, over the whole face width and on both flanks. Of several the highest
+    counts."""
 
     tooth: int = Field(ge=0, description="number of the tooth, from 0")
     height_mm: Annotated[float, Field(ge=0.0, le=1e5)] = Field(
@@ -44,12 +45,7 @@ class Chip(Section):
 class GearKeys(Section):
     """What a gear says of it."""
 
-    chip: tuple[Chip, ...] = field(
-        "teeth whose tip has broken off, tables; of several for one tooth the highest counts",
-        (),
-        strict=False,
-        fail_fast=True,
-    )
+    chip: tuple[Chip, ...] = field("teeth whose tip has broken off, tables", (), strict=False, fail_fast=True)
 
 
 def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
