@@ -14,6 +14,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from gearpoly.assemble import Assembled, assemble
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.verdict import Finding
 from gearpoly.errors import InputFileError, NoContactError
 from gearpoly.export.outline import Detail, draw_outline
 from gearpoly.files.models import PairFile
@@ -30,11 +32,15 @@ from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.loaded import loaded
 from gearpoly.mesh.pair import Flank, GearPair, Mounted, active_start, mount, tight_centre_distance
 from gearpoly.mesh.transmission import contacts
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
+from gearpoly.scene import stage
 from gearpoly.study.making import maker
 from gearpoly.units import NM, UM, FloatArray
 from tests.oracles.radial_gap import closing_rotation
 from tests.pair_files import made, one_pitch, pair_file, under, unloaded_te
-from tests.physics_cases import CONDITIONS, claim_of, declared, samples_at
+from tests.physics_cases import CONDITIONS, Condition, claim_of, declared, recorded, samples_at
 from tests.test_radial import PROMISED, ROUNDING, Run, closings, run
 
 GEARS = ("driving", "driven")
@@ -406,8 +412,6 @@ def test_past_the_lower_tip_the_other_pair_carries_all(gear: int, flank: Flank) 
 @pytest.mark.parametrize("k", range(len(CONDITIONS)))
 def test_its_effect_is_the_same_beside_it_and_before_it(k: int) -> None:
     """In a scene that has the chip its contacts are gone; the effect is told from the whole tooth all the same."""
-    from gearpoly.scene import stage
-
     claim = claim_of("tooth_chip")
     # One that touches first, so that it is missed without load too.
     claim = replace(claim, place=replace(claim.place, tooth=9))
@@ -420,6 +424,43 @@ def test_its_effect_is_the_same_beside_it_and_before_it(k: int) -> None:
     before = effect(stage(bare, samples), claim.place, claim.values)
     np.testing.assert_allclose(effect(stage(cut, samples), claim.place, claim.values), before, atol=1e-12)
     assert np.max(np.abs(before)) > 1.0 * UM
+
+
+DRIVE, COAST = Condition(), Condition(flank="coast")
+PIT = Claim(
+    physics=catalogue()["tooth_spall"], place=Place(gear=0, tooth=3), values=(40.0, 13.4, 14.1, 0.06)
+)  # over the last 0.6 mm of the flank, far deeper than teeth give
+"""A pit that leaves as much of the drive flank as the chip of the typical case does."""
+
+
+def found_of(claim: Claim, *conditions: Condition) -> Finding:
+    """The only finding of recordings of a pair with a ``claim`` in it."""
+    file = declared("tooth_chip")
+    made_of = recorded(claim.written(file), conditions, np.random.default_rng(11))
+    (found,) = diagnose(file, made_of, path=Path("pair.toml")).findings
+    return found
+
+
+@pytest.mark.slow
+def test_one_flank_leaves_a_pit_at_the_tip_beside_it() -> None:
+    """A pit with steep walls takes the same contact away; the coast flank would tell."""
+    found = found_of(claim_of("tooth_chip"), DRIVE)
+    (rival,) = found.rivals
+    assert (found.claim.physics.name, rival.claim.physics.name) == ("tooth_chip", "tooth_spall")
+    assert (found.claim.place.tooth, rival.claim.place.tooth) == (3, 3)
+    assert 0.05 < rival.probability < found.probability
+    assert found.probability + rival.probability > 0.95
+    assert found.separation is not None
+    assert found.separation.recording.flank == "coast"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("claim", [claim_of("tooth_chip"), PIT], ids=["chip", "pit"])
+def test_both_flanks_tell_a_missing_tip_from_a_pit_there(claim: Claim) -> None:
+    found = found_of(claim, DRIVE, COAST)
+    assert (found.claim.physics.name, found.claim.place.tooth) == (claim.physics.name, 3)
+    assert found.probability > 0.95
+    assert not found.rivals
 
 
 # Studies.

@@ -33,8 +33,7 @@ LEFT = 0.01
 
 
 class Chip(Section):
-    """The tip of one tooth has broken off, over the whole face width and on both flanks. Of several the highest
-    counts."""
+    """The tip of one tooth is missing, on both flanks and over the whole face width; of several the highest counts."""
 
     tooth: int = Field(ge=0, description="number of the tooth, from 0")
     height_mm: Annotated[float, Field(ge=0.0, le=1e5)] = Field(
