@@ -93,6 +93,18 @@ def _apart(pair: GearPair, more: float) -> GearPair:
     return replace(pair, a=pair.a + more)
 
 
+def with_tip(assembled: Assembled, gear: int, tooth: int) -> Assembled:
+    """The same pair with the tip of one tooth in place, which is missing."""
+    pair, made = assembled.pair, list(assembled.deviations)
+    mounted = [pair.driving, pair.driven]
+    flanks = mounted[gear].flanks
+    rest = {k: one for k, one in flanks.chipped.items() if k != tooth}
+    mounted[gear] = replace(mounted[gear], flanks=replace(flanks, chipped=rest))
+    made[gear] = replace(made[gear], chips=tuple(one for one in made[gear].chips if one.tooth != tooth))
+    whole = replace(pair, driving=mounted[0], driven=mounted[1])
+    return replace(assembled, pair=whole, deviations=(made[0], made[1]))
+
+
 def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
     """The pair file at ``path`` with pitch and thickness of its inspections written out as deviations per tooth, so
     that what is found can be added to them; traces stay where they are. Raises ``InputFileError``."""

@@ -115,7 +115,7 @@ def newcomer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Physic
 def test_a_new_file_is_all_it_takes(newcomer: Physics) -> None:
     """Its keys are in the pair file and on its page, it is written, built, simulated and shown to the reader."""
     models = completed(catalogue().values())
-    assert [*models["GearSection"].model_fields][-4:] == ["spall", "crack", "newcomer_um", "encoder"]
+    assert [*models["GearSection"].model_fields][-5:] == ["spall", "crack", "chip", "newcomer_um", "encoder"]
     page = pair_file_reference(models["PairFile"])
     assert "| `newcomer_um` | by how much all flanks stand back in um | `0.0` |" in page
     assert "| `newcomer_friction` |" in page

@@ -83,6 +83,25 @@ def test_the_page_holds_the_very_polygons_that_were_simulated() -> None:
         assert np.array_equal(unpacked(raw["radius"]), flanks.r)
 
 
+def test_a_tooth_without_its_tip_stands_in_the_page_as_it_was_simulated(tmp_path: Path) -> None:
+    path = small(tmp_path)
+    text = path.read_text(encoding="utf-8") + "[[driving.chip]]\ntooth = 3\nheight_mm = 0.9\n"
+    path.write_text(text, encoding="utf-8")
+    assembled = made(path)
+    scene = scene_of(assembled, name="pair", path=path, condition=UNLOADED, progress=quiet)
+    driving, driven = document(scene)["gears"]
+    assert driven["chipped"] == []
+    (raw,) = driving["chipped"]
+    own = assembled.pair.driving.flanks.chipped[3]
+    assert raw["tooth"] == 3
+    assert np.array_equal(unpacked(raw["radius"]), own.r)
+    assert own.r[-1] == pytest.approx(driving["r_a"] - 0.9, abs=1e-14)
+    for side, psi in (("drive", own.drive), ("coast", own.coast)):
+        d = unpacked(raw[side]["level"])[:, None] + unpacked(raw[side]["rest"]).astype(np.float64)
+        rebuilt = (unpacked(raw["psi"]) + d[0] * UM / driving["r_b"])[1:]  # the first is mid space
+        assert np.max(np.abs(rebuilt - psi[1:]) * own.r[1:]) < 1e-9
+
+
 def test_deviations_in_the_page_are_normal_and_in_um(tmp_path: Path) -> None:
     """An inspected index deviation stands in the page as the file states it, on the whole involute."""
     path = tmp_path / "pair.toml"

@@ -97,6 +97,35 @@ angle_deg = 200.0
 """,
         "coast",
     ),
+    "chipped": (
+        """
+name = "tips broken off on both gears"
+[pair]
+torque_nm = 6.0
+[driving]
+teeth = 11
+module_mm = 2.0
+face_width_mm = 20.0
+grade = 7
+points_per_flank = 300
+[[driving.chip]]
+tooth = 4
+height_mm = 1.1
+[[driving.chip]]
+tooth = 8
+height_mm = 0.4
+[driven]
+teeth = 13
+module_mm = 2.0
+face_width_mm = 20.0
+grade = 7
+points_per_flank = 300
+[[driven.chip]]
+tooth = 2
+height_mm = 1.9
+""",
+        "drive",
+    ),
 }
 
 

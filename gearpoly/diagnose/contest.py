@@ -1,4 +1,5 @@
-"""Likenesses of what all teeth do, fitted in a claim's stead: to first order the claim always has an advantage."""
+"""Likenesses of what all teeth do, and of what shapes one tooth, fitted in a claim's stead: to first order the claim
+always has an advantage."""
 
 from __future__ import annotations
 
@@ -9,13 +10,15 @@ from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.way import NEGLIGIBLE
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Claim
+from gearpoly.physics.base import Claim, Physics
+from gearpoly.physics.place import Place
 
 Key = tuple[object, ...]
 
 TWIN, OTHER = 0.3, 0.8
 """Parts of a claim's gain that another physics must reach to first order to be fitted in its stead: the same of the
-other gear, whose teeth as built have leant the claim's way so far, and any other."""
+other gear, whose teeth as built have leant the claim's way so far, a pit for a missing tip, over which teeth lose touch
+as no column shows, and any other."""
 
 MOST = 3
 """Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
@@ -33,8 +36,8 @@ class Refitted:
 
 
 def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
-    """Fit the likenesses of every claim about all teeth of a gear in its stead, keep the best there, and return what
-    became of the others, by the key of the claim that stands.
+    """Fit the likenesses of every claim about all teeth of a gear, or the shape of one, in its stead, keep the best
+    there, and return what became of the others, by the key of the claim that stands.
 
     Teeth as built have settled beside a claim, and where pairs hand over has moved with it, so columns drawn about it
     say too little of what is like it. All are fitted until they rest: a last small step can open a further one, and
@@ -81,27 +84,39 @@ def rest(search: Search) -> None:
 
 def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
     """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
-    else that is so, for a gear whose flanks stand off the other gear; nothing for other claims."""
+    else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else does, as a
+    missing tip and a pit that reaches it; nothing for other claims."""
     claim = search.model.claims[k]
     mean_tooth = claim.physics.mean_tooth
-    if not mean_tooth and not claim.physics.whole_gear:
+    one_tooth = claim.shapes_tooth
+    if not mean_tooth and not claim.physics.whole_gear and not one_tooth:
         return
+    scenes = search.model.drawn_without(claim, search.scenes) if one_tooth else search.scenes
     bare = search.linear.without(search.linear.layout.places(k))
     gain = bare.system.misfit - bare.system.with_columns(search.linear.white_of(k)).misfit
     others = search.model.but(claim)
     taken = {one.key for one in search.model.claims}
-    places = [
-        (physics, place)
-        for physics, place in all_places(others)
-        if (physics.mean_tooth if mean_tooth else physics is claim.physics)
-    ]
-    found, _ = scan(others, search.scenes, bare, only=places)
+
+    def alike(physics: Physics, place: Place) -> bool:
+        if mean_tooth:
+            return physics.mean_tooth
+        return _shapes(physics, place, claim) if one_tooth else physics is claim.physics
+
+    places = [(physics, place) for physics, place in all_places(others) if alike(physics, place)]
+    found, _ = scan(others, scenes, bare, only=places)
     seen: set[Key] = set()
     for one in found:
         twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
-        if one.claim.key in taken or one.claim.key in seen or one.gain < (TWIN if twin else OTHER) * gain:
+        least = TWIN if twin or one_tooth else OTHER
+        if one.claim.key in taken or one.claim.key in seen or one.gain < least * gain:
             continue
         seen.add(one.claim.key)
         if len(seen) > MOST:
             return
-        yield polished(others, search.scenes, bare, one)
+        yield polished(others, scenes, bare, one)
+
+
+def _shapes(physics: Physics, place: Place, claim: Claim) -> bool:
+    """Whether something else at a ``place`` shapes the tooth of a ``claim`` too."""
+    mine = (claim.place.gear, claim.place.tooth)
+    return physics.shaped and physics is not claim.physics and (place.gear, place.tooth) == mine

@@ -82,7 +82,7 @@ def only_the_least(search: Search, k: int, others: Sequence[Form]) -> bool:
     claim = search.model.claims[k]
     if out_of_mesh(search.model, search.scenes, claim):
         return True
-    if not claim.shapes_tooth or search.over:
+    if not claim.shapes_tooth or claim.physics.fixed_amplitudes or search.over:
         return False
     deeper = [one.chance for one in others if one.claim.values[0] > STAYS * claim.values[0]]
     if max(deeper, default=0.0) > math.exp(-0.5 * AS_WELL):

@@ -60,8 +60,9 @@ def judge(
     plain, wider = with_and_without(model, scenes, linear, k)
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
     gain = bare.system.misfit - bare.system.with_columns(linear.white_of(k)).misfit
+    drawn = model.drawn_without(claim, scenes) if claim.takes_contact else scenes
     trial = Trial(
-        others=model.but(claim), scenes=scenes, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
+        others=model.but(claim), scenes=drawn, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
     )
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one[:, linear.layout.claims[k]] for one in linear.columns]

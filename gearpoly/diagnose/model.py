@@ -193,6 +193,12 @@ class Model:
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
         return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
 
+    def drawn_without(self, claim: Claim, scenes: list[Scene]) -> list[Scene]:
+        """``scenes`` without a ``claim``: where a tooth has lost contact over it, nothing else shows that the tooth may
+        do."""
+        others = self.but(claim)
+        return others.method.scenes(others.file(), [scene.samples for scene in scenes], path=self.path)
+
     def rms_of(self, scenes: list[Scene], claim: Claim) -> float:
         """Rms in mm of what a claim that stands does over all scenes."""
         return float(np.sqrt(np.mean(np.concatenate(self.change(scenes, claim, claim.values, but=claim)) ** 2)))

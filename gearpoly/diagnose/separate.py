@@ -66,7 +66,8 @@ def would_separate(
     others = model.but(claim)
     spans = [_span(one) for one in rivals]
 
-    def signals(here: Sequence[Scene], white: Callable[[int, FloatArray], FloatArray]) -> Part:
+    def signals(made: Sequence[Scene], white: Callable[[int, FloatArray], FloatArray]) -> Part:
+        here = model.drawn_without(claim, list(made)) if claim.takes_contact else made
         mine = effects(others, here, claim)
         theirs = [[effects(others, here, one) for one in span] for span in spans]
         return (

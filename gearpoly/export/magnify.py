@@ -1,7 +1,7 @@
 """Deviations made large enough to be seen: the same shapes, K times as far along the normal.
 
-Only flank deviations are exaggerated: pitch, thickness, profile, relief. Rack, tip circle, bore and the place of the
-axes (eccentricity too) stay true.
+Only flank deviations are exaggerated: pitch, thickness, profile, relief. Rack, tip circle, missing tips, bore and the
+place of the axes (eccentricity too) stay true.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ def magnified(deviations: Deviations, K: float) -> Deviations:
     return Deviations(
         drive=tuple(_scaled(shape, K) for shape in deviations.drive),
         coast=tuple(_scaled(shape, K) for shape in deviations.coast),
+        chips=deviations.chips,
     )
 
 

@@ -219,22 +219,18 @@ def _parts(
         return read_only(np.stack((radii * np.cos(angles), radii * np.sin(angles)), axis=-1) + centre)
 
     for k in order.tolist():
-        middle = float(centre_lines[k])
+        middle, own = float(centre_lines[k]), flanks.tooth(k)
+        r_tip = float(own.r[-1])
         for side, cut in (("coast", bottoms[before[k]]), ("drive", bottoms[k])):
             sign = -1.0 if side == "coast" else 1.0
-            angles = flanks.psi_coast if side == "coast" else flanks.psi_drive
-            flank = placed(flanks.r[first:], middle + sign * angles[k, first:])
+            angles = own.coast if side == "coast" else own.drive
+            flank = placed(own.r[first:], middle + sign * angles[first:])
             low = placed(*_cut(r, psi[side][k], cut, middle, sign))
             if side == "coast":
                 parts.append(Part(tooth=k, kind="fillet", side="coast", points=low))
                 parts.append(Part(tooth=k, kind="flank", side="coast", points=flank))
-                tip = rotate(
-                    arc(gear.r_a, -float(flanks.psi_coast[k, -1]), float(flanks.psi_drive[k, -1]), chord_error=chord),
-                    middle,
-                )
-                ends = placed(
-                    np.full(2, gear.r_a), middle + np.array([-flanks.psi_coast[k, -1], flanks.psi_drive[k, -1]])
-                )
+                tip = rotate(arc(r_tip, -float(own.coast[-1]), float(own.drive[-1]), chord_error=chord), middle)
+                ends = placed(np.full(2, r_tip), middle + np.array([-own.coast[-1], own.drive[-1]]))
                 points = np.concatenate((ends[:1], tip + centre, ends[1:]))
                 parts.append(Part(tooth=k, kind="tip", side="", points=read_only(points)))
             else:

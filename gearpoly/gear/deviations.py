@@ -186,15 +186,37 @@ class Scatter(Traces):
     place (its string length L, not the l below it), so that a rough flank never folds over itself."""
 
 
+@dataclass(frozen=True)
+class Chip:
+    """The tip of one ``tooth`` is missing over the whole face width: both its flanks end ``height`` mm, radially, below
+    the tip circle, and an arc about the gear's centre joins them."""
+
+    tooth: int
+    height: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class Deviations:
-    """Everything that sets the flanks of one gear off their nominal place: sums of shapes, one sum per side."""
+    """Everything that sets the flanks of one gear off their nominal place: sums of shapes, one sum per side, and tips
+    that are missing. Of several chips of one tooth the highest counts."""
 
     drive: tuple[Shape, ...] = ()
     coast: tuple[Shape, ...] = ()
+    chips: tuple[Chip, ...] = ()
 
     def __add__(self, other: Deviations) -> Deviations:
-        return Deviations(drive=self.drive + other.drive, coast=self.coast + other.coast)
+        return Deviations(
+            drive=self.drive + other.drive, coast=self.coast + other.coast, chips=self.chips + other.chips
+        )
+
+    @property
+    def missing_tips(self) -> dict[int, float]:
+        """Radial heights in mm by the numbers of the teeth that miss any."""
+        out: dict[int, float] = {}
+        for one in self.chips:
+            if one.height > 0.0:
+                out[one.tooth] = max(one.height, out.get(one.tooth, 0.0))
+        return out
 
 
 def total(shapes: tuple[Shape, ...], l: FloatArray, *, z: int, span: Span) -> FloatArray:

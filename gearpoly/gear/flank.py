@@ -2,13 +2,14 @@
 
 All teeth share one grid of radii, because a deviation moves a point along its base tangent: only the angle at each
 radius differs from tooth to tooth. That is exact, and it keeps a gear of 25 teeth at 2000 points in one (25, n) array
-per side.
+per side. A tooth whose tip is missing has as many points below the place where it ends, on a grid of its own.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -30,12 +31,23 @@ mm."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Sides:
+    """Both sides at the same radii ``r`` in mm: angles ``drive`` and ``coast`` from the centre line in rad, both
+    positive. All are (n,), from the root of one tooth to its tip, or (z,), at the tips of all teeth."""
+
+    r: FloatArray
+    drive: FloatArray
+    coast: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Flanks:
     """Both sides of all teeth, root to tip, each in its own tooth's frame (centre line at angle 0).
 
     ``r`` (n,) radii in mm; ``psi_drive`` and ``psi_coast`` (z, n) angles of the two sides from the centre line in
-    rad, both positive; ``root`` the first ``root.n`` points; ``chord_error`` in mm, the most that a chord of the
-    involute stands off.
+    rad, both positive, as if every tooth were whole; ``chipped`` has the sides of those whose tip is missing, by their
+    numbers, with as many points; ``root`` the first ``root.n`` points; ``chord_error`` in mm, the most that a chord of
+    the involute stands off.
     """
 
     gear: Gear
@@ -45,17 +57,38 @@ class Flanks:
     psi_drive: FloatArray
     psi_coast: FloatArray
     chord_error: float
+    chipped: Mapping[int, Sides] = field(default_factory=dict)
+
+    def tooth(self, number: int) -> Sides:
+        """One tooth as it is, from root to tip."""
+        whole = Sides(r=self.r, drive=self.psi_drive[number], coast=self.psi_coast[number])
+        return self.chipped.get(number, whole)
+
+    @cached_property
+    def tips(self) -> Sides:
+        """Where the sides of all teeth end."""
+        r = np.full(self.gear.z, self.gear.r_a)
+        drive, coast = self.psi_drive[:, -1].copy(), self.psi_coast[:, -1].copy()
+        for k, own in self.chipped.items():
+            r[k], drive[k], coast[k] = own.r[-1], own.drive[-1], own.coast[-1]
+        return Sides(r=read_only(r), drive=read_only(drive), coast=read_only(coast))
 
     @cached_property
     def drive(self) -> FloatArray:
         """Drive flanks as points (z, n, 2) in mm in each tooth's frame; the drive side is counter-clockwise of the
         centre line."""
-        return _points(self.r, self.psi_drive)
+        return self._points(self.psi_drive, {k: own.drive for k, own in self.chipped.items()})
 
     @cached_property
     def coast(self) -> FloatArray:
         """Coast flanks as points (z, n, 2) in mm in each tooth's frame."""
-        return _points(self.r, -self.psi_coast)
+        return self._points(-self.psi_coast, {k: -own.coast for k, own in self.chipped.items()})
+
+    def _points(self, angle: FloatArray, own: Mapping[int, FloatArray]) -> FloatArray:
+        points = _points(self.r, angle)
+        for k, mine in own.items():
+            points[k] = _points(self.chipped[k].r, mine)
+        return read_only(points)
 
     def mean_deviation(self, flank: str) -> float:
         """Mean normal deviation in mm of all involutes on ``flank`` ("drive" or "coast"), halfway up the true
@@ -85,7 +118,7 @@ class Flanks:
 
 
 def _points(r: FloatArray, angle: FloatArray) -> FloatArray:
-    return read_only(np.stack((r * np.cos(angle), r * np.sin(angle)), axis=-1))
+    return np.stack((r * np.cos(angle), r * np.sin(angle)), axis=-1)
 
 
 def points_for(gear: Gear, *, l_form: float, chord_error: float) -> int:
@@ -109,20 +142,13 @@ def draw_flanks(
 
     ``l_start``: roll length in mm where the active profile starts (not below the true form circle). ``points`` per
     involute flank; absent: as many as keep within ``chord_error`` mm. Raises ``GeometryError`` where deviations leave
-    no tooth.
+    no tooth, or a chip no flank of it.
     """
     deviations = deviations or Deviations()
     root = draw_root(gear)
     span = Span(l_start=max(l_start, root.l_form), l_a=gear.l_a)
     n = points_for(gear, l_form=root.l_form, chord_error=chord_error) if points is None else points
-    L = np.linspace(root.l_form**SPACING, gear.l_a**SPACING, n) ** (1.0 / SPACING)
-    L[0], L[-1] = root.l_form, gear.l_a
-    psi_drive, psi_coast = (
-        np.concatenate((root_angles(root, side[:, :1]), side[:, 1:]), axis=1)
-        for side in (_involute_angles(gear, shapes, L, span=span) for shapes in (deviations.drive, deviations.coast))
-    )
-    r = np.concatenate((root.r, np.hypot(gear.r_b, L[1:])))
-    r[-1] = gear.r_a
+    r, psi_drive, psi_coast = _drawn(gear, deviations, root, n, span=span, r_tip=gear.r_a)
     waist = float(np.min(psi_drive + psi_coast))
     if waist <= 0.0:
         raise GeometryError(
@@ -137,7 +163,39 @@ def draw_flanks(
         psi_drive=read_only(psi_drive),
         psi_coast=read_only(psi_coast),
         chord_error=reach**2 / (18.0 * (gear.r_b * (n - 1)) ** 2),
+        chipped=_chipped(gear, deviations, root, n, span=span),
     )
+
+
+def _drawn(
+    gear: Gear, deviations: Deviations, root: Root, n: int, *, span: Span, r_tip: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Radii (n,) in mm and angles (z, n) in rad of both sides of all teeth up to the radius ``r_tip`` in mm."""
+    l_tip = gear.roll_length(r_tip)
+    L = np.linspace(root.l_form**SPACING, l_tip**SPACING, n) ** (1.0 / SPACING)
+    L[0], L[-1] = root.l_form, l_tip
+    psi_drive, psi_coast = (
+        np.concatenate((root_angles(root, side[:, :1]), side[:, 1:]), axis=1)
+        for side in (_involute_angles(gear, shapes, L, span=span) for shapes in (deviations.drive, deviations.coast))
+    )
+    r = np.concatenate((root.r, np.hypot(gear.r_b, L[1:])))
+    r[-1] = r_tip
+    return r, psi_drive, psi_coast
+
+
+def _chipped(gear: Gear, deviations: Deviations, root: Root, n: int, *, span: Span) -> dict[int, Sides]:
+    """The teeth whose tip is missing, as they are left. Raises ``GeometryError`` where no flank is left of one."""
+    out: dict[int, Sides] = {}
+    most = gear.r_a - float(np.hypot(gear.r_b, root.l_form))
+    for tooth, height in deviations.missing_tips.items():
+        if height >= most:
+            raise GeometryError(
+                f"tooth {tooth} misses {height:g} mm of its tip, which leaves nothing of its flanks above the form "
+                f"circle; at most {math.floor(1e3 * most) / 1e3:.3f} mm would do"
+            )
+        r, drive, coast = _drawn(gear, deviations, root, n, span=span, r_tip=gear.r_a - height)
+        out[tooth] = Sides(r=read_only(r), drive=read_only(drive[tooth]), coast=read_only(coast[tooth]))
+    return out
 
 
 def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, span: Span) -> FloatArray:

@@ -32,7 +32,8 @@ def arc(r: float, start: float, stop: float, *, chord_error: float = FILLET_CHOR
 def tooth_outline(flanks: Flanks, tooth: int) -> FloatArray:
     """Outline (k, 2) of one tooth in its own frame in mm, counter-clockwise from mid space to mid space over the
     tip."""
-    tip = arc(flanks.gear.r_a, -float(flanks.psi_coast[tooth, -1]), float(flanks.psi_drive[tooth, -1]))
+    own = flanks.tooth(tooth)
+    tip = arc(float(own.r[-1]), -float(own.coast[-1]), float(own.drive[-1]))
     return np.concatenate((flanks.coast[tooth], tip, flanks.drive[tooth][::-1]))
 
 

@@ -69,7 +69,8 @@ class Body:
     """The faces that one body shows to the other, in the body's own frame with its axis of rotation at the origin.
 
     ``faces`` (z, n, 2) in mm: each from root to tip corner with material on its clockwise side. ``backs`` (z, k, 2):
-    the points that close each face to a solid half tooth, on from the tip corner. ``working``: index of the first
+    the points that close each face to a solid half tooth, on from the tip corner; of more than two the last two are at
+    the hub, those before on the tip. ``working``: index of the first
     vertex that contact usually uses; windows look there first, certificates look everywhere.
     """
 
@@ -85,7 +86,12 @@ class Body:
     @cached_property
     def reach(self) -> float:
         """Largest distance in mm of any face from the axis."""
-        return float(np.max(np.abs(self.points)))
+        return float(np.max(self.reaches))
+
+    @cached_property
+    def reaches(self) -> FloatArray:
+        """The same (z,) of each face."""
+        return np.asarray(np.max(np.abs(self.points), axis=1))
 
     @cached_property
     def solids(self) -> Geometries:
@@ -98,9 +104,17 @@ class Body:
     def hulls(self) -> FloatArray:
         """Rectangles (z, 4, 2) that hold each face, turned along its chord, so that they stay narrow wherever they
         stand."""
+        return self._rectangles(self.points)
+
+    @cached_property
+    def solid_hulls(self) -> FloatArray:
+        """The same of half teeth: what has gone in deep is out of its face's rectangle."""
+        return self._rectangles(np.concatenate((self.points, complex_points(self.backs)), axis=1))
+
+    def _rectangles(self, points: ComplexArray) -> FloatArray:
         chord = self.points[:, -1] - self.points[:, 0]
         unit = (chord / np.abs(chord))[:, None]
-        local = self.points * unit.conj()
+        local = points * unit.conj()
         low = local.real.min(axis=1) + 1j * local.imag.min(axis=1)
         high = local.real.max(axis=1) + 1j * local.imag.max(axis=1)
         corners = np.stack((low, high.real + 1j * low.imag, high, low.real + 1j * high.imag), axis=1)
@@ -116,8 +130,9 @@ class Body:
     @cached_property
     def tip(self) -> float:
         """The least angle in rad about the axis that half a tip takes, but no less than a share of the pitch."""
-        half = np.angle(self.points[:, -1] * complex_points(self.backs[:, 0]).conj())
-        return max(float(np.min(np.abs(half))), THIN_SHARE * self.pitch)
+        over = complex_points(self.backs[:, : max(1, self.backs.shape[1] - 2)])
+        half = np.max(np.abs(np.angle(self.points[:, -1:] * over.conj())), axis=1)
+        return max(float(np.min(half)), THIN_SHARE * self.pitch)
 
     @cached_property
     def strides(self) -> list[int]:

@@ -123,20 +123,21 @@ def _missed(
     first = _first_rotation(jobs, poses.size)
     last = np.where(np.isfinite(first), first + near, m.wide)
 
-    def others(at: IntArray, rotation: FloatArray, known: Jobs) -> Jobs:
+    def others(at: IntArray, rotation: FloatArray, known: Jobs, near_by: shapely.STRtree) -> Jobs:
         """Pairs beside ``known`` that do not stand clear at ``rotation`` (at,) beyond the guess of the poses ``at``."""
-        found = _candidates(m, tree, poses[at], guesses[at] + rotation, slack=0.0)
+        found = _candidates(m, near_by, poses[at], guesses[at] + rotation, slack=0.0)
         found.rotation, found.back = rotation[found.pose], np.exp(-1j * guesses[at])[found.pose]
         found.pose = at[found.pose]
         found = found.take(~np.isin(_pair_keys(m, found), _pair_keys(m, known)))
         return found.take(overlapping(m, found))
 
-    missed = others(np.arange(poses.size), last, jobs)
-    # Where contact is far from its guess, or was not found at all, tips may touch and pass before that.
+    missed = others(np.arange(poses.size), last, jobs, tree)
+    # Where contact is far from its guess, or was not found at all, tips may have gone in deep by then, or touch and
+    # pass before that.
     far = np.flatnonzero(~(np.abs(first) <= m.back_off))
-    back = m.turning.tip
+    back, solid = 0.0, shapely.STRtree(shapely.polygons(m.turning.solid_hulls)) if far.size else tree
     while far.size:
-        missed = missed.joined(others(far, last[far] - back, jobs.joined(missed)))
+        missed = missed.joined(others(far, last[far] - back, jobs.joined(missed), solid))
         back += m.turning.tip
         far = far[last[far] - back > -m.wide]
     return missed
@@ -175,12 +176,26 @@ def _candidates(m: Meeting, tree: shapely.STRtree, poses: FloatArray, guesses: F
     )  # fmt: skip
     row, mate = tree.query(boxes)
     pose, tooth = pose[row], tooth[row]
+    held = ~_out_of_reach(m, turn[pose], tooth, mate)
+    pose, tooth, mate = pose[held], tooth[held], mate[held]
     order = np.lexsort((mate, tooth, pose))
     pose, tooth, mate = pose[order], tooth[order], mate[order]
     zero = np.zeros(pose.size, dtype=np.int64)
     return Jobs(
         pose, mate, tooth, turn[pose], back[pose], np.full(pose.size, -m.back_off), zero, zero,
     )  # fmt: skip
+
+
+def _out_of_reach(m: Meeting, turn: ComplexArray, tooth: IntArray, mate: IntArray) -> BoolArray:
+    """Which pairs (rows,) have no radius in common: broken teeth pass each other by, however close, and such a pair
+    would be followed for ever."""
+    out = np.zeros(tooth.size, dtype=bool)
+    reach = m.turning.reaches[mate]
+    doubtful = np.flatnonzero(np.abs(m.fixed.points[tooth, -1] * turn + m.a) > reach)
+    if doubtful.size:
+        faces = lines(m.fixed.points[tooth[doubtful]] * turn[doubtful, None] + m.a)
+        out[doubtful] = shapely.distance(faces, shapely.Point(0.0, 0.0)) > reach[doubtful]
+    return out
 
 
 def _describe(m: Meeting, jobs: Jobs, repaired: BoolArray, *, start: int, positions: int, near: float) -> Closings:

@@ -177,6 +177,26 @@ def _friction_lever(contacts: FlankContacts, compliance: PairCompliance) -> Floa
     return np.asarray(mu * turns * np.sign(pushes))
 
 
+def weights(
+    rows: FlankContacts, load: LoadedContacts | None, by: PairCompliance | None
+) -> tuple[FloatArray, FloatArray]:
+    """Weight (rows,) of each pair's normal deviation in the transmission error, and its force (rows,) in N.
+
+    Moments balance, sum k_i l_1i (phi - phi_i) l_2i = T, and material d closes a pair d/l_1 sooner, so that x moves by
+    r_b1 sum k_i l_2i d_i / sum k_i l_1i l_2i (derived here).
+    """
+    if load is None or by is None:
+        first = np.zeros(rows.position.size)
+        first[np.searchsorted(rows.position, np.arange(rows.theta_2.size))] = 1.0
+        return first, np.zeros(first.size)
+    lever_1, lever_2 = levers(rows, by)
+    least = np.maximum(load.force, LEAST_LOAD * float(np.max(load.force)))
+    teeth = by.teeth(rows.driving, rows.driven, rows.point)
+    turns = lever_2 * (load.force > 0.0) / by.tangent(least, teeth, rows.point)
+    whole = np.bincount(rows.position, weights=turns * lever_1)[rows.position]
+    return by.pair.r_b1 * turns / whole, load.force
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Problem:
     """Near pairs, row by row: closing rotations (rad), levers (mm), tooth compliance (mm/N), contact points."""

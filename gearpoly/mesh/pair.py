@@ -29,6 +29,11 @@ HUB = 0.85
 """Half teeth are closed at this share of the root radius. Any value below 1 does; it only has to lie inside the
 gear's body."""
 
+OVER = 8
+"""Chords from the tip corner to the middle of a tip. One alone stands 2 to 20 um off the tip circle (18 teeth of module
+2, whole or broken). A corner of the mate that grazes the tip by less would pass behind it, seen by no certificate;
+eight leave a sixty-fourth of that."""
+
 
 def working_pressure_angle(gear_1: Gear, gear_2: Gear) -> float:
     """Pressure angle in rad at the tight-mesh centre distance, inv(alpha_w) = inv(alpha) + 2 tan(alpha) (x_1 +
@@ -103,10 +108,13 @@ class Mounted:
         hub, half = HUB * gear.r_f, 0.5 * gear.tau
         # A thinned tooth's middle is not its centre line; closed along that, the half tooth would stand out of the
         # thin one.
-        middle = 0.5 * (flanks.psi_drive[:, -1] - flanks.psi_coast[:, -1])
-        tip = np.stack((gear.r_a * np.cos(middle), gear.r_a * np.sin(middle)), axis=-1)
+        tips = flanks.tips
+        middle = 0.5 * (tips.drive - tips.coast)
+        corner = tips.drive if flank == "drive" else -tips.coast
+        over = corner[:, None] + (middle - corner)[:, None] * np.arange(1, OVER + 1) / OVER
+        tip = np.stack((tips.r[:, None] * np.cos(over), tips.r[:, None] * np.sin(over)), axis=-1)
         foot = np.array([[hub, 0.0], [hub * math.cos(half), side * hub * math.sin(half)]])
-        back = np.concatenate((tip[:, None], np.broadcast_to(foot, (gear.z, 2, 2))), axis=1)
+        back = np.concatenate((tip, np.broadcast_to(foot, (gear.z, 2, 2))), axis=1)
         body = Body(
             faces=rotate(flanks.drive if flank == "drive" else flanks.coast, self.centre_lines) + self.centre,
             backs=rotate(back, self.centre_lines) + self.centre,

@@ -17,6 +17,7 @@ import numpy as np
 from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
 from gearpoly.gear.gear import inv
 from gearpoly.gear.rack import STANDARD, free_round
+from gearpoly.mesh.bodies import WIDE_SHARE
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
@@ -121,15 +122,16 @@ def contacts(
             parts.append(found)
             progress(found.positions)
     rows = _joined(parts)
-    if fast:
-        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=certified)
     first = rows.first()
-    if first.size != theta_2.size:
-        missing = np.setdiff1d(np.arange(theta_2.size), rows.pose)[0]
+    held = rows.pose[first][rows.rotation[first] <= WIDE_SHARE * pair.driving.gear.tau]
+    if held.size != theta_2.size:
+        missing = np.setdiff1d(np.arange(theta_2.size), held)[0]
         raise NoContactError(
             f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
             "the gears do not reach each other there"
         )
+    if fast:
+        certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=certified)
     flip = np.array([1.0, sense])
     gap = (rows.rotation - rows.rotation[first][rows.pose]) * pair.r_b1
     touching, pairs = touching_rows(rows, gap, positions=theta_2.size, within=pair.chord_noise)

@@ -270,6 +270,11 @@ class Claim:
         return self.place.tooth is not None and self.physics.shaped
 
     @property
+    def takes_contact(self) -> bool:
+        """Whether it takes a part of its path of contact from a single tooth, which it does or does not."""
+        return self.shapes_tooth and self.physics.fixed_amplitudes
+
+    @property
     def simulated(self) -> bool:
         """Whether only the set-up simulated with it tells all that it does, and no column: it has none, or a tooth may
         lose touch over it."""

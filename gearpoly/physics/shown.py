@@ -69,6 +69,10 @@ class Scene(Protocol):
     ) -> FloatArray:
         """The same for a deviation (k,) in mm at roll lengths (k,) in mm of a single tooth."""
 
+    def standing_off(self, gear: int, tooth: int, off: Callable[[FloatArray], FloatArray], /) -> FloatArray:
+        """Change (n,) in mm of the transmission error when the contacts of one whole tooth at roll lengths (k,) in mm
+        stand off by (k,) mm: the other pairs take over as much as that lets go."""
+
     def displaced(self, gear: int, x: FloatArray, y: FloatArray, /) -> FloatArray:
         """The same when the centre of one gear moves by (x, y) (n,) mm in the global frame."""
 

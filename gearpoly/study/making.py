@@ -94,7 +94,7 @@ def _drawn(blank: _Blank, limits: Limits, seed: int, k: int, which: Literal["dri
     ).deviations
     shapes = shapes + brought_shapes(section, gear, k)
     sides = [_side(side) for side in (shapes.drive, shapes.coast)]
-    if sides[0] is None or sides[1] is None:
+    if sides[0] is None or sides[1] is None or shapes.chips:
         return draw_flanks(gear, shapes, l_start=span.l_start, points=blank.points)
     root = flanks.root
     L = np.linspace(root.l_form**SPACING, gear.l_a**SPACING, blank.points) ** (1.0 / SPACING)

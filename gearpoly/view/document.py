@@ -62,7 +62,7 @@ def document(scene: Scene) -> dict[str, Any]:
 
 def _gear(name: str, mounted: Mounted, origin: str) -> dict[str, Any]:
     gear, flanks = mounted.gear, mounted.flanks
-    psi = ideal_psi(flanks)
+    psi = ideal_psi(flanks, flanks.r)
     return {
         "name": name,
         "origin": origin,
@@ -82,14 +82,29 @@ def _gear(name: str, mounted: Mounted, origin: str) -> dict[str, Any]:
         "psi": packed(psi, "f8"),
         "drive": _deviation(flanks, flanks.psi_drive - psi),
         "coast": _deviation(flanks, flanks.psi_coast - psi),
+        "chipped": [_chipped(flanks, tooth) for tooth in sorted(flanks.chipped)],
     }
 
 
-def ideal_psi(flanks: Flanks) -> FloatArray:
-    """Angle (n,) in rad of the deviation-free flank from its centre line at the radii of ``flanks``, root included."""
+def ideal_psi(flanks: Flanks, r: FloatArray) -> FloatArray:
+    """Angle (n,) in rad of the deviation-free flank from its centre line at the radii ``r`` (n,) in mm, whose first are
+    those of the root."""
     gear, n = flanks.gear, flanks.root.n
-    xi = np.sqrt(np.maximum(0.0, (flanks.r[n:] - gear.r_b) * (flanks.r[n:] + gear.r_b))) / gear.r_b
+    xi = np.sqrt(np.maximum(0.0, (r[n:] - gear.r_b) * (r[n:] + gear.r_b))) / gear.r_b
     return np.concatenate((flanks.root.psi, gear.psi_b - (xi - np.arctan(xi))))
+
+
+def _chipped(flanks: Flanks, tooth: int) -> dict[str, Any]:
+    """A tooth whose tip is missing, on its own radii; beside it the whole one travels with all others."""
+    own = flanks.tooth(tooth)
+    psi = ideal_psi(flanks, own.r)
+    return {
+        "tooth": tooth,
+        "radius": packed(own.r, "f8"),
+        "psi": packed(psi, "f8"),
+        "drive": _deviation(flanks, own.drive[None] - psi),
+        "coast": _deviation(flanks, own.coast[None] - psi),
+    }
 
 
 def _deviation(flanks: Flanks, turned: FloatArray) -> dict[str, Any]:

@@ -130,9 +130,10 @@ function toothAt(px, py) {
       const angle = modulo(Math.atan2(by, bx) - gear.lines[t] + Math.PI, TURN) - Math.PI;
       if (Math.abs(angle) < least) [tooth, least, off] = [t, Math.abs(angle), angle];
     }
-    const at = clamp(lowerBound(gear.radius, r), 0, gear.n - 1);
+    const at = clamp(lowerBound(gear.radiiOf(tooth), r), 0, gear.n - 1);
     const side = off >= 0 ? "drive" : "coast";
-    if (r > gear.r_f && least <= gear.psiAt(side, tooth, at, drawn.magnify)) return { gear: k, tooth };
+    const inside = r > gear.r_f && r <= gear.tipOf(tooth);
+    if (inside && least <= gear.angleAt(side, tooth, at, drawn.magnify)) return { gear: k, tooth };
     if (r <= gear.r_f) body = { gear: k, tooth };
   }
   return body;

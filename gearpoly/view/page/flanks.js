@@ -67,8 +67,10 @@ class FlankCharts {
     const roll = (k) => Math.sqrt(Math.max(0, gear.radius[k] ** 2 - gear.r_b ** 2));
     const low = roll(from), high = roll(gear.n - 1);
     const curves = ["drive", "coast"].map((side) => {
-      const values = new Float64Array(gear.n - from);
-      for (let k = from; k < gear.n; k++) values[k - from] = gear.deviation(side, tooth, k);
+      // As far as the tooth goes.
+      const end = gear.chipped.has(tooth) ? lowerBound(gear.radius, gear.tipOf(tooth)) : gear.n;
+      const values = new Float64Array(end - from);
+      for (let k = from; k < end; k++) values[k - from] = gear.deviation(side, tooth, k);
       return values;
     });
     // Thickness puts the coast flank far off: each side about its own level, named in the card.

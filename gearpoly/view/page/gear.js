@@ -1,4 +1,5 @@
-// One gear as drawn: an ideal flank, and each tooth's deviation from it. All teeth share one grid of radii.
+// One gear as drawn: an ideal flank, and each tooth's deviation from it. All teeth share one grid of radii; a tooth
+// whose tip is missing is drawn on as many of its own, and is whole on the common one.
 
 class Gear {
   constructor(raw) {
@@ -18,6 +19,12 @@ class Gear {
       const [r, s] = [this.radius[k - 1], this.radius[k]];
       this.arc[k] = this.arc[k - 1] + Math.hypot(s - r, 0.5 * (r + s) * (this.psi[k] - this.psi[k - 1]));
     }
+    this.chipped = new Map(raw.chipped.map((one) => {
+      const side = (name) => ({ level: unpack(one[name].level), rest: unpack(one[name].rest) });
+      return [one.tooth, {
+        radius: unpack(one.radius), psi: unpack(one.psi), drive: side("drive"), coast: side("coast"),
+      }];
+    }));
     this.mean = { drive: this.meanDeviation("drive"), coast: this.meanDeviation("coast") };
     this.widest = this.magnificationLimit();
     this.made = new Map();
@@ -43,6 +50,26 @@ class Gear {
     if (k === 0) return this.psi[0]; // mid space, which all share
     const mean = this.mean[side];
     return this.psi[k] + ((mean + K * (this.deviation(side, tooth, k) - mean)) * UM) / this.r_b;
+  }
+
+  // The same at point k of the tooth's own grid, which ends where the tooth does.
+  angleAt(side, tooth, k, K) {
+    const own = this.chipped.get(tooth);
+    if (!own || k === 0) return this.psiAt(side, tooth, k, K);
+    const mean = this.mean[side];
+    const d = own[side].level[0] + own[side].rest[k];
+    return own.psi[k] + ((mean + K * (d - mean)) * UM) / this.r_b;
+  }
+
+  // Radii in mm of that grid.
+  radiiOf(tooth) {
+    const own = this.chipped.get(tooth);
+    return own ? own.radius : this.radius;
+  }
+
+  // Where a tooth ends, mm.
+  tipOf(tooth) {
+    return this.radiiOf(tooth)[this.n - 1];
   }
 
   // From this magnification on, flanks of a tooth cross or neighbours meet.
@@ -94,10 +121,11 @@ class Faces {
     this.r2 = new Float64Array(n * z);
     this.first = new Int32Array(z);
     for (let t = 0; t < z; t++) {
+      const radius = gear.radiiOf(t);
       for (let k = 0; k < n; k++) {
-        const angle = gear.lines[t] + sign * gear.psiAt(side, t, k, K);
-        const x = gear.radius[k] * Math.cos(angle) + gear.centre[0];
-        const y = gear.radius[k] * Math.sin(angle) + gear.centre[1];
+        const angle = gear.lines[t] + sign * gear.angleAt(side, t, k, K);
+        const x = radius[k] * Math.cos(angle) + gear.centre[0];
+        const y = radius[k] * Math.sin(angle) + gear.centre[1];
         const at = t * n + k;
         this.xy[2 * at] = x;
         this.xy[2 * at + 1] = y;

@@ -110,7 +110,8 @@ class Panels {
     const step = gear.deviation("drive", tooth, pitch) - gear.deviation("drive", before, pitch);
     element("tooth-words").textContent =
       `At the reference circle: drive flank ${at("drive")} \u00b5m, coast flank ${at("coast")} \u00b5m; `
-      + `single pitch from tooth ${before}: ${signed(step, 2)} \u00b5m (normal, + = more material).`;
+      + `single pitch from tooth ${before}: ${signed(step, 2)} \u00b5m (normal, + = more material).`
+      + (gear.chipped.has(tooth) ? ` It ends ${(gear.r_a - gear.tipOf(tooth)).toFixed(3)} mm below the tip circle.` : "");
     const list = element("tooth-meshes");
     list.replaceChildren();
     for (let mesh = 0; mesh < pair.data.meshes; mesh++) {

@@ -9,8 +9,8 @@ class Picture {
     this.camera = camera;
   }
 
-  // Grid points of a gear worth drawing: those in view at a pixel's spacing, few elsewhere.
-  ladder(gear, axis) {
+  // Grid points of a gear worth drawing: those in view at a pixel's spacing, few elsewhere; `radius` of its grid.
+  ladder(gear, axis, radius = gear.radius) {
     const { camera } = this;
     const distance = Math.hypot(camera.x - axis, camera.y);
     const play = MARGIN + Math.hypot(gear.centre[0], gear.centre[1]);
@@ -20,7 +20,7 @@ class Picture {
     const out = [];
     let from = -Infinity;
     for (let k = 0; k < gear.n; k++) {
-      const seen = gear.radius[k] >= low && gear.radius[k] <= high;
+      const seen = radius[k] >= low && radius[k] <= high;
       if (k === 0 || k === gear.n - 1 || k === gear.root - 1 || gear.arc[k] - from >= (seen ? fine : COARSE)) {
         out.push(k);
         from = gear.arc[k];
@@ -109,7 +109,6 @@ class Picture {
     const teeth = this.visible(gear, axis, turn);
     const [c, s] = [Math.cos(turn), Math.sin(turn)];
     const indices = this.ladder(gear, axis);
-    const reversed = indices.slice().reverse();
     const drive = gear.faces("drive", K), coast = gear.faces("coast", K);
     const bore = Math.max(2, Math.min(24, Math.ceil(gear.tau * gear.r_bore * this.camera.scale / 4)));
     const ring = 0.5 * gear.tau;
@@ -117,14 +116,17 @@ class Picture {
     const outlines = [];
     for (const t of teeth) {
       const outline = [];
-      this.seen(coast.xy, indices, t * gear.n, axis, c, s, outline);
+      const r_tip = gear.tipOf(t);
+      const mine = gear.chipped.has(t) ? this.ladder(gear, axis, gear.radiiOf(t)) : indices;
+      this.seen(coast.xy, mine, t * gear.n, axis, c, s, outline);
       const tip = [
-        gear.lines[t] - gear.psiAt("coast", t, gear.n - 1, K), gear.lines[t] + gear.psiAt("drive", t, gear.n - 1, K),
+        gear.lines[t] - gear.angleAt("coast", t, gear.n - 1, K), gear.lines[t] + gear.angleAt("drive", t, gear.n - 1, K),
       ];
       // Enough chords that none stands off the tip circle by a tenth of a pixel, but no more than a view can show.
-      const chords = clamp(Math.ceil((tip[1] - tip[0]) * Math.sqrt(1.25 * gear.r_a * this.camera.scale)), 2, 400);
-      this.arc(gear, gear.r_a, tip[0], tip[1], chords, axis, c, s, outline);
-      this.seen(drive.xy, reversed, t * gear.n, axis, c, s, outline);
+      const chords = clamp(Math.ceil((tip[1] - tip[0]) * Math.sqrt(1.25 * r_tip * this.camera.scale)), 2, 400);
+      this.arc(gear, r_tip, tip[0], tip[1], chords, axis, c, s, outline);
+      this.seen(drive.xy, mine.slice().reverse(), t * gear.n, axis, c, s, outline);
+      outline.count = mine.length; // points of either face
       outlines.push(outline);
       const whole = outline.slice();
       this.arc(gear, gear.r_bore, gear.lines[t] + ring, gear.lines[t] - ring, bore, axis, c, s, whole);
@@ -145,18 +147,18 @@ class Picture {
     context.lineJoin = "bevel"; // round joins of so many short chords cost a third of a frame
     context.stroke();
     this.circle(context, gear, gear.r_bore, axis, turn, colours.line, []);
-    this.vertices(context, outlines, indices, colours.line);
+    this.vertices(context, outlines, colours.line);
     return teeth;
   }
 
   // The polygon's own vertices, once they stand far enough apart to be told. An outline begins with one face and ends
   // with the other; the tip between them is an arc.
-  vertices(context, outlines, indices, colour) {
+  vertices(context, outlines, colour) {
     const { camera } = this;
     if (camera.scale < 500) return;
-    const count = indices.length;
     context.fillStyle = colour;
     for (const outline of outlines) {
+      const { count } = outline;
       const all = outline.length / 2;
       for (let m = 0; m < 2 * count; m++) {
         const at = 2 * (m < count ? m : all - 2 * count + m);
