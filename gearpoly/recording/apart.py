@@ -43,15 +43,15 @@ _lock = threading.Lock()
 _kept: list[tuple[int, subprocess.Popen[bytes]]] = []
 
 
-def read_apart(reader: Reader, file: Path) -> Table:
-    """What ``reader`` finds in ``file``, read in another process.
+def read_apart(reader: Reader, file: Path, *arguments: object) -> Table:
+    """What ``reader`` finds in ``file``, read in another process; ``arguments`` of its own are such as JSON holds.
 
     Raises what the reader raises, and ``InputFileError`` where the process crashes or does not end.
     """
     if importlib.util.find_spec(reader.module) is None:
         optional(file, reader.module, extra=reader.extra)
     seconds = SECONDS + file.stat().st_size / BYTES_PER_SECOND
-    order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file)}
+    order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file), "more": arguments}
     with _lock:
         try:
             answer, columns = _within(seconds, order)
@@ -69,10 +69,11 @@ def read_apart(reader: Reader, file: Path) -> Table:
     if "bug" in answer:
         raise RuntimeError(answer["bug"])
     others = {
-        path: Channel(values=columns.pop(f"{k} values"), unit=unit, time=columns.pop(f"{k} time", None))
-        for k, (path, unit) in enumerate(answer["others"])
+        path: Channel(values=columns.pop(f"{k} values"), unit=unit, time=columns.pop(f"{k} time", None), leaf=leaf)
+        for k, (path, unit, leaf) in enumerate(answer["others"])
     }
-    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others)
+    unread = tuple(answer["unread"]) if answer["unread"] else None
+    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others, unread=unread)
 
 
 class _CrashedError(Exception):
@@ -176,7 +177,7 @@ def _bound(memory: int) -> None:
 def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
     try:
         _bound(order["memory"])
-        table = importlib.import_module(order["module"]).READER.read(Path(order["file"]))
+        table = importlib.import_module(order["module"]).READER.read(Path(order["file"]), *order["more"])
     except InputFileError as error:
         return {"refused": {"where": error.where, "found": error.found, "wish": error.wish}}, None
     except MissingExtraError as error:
@@ -185,8 +186,9 @@ def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
         traceback = importlib.import_module("traceback")
         return {"bug": "".join(traceback.format_exception(error))}, None
     sizes = [(name, values.size) for name, values in _series(table)]
-    others = [(path, one.unit) for path, one in table.others.items()]
-    return {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others}, table
+    others = [(path, one.unit, one.leaf) for path, one in table.others.items()]
+    found = {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others, "unread": table.unread}
+    return found, table
 
 
 def _series(table: Table) -> Iterator[tuple[str, FloatArray]]:

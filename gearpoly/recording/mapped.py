@@ -67,7 +67,11 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
     """
     if name in channels:
         return name
-    bare = [one for one in channels if header_unit(one)[0] == name or one.rpartition("/")[2] == name]
+    bare = [
+        path
+        for path, one in channels.items()
+        if name in (header_unit(path)[0], one.leaf or path.rpartition("/")[2], header_unit(one.leaf)[0])
+    ]
     if len(bare) == 1:
         return bare[0]
     number = name.removeprefix("column ")

@@ -24,6 +24,7 @@ from gearpoly.recording.quantities import (
     TIME,
     TORQUE,
     UNITS,
+    UNSTATED,
     Unit,
     column_unit,
     unit_written,
@@ -117,9 +118,10 @@ class Meaning:
 def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     """What each of the ``channels`` of a recording holds, in their order; no column is surely two of them."""
     # "in" is a word of German and an inch; beside an "out" it is a shaft.
-    outs = any("out" in _tokens(name) for name in channels)
-    found = [_meaning(name, one, outs=outs) for name, one in channels.items()]
-    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shaft_of(one.channel, outs=outs)]
+    outs = any("out" in _tokens(one.leaf or name) for name, one in channels.items())
+    shafts = _shafts(channels, outs=outs)
+    found = [_meaning(name, one, shaft=shafts[name]) for name, one in channels.items()]
+    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shafts[one.channel]]
     taken = {one.column for one in found if not one.doubt}
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
         ask = (entry(column, one.channel, one.unit),)
@@ -157,6 +159,17 @@ def shaft_of(name: str, *, outs: bool = False) -> str:
     return found[0] if len(found) == 1 else ""
 
 
+def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
+    """The shaft of each channel by its own name, or by its path where paths name both shafts: one group called input
+    may hold the inputs of a logger."""
+    by_path = {name: shaft_of(group) if (group := one.group(name)) else "" for name, one in channels.items()}
+    if not {"driving", "driven"} <= set(by_path.values()):
+        by_path = dict.fromkeys(channels, "")
+    return {
+        name: shaft_of(header_unit(one.leaf or name)[0], outs=outs) or by_path[name] for name, one in channels.items()
+    }
+
+
 def header_unit(header: str) -> tuple[str, str]:
     """The name and the unit in a header such as ``Winkel Antrieb [°]``, ``torque / Nm``, ``t (s)`` or ``angle_deg``."""
     text = header.strip()
@@ -183,12 +196,13 @@ def _tokens(name: str) -> set[str]:
     return set(_plain(name).split())
 
 
-def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
-    name, in_name = header_unit(channel)
+def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
+    own = held.leaf or channel
+    name, in_name = header_unit(own)
     quantity = quantity_of(name)
     stated = held.unit or in_name
-    if channel in COLUMNS:
-        return Meaning(channel=channel, column=channel, unit=column_unit(channel), why="the name of a column")
+    if own in COLUMNS:
+        return _by_own_name(channel, own, held.unit)
     if quantity == OTHER:
         return Meaning(channel=channel)
     doubt = ""
@@ -199,10 +213,9 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
             return Meaning(channel=channel)
         quantity = dimensions.pop()
         doubt = f"known by its unit alone, {stated}"
-    shaft = shaft_of(name, outs=outs)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
-        return replace(_settled(channel, "time_s", unit, stated, TIME, doubt), named=not doubt)
+        return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
         doubt = "counts of an encoder whose lines are not stated"
@@ -224,15 +237,27 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
         doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
-    return replace(_settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts)), named=not doubt)
+    settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    return replace(settled, named=not doubt)
 
 
-def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str) -> Meaning:
+def _by_own_name(channel: str, column: str, stated: str) -> Meaning:
+    """The meaning of a channel that is called as a ``column`` is; in doubt where it states another unit."""
+    unit = column_unit(column)
+    if stated.strip().lower() in UNSTATED or unit.dimension == COUNT or unit_written(stated, unit.dimension) == unit:
+        return Meaning(channel=channel, column=column, unit=unit, dimension=unit.dimension, why="the name of a column")
+    ask = (entry(column, channel, unit_written(stated, unit.dimension)),)
+    doubt = f'the unit "{shown(stated)}", and its name says {unit.name}'
+    return Meaning(channel=channel, column=column, dimension=unit.dimension, why="its name", doubt=doubt, ask=ask)
+
+
+def _settled(
+    channel: str, name: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str
+) -> Meaning:
     """The meaning of a channel whose quantity is known; without a unit it is a doubt."""
     if unit is None:
         what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
         doubt = f"{doubt}, and {what}" if doubt else what
-    name, _ = header_unit(channel)
     known = f"unit {stated}" if stated else "its readings begin again after one turn"
     return Meaning(
         channel=channel,

@@ -6,7 +6,7 @@ Nothing is put right here and nothing refused: what a comparison would refuse is
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -163,9 +163,7 @@ def _copied(table: Table) -> Table:
         columns={name: values.copy() for name, values in table.columns.items()},
         keys=dict(table.keys),
         remarks=list(table.remarks),
-        others={
-            name: Channel(values=one.values.copy(), unit=one.unit, time=one.time) for name, one in table.others.items()
-        },
+        others={name: replace(one, values=one.values.copy()) for name, one in table.others.items()},
         doubts=table.doubts,
         places=table.places,
     )
