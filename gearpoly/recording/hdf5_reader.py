@@ -104,7 +104,9 @@ def take_datasets(
     for name in offered(file, sizes, columns, table.remarks, beside=max(chunks, default=0)):
         if name in columns:
             check_unit(file, name, _attribute(file, name, columns[name], UNIT_NAMES))
-            table.columns[name] = numbers(file, name, stored(file, name, columns[name]))
+            values = stored(file, name, columns[name])
+            # Of mapped numbers no page is touched here: the process that reads them looks whether they are finite.
+            table.columns[name] = values if isinstance(values, np.memmap) else numbers(file, name, values)
         else:
             leaf, dataset = others[name]
             values = np.ascontiguousarray(stored(file, name, dataset).reshape(-1), dtype=np.float64)
@@ -161,7 +163,23 @@ def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
         wish = "want numbers of an unsigned type, as they are meant"
         raise InputFileError(file, where=f"column {name}", found=f"the attribute {UNSIGNED}", wish=wish)
     stated = {key: _short(file, name, dataset, key) for key in PACKED_NAMES if key in dataset.attrs}
+    values = None if stated else _mapped(file, dataset)
+    if values is not None:
+        return values
     return unpacked(file, name, np.asarray(dataset[()]), {k: np.asarray(v) for k, v in stated.items()})
+
+
+def _mapped(file: Path, dataset: Any) -> npt.NDArray[Any] | None:
+    """The values of a dataset mapped from the file, where they lie there in one piece as doubles; ``None`` elsewhere.
+    Neither HDF5 nor the way between two processes then copies them."""
+    offset = dataset.id.get_offset() if dataset.chunks is None else None
+    series = dataset.dtype == np.dtype("=f8") and dataset.size == max(dataset.shape, default=0) > 0
+    if offset is None or not series or offset + 8 * dataset.size > file.stat().st_size:
+        return None
+    values = np.memmap(file, dtype=np.float64, mode="r", offset=offset, shape=(dataset.size,))
+    ends = np.array([dataset[(0,) * dataset.ndim], dataset[tuple(n - 1 for n in dataset.shape)]])
+    # Whether the offset counts a user block before the file's own beginning is for the library to say.
+    return values if np.array_equal(values[[0, -1]], ends, equal_nan=True) else None
 
 
 def _short(file: Path, name: str, dataset: Any, key: str) -> Any:
