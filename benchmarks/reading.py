@@ -1,10 +1,10 @@
 """How fast recordings are read, against each format's own library, and how much memory that takes.
 
 For every format one recording is written, then read in fresh processes: by the format's own library into plain arrays,
-and by ``read_recording``. Printed are the processor times (the least of five; that of a process apart counts too), their
-ratio (goal: at least half the library's speed) and the peak memory beyond the imports, of both processes together, over
-the size of the file's numbers at 8 bytes (goal: at most 5 times). Linux only.
-Run from the repository's root: python -m benchmarks.reading [samples]
+and by ``read_recording``. Printed are the processor times (the least of five; that of a process apart counts too),
+their ratio (goal: at least half the library's speed) and the peak memory beyond the imports, of both processes
+together, over the size of the file's numbers at 8 bytes (goal: at most 5 times). Linux only.
+Run from the repository's root: python -m benchmarks.reading [samples [format ...]]
 """
 
 from __future__ import annotations
@@ -125,7 +125,9 @@ def peak_mb() -> float:
 
 def processor_s() -> float:
     """Time of the processors that all processes had so far, in s."""
-    return sum(float(Path(f"/proc/{one}/schedstat").read_text(encoding="ascii").split()[0]) for one in processes()) / 1e9
+    return (
+        sum(float(Path(f"/proc/{one}/schedstat").read_text(encoding="ascii").split()[0]) for one in processes()) / 1e9
+    )
 
 
 def measure(name: str, ours: bool, folder: Path) -> None:
@@ -151,8 +153,8 @@ def measure(name: str, ours: bool, folder: Path) -> None:
 
 
 def main() -> None:
-    if len(sys.argv) == 4:
-        measure(sys.argv[1], sys.argv[2] == "ours", Path(sys.argv[3]))
+    if sys.argv[1:2] == ["--of"]:
+        measure(sys.argv[2], sys.argv[3] == "ours", Path(sys.argv[4]))
         return
     samples = int(sys.argv[1]) if len(sys.argv) > 1 else SAMPLES
     size_mb = 8.0 * COLUMNS * samples / 2**20
@@ -161,6 +163,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         for name, (file_name, library, write, _) in CASES.items():
+            if sys.argv[2:] and name not in sys.argv[2:]:
+                continue
             if importlib.util.find_spec(library) is None:
                 print(f"{name:16}{library:>9}  not installed")
                 continue
@@ -168,7 +172,7 @@ def main() -> None:
             write(folder / f"small_{file_name}", recorded(100), KEYS)
             found = {}
             for who in ("theirs", "ours"):
-                command = [sys.executable, "-m", "benchmarks.reading", name, who, place]
+                command = [sys.executable, "-m", "benchmarks.reading", "--of", name, who, place]
                 done = subprocess.run(command, check=True, capture_output=True, text=True)
                 found[who] = json.loads(done.stdout)
             (t_1, m_1), (t_2, m_2) = found["theirs"], found["ours"]

@@ -1,4 +1,4 @@
-"""Tables and timetables of MATLAB in both kinds of files, as mat-io writes them: no file of MATLAB's own was at hand."""
+"""Tables and timetables of MATLAB in both kinds of files, as mat-io writes them; no file of MATLAB was at hand."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_a_map_names_the_variables_of_tables_within_structs(tmp_path: Path, vers
     names = ("A", "Winkel 1 (rig)", "C", "D")
     held = frame(dict(zip(names, RUN.values(), strict=True)))
     file = written(tmp_path, {"rig": {"run": held}, "x": np.arange(5.0)}, version)
-    with pytest.raises(InputFileError, match="of which shaft the angle is|no unit of angle"):
+    with pytest.raises(InputFileError, match=r"of which shaft the angle is|no unit of angle"):
         read_recording(file)
     lines = "".join(
         f'columns.{column} = {{ from = "rig.run.{name}", unit = "{unit}" }}\n'

@@ -1,4 +1,4 @@
-"""Channels under an owner's own names in HDF5, MATLAB, TDMS and universal files: taken by name and unit, or by a map."""
+"""Channels under an owner's own names in HDF5, MATLAB, TDMS and universal files: by name and unit, or by a map."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def test_shafts_named_by_groups(tmp_path: Path, form: str) -> None:
 def test_a_unit_that_contradicts_a_name_is_asked_about(tmp_path: Path, form: str) -> None:
     held = named(OWN)
     held["driving_angle_deg"] = (np.radians(RUN["driving_angle_deg"]), "rad")
-    file, joint = saved(tmp_path, form, {"run": held})
+    file, _ = saved(tmp_path, form, {"run": held})
     with pytest.raises(InputFileError, match='the unit "rad"'):
         read_recording(file)
 

@@ -2,8 +2,8 @@
 background holds as much.
 
 The wave of one cycle per mesh in what the fit left is weighed against the waves beside it, one for each independent
-line within half a cycle per mesh, but for whole orders of the driven shaft, which may be waves of the pair. In noise the
-squares of all are alike, so that of m lines leaves (1 + z/m)^-m of the places with more than z times their mean.
+line within half a cycle per mesh, but for whole orders of the driven shaft, which may be waves of the pair. In noise
+the squares of all are alike, so that of m lines leaves (1 + z/m)^-m of the places with more than z times their mean.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ BESIDE = 0.5
 mesh is 1.0 to 1.6 times that above it, so the lines are nearly alike."""
 
 APART = 1.5
-"""Independent lines about an order of the driven shaft that may be its foot, and about the mesh within which a wave that
-was located may be the mesh's."""
+"""Independent lines about an order of the driven shaft that may be its foot, and about the mesh within which a wave
+that was located may be the mesh's."""
 
 MESH_KINDS = ("mesh_order", "mesh_phase", "mesh_curve")
 """Kinds of places that say where in the mesh a difference is."""
 
 
 def mesh_wave(left: FloatArray, u: FloatArray, *, z_2: int) -> tuple[float, float] | None:
-    """Amplitude in mm of one cycle per mesh in what a fit ``left`` (n,) in mm, of samples at ``u`` (n,) meshes of a driven
-    gear of ``z_2`` teeth, and the part (0 to 1) of the places beside it that hold as much; ``None`` where the recording
-    is too short to have any."""
+    """Amplitude in mm of one cycle per mesh in what a fit ``left`` (n,) in mm, of samples at ``u`` (n,) meshes of a
+    driven gear of ``z_2`` teeth, and the part (0 to 1) of the places beside it that hold as much; ``None`` where the
+    recording is too short to have any."""
     span = float(np.ptp(u))
     frequency = np.arange(1.0 - BESIDE, 1.0 + BESIDE, 1.0 / span)
     order = frequency * z_2
@@ -60,8 +60,8 @@ def mesh_remarks(located: Located, aligned: Sequence[Aligned], sky: Sky) -> Iter
         if found is not None:
             um, part = found[0] / UM, found[1]
             yield (
-                f"recording {k}: mesh order 1, {um:.2g} um ({arcsec_words(sky.arcsec(um))} on the sky), lies within the "
-                f"background: {100.0 * part:.2g} in 100 places beside it hold as much"
+                f"recording {k}: mesh order 1, {um:.2g} um ({arcsec_words(sky.arcsec(um))} on the sky), lies within "
+                f"the background: {100.0 * part:.2g} in 100 places beside it hold as much"
             )
 
 

@@ -104,8 +104,8 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
         with np.errstate(over="ignore", invalid="ignore"):
             values = values * factor
-    # A recording takes over the numbers it gets, and a channel may be read again.
-    out.columns[column] = values.copy() if values is one.values else values
+    # A recording takes over the numbers it gets, and a channel may be read again; what is sealed it leaves alone.
+    out.columns[column] = values.copy() if values is one.values and values.flags.writeable else values
     out.taken_from[column] = source.channel
     if one.time is not None:
         times[column] = one.time

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.traces import shorten
 

@@ -81,7 +81,7 @@ def take_tables(file: Path, table: Table, objects: Mapping[str, str], read: Any)
 
 
 def _series(held: Mapping[str, Any]) -> Iterator[tuple[str, str, FloatArray | None, str]]:
-    """Path, own name, values (``None`` where they are no numbers) and unit of every column of the tables in ``held``."""
+    """Path, own name, values (``None`` for what is no number) and unit of every column of the tables in ``held``."""
     waiting = [(name, value, 0) for name, value in held.items() if not name.startswith("__")]
     while waiting:
         path, value, depth = waiting.pop(0)

@@ -95,7 +95,7 @@ def _take_keys(file: Path, source: Any, where: str | None, keys: dict[str, objec
 def _parted(
     groups: Mapping[str, Mapping[str, Any]], where: str | None, remarks: list[str]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The channels of the columns in the group ``where``, by the columns' names, and all others by their paths. The only
+    """The channels of the columns in the group ``where`` by the columns' names, and all others by their paths; the only
     channel of time stamps is ``time_s`` where none is called so."""
     columns = {name: channel for name, channel in groups.get(where or "", {}).items() if name in COLUMNS}
     paths = {f"{group}/{name}": channel for group, held in groups.items() for name, channel in held.items()}
