@@ -11,7 +11,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.meaning import contradicting, header_unit
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -33,6 +33,8 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         used.add(name)
         one, wanted = channels[name], column_unit(column)
         unit = source.unit or _unit(chart, column, name, one, own=name in table.columns)
+        if column in ANGLE_COLUMNS and source.wraps is None:
+            _check_unit(chart, column, one.values * source.scale, unit)
         put(out, times, column, one, replace(source, channel=name, unit=unit))
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
@@ -58,6 +60,15 @@ def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: boo
         wish = f'want its unit of {wanted.dimension}: unit = "{wanted.name}"'
         raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
     return unit
+
+
+def _check_unit(chart: RecordingMap, column: str, values: FloatArray, unit: Unit) -> None:
+    """Raise ``InputFileError`` of the map where readings begin again after one turn in another unit than its own."""
+    other = contradicting(values, unit)
+    if other is not None:
+        found = f"{unit.name}, and the readings begin again after one turn as in {other.name}"
+        wish = f'want unit = "{other.name}", or wraps, the number at which they begin again'
+        raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
 
 
 def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:

@@ -87,6 +87,9 @@ NO_SUFFIX = ("in", "min", "m", "as", "h")
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
+ENOUGH = 200_000
+"""Readings of an angle that are looked at for its unit; the shortest recording that is compared has two turns."""
+
 WRAP_TOLERANCE = 0.01
 """Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
 a tenth apart."""
@@ -231,6 +234,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
     unit = _unit_of(name, stated, quantity, held.values)
     doubts = [doubt] if doubt else []
+    other = contradicting(held.values, unit) if quantity == ANGLE and unit is not None else None
+    if unit is not None and other is not None:
+        doubts.append(f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}")
+        unit = other
     if quantity == TORQUE and shaft == "driving":
         doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
     elif quantity == SPEED and shaft == "driven":
@@ -294,13 +301,27 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
     return wrapped_unit(values) if dimension == ANGLE else None
 
 
+def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
+    """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
+    shown_by = wrapped_unit(values)
+    if shown_by is None or abs(shown_by.size / unit.size - 1.0) <= WRAP_TOLERANCE:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(values[:ENOUGH])
+    far = steps[np.abs(steps) > 0.5 / shown_by.size * 360.0]
+    # A spike goes there and back; of turns more begin again one way than the other.
+    return shown_by if np.sum(np.sign(far)) != 0.0 else None
+
+
 def wrapped_unit(values: FloatArray) -> Unit | None:
-    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
-    held = values[np.isfinite(values)]
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not; the first of many
+    tell."""
+    held = values[:ENOUGH][np.isfinite(values[:ENOUGH])]
     if held.size < 8:
         return None
-    steps = np.diff(held)
-    span = float(np.ptp(held))
+    with np.errstate(over="ignore"):  # a damaged file may hold anything
+        steps = np.diff(held)
+        span = float(np.ptp(held))
     jumps = steps[np.abs(steps) > 0.5 * span]
     if not 1 <= jumps.size <= held.size // 4:
         return None

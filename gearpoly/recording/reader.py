@@ -22,6 +22,8 @@ from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.meaning import contradicting, entry
+from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
     ANGLE_COLUMNS,
@@ -134,6 +136,12 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    for name in ANGLE_COLUMNS:
+        other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
+        if other is not None:
+            wish = f"want degrees, or a map with {entry(name, name, other)}"
+            found = f"readings that begin again after one turn as in {other.name}"
+            raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if "te_urad" in table.columns and "te_arcsec" in table.columns:
         _take_one_error(file, table)
     places = _last_places(table)
