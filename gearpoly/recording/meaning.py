@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import re
-import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -32,53 +31,8 @@ from gearpoly.recording.quantities import (
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
 from gearpoly.recording.table import Channel
+from gearpoly.recording.words import NAME_LIMIT, OTHER, TE, plain, quantity_of, shaft_of, tokens
 from gearpoly.units import FloatArray
-
-TE, OTHER = "transmission error", "something else"
-
-QUANTITIES: tuple[tuple[str, str, str], ...] = (
-    (
-        TE,
-        "te drehwegfehler",
-        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
-        "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
-    ),
-    (
-        OTHER,
-        "",
-        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
-        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
-    ),
-    (
-        SPEED,
-        "n rpm rev regime nan nab",
-        "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
-    ),
-    (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
-    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
-    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
-    (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
-)
-"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
-row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
-with a unit that fits, but for t."""
-
-SHAFT_WORDS = {
-    "driving": (
-        "driving driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
-        "antrieb|eingang|input|treibend",
-    ),
-    "driven": (
-        "driven output sortie salida uscita mene menee conducido conducida condotto condotta out",
-        "abtrieb|ausgang|output|getrieben",
-    ),
-}
-"""Words and parts of words that name one shaft of a pair and no other."""
-
-_NO_SHAFT = re.compile(
-    r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
-)
-"""Names of a logger's own inputs and outputs, which are no shafts."""
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
@@ -93,9 +47,6 @@ ENOUGH = 200_000
 WRAP_TOLERANCE = 0.01
 """Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
 a tenth apart."""
-
-NAME_LIMIT = 200
-"""Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +72,7 @@ class Meaning:
 def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     """What each of the ``channels`` of a recording holds, in their order; no column is surely two of them."""
     # "in" is a word of German and an inch; beside an "out" it is a shaft.
-    outs = any("out" in _tokens(one.leaf or name) for name, one in channels.items())
+    outs = any("out" in tokens(one.leaf or name) for name, one in channels.items())
     shafts = _shafts(channels, outs=outs)
     found = [_meaning(name, one, shaft=shafts[name]) for name, one in channels.items()]
     open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shafts[one.channel]]
@@ -138,28 +89,6 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
                 ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
-
-
-def quantity_of(name: str) -> str:
-    """The quantity that the words of a channel's name say, or nothing."""
-    words, tokens = _plain(name), _tokens(name)
-    for quantity, whole, parts in QUANTITIES:
-        if (set(whole.split()) & tokens) or re.search(parts, words):
-            return quantity
-    return ""
-
-
-def shaft_of(name: str, *, outs: bool = False) -> str:
-    """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
-    words, tokens = _plain(name), _tokens(name)
-    if _NO_SHAFT.search(words):
-        return ""
-    if outs and "in" in tokens:
-        tokens.add("input")
-    found = [
-        shaft for shaft, (whole, parts) in SHAFT_WORDS.items() if set(whole.split()) & tokens or re.search(parts, words)
-    ]
-    return found[0] if len(found) == 1 else ""
 
 
 def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
@@ -188,17 +117,6 @@ def header_unit(header: str) -> tuple[str, str]:
     return text, ""
 
 
-def _plain(name: str) -> str:
-    """A name in small letters, without accents, its words parted by one blank."""
-    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
-    bare = unicodedata.normalize("NFKD", split.lower())
-    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
-
-
-def _tokens(name: str) -> set[str]:
-    return set(_plain(name).split())
-
-
 def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     own = held.leaf or channel
     name, in_name = header_unit(own)
@@ -209,7 +127,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     if quantity == OTHER:
         return Meaning(channel=channel)
     doubt = ""
-    letter = len(_plain(name)) == 1 and name.strip() != "t"
+    letter = len(plain(name)) == 1 and name.strip() != "t"
     if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
         if len(dimensions) != 1:
@@ -293,7 +211,7 @@ def quoted(text: str) -> str:
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:
     """The unit of a channel: the one stated, or that in which an angle begins again after one turn."""
     if stated.strip().lower() in DOUBTFUL and dimension == ANGLE:
-        if re.search(_GERMAN, _plain(name)):
+        if re.search(_GERMAN, plain(name)):
             return UNITS[ANGLE]["deg"]
         return wrapped_unit(values)
     if stated:

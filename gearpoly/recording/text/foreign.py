@@ -16,7 +16,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.comments import read_comment
-from gearpoly.recording.meaning import header_unit, quantity_of
+from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
@@ -26,6 +26,7 @@ from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
+from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
 SAMPLE_CELLS = 20_000
