@@ -38,7 +38,6 @@ from gearpoly.recording.recording import (
     recording_from_columns,
 )
 from gearpoly.recording.table import AXIS_ERROR, Table
-from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
@@ -80,7 +79,8 @@ class Reader:
     the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
     file can bring the library to crash or to go round for ever, so it reads in a process of its own. ``parts``: a file
     may hold several recordings, of which ``read`` takes the number, from 1, as a second argument. ``several`` reads a
-    format whose files may hold more than one recording and be written in more than one way.
+    format whose files may hold more than one recording and be written in more than one way (a ``Writing``), ``mapped``
+    where a map speaks of columns.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Reader:
     fallback: bool = False
     apart: bool = False
     parts: bool = False
-    several: Callable[[Path, Writing], list[Table]] | None = None
+    several: Callable[..., list[Table]] | None = None
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:

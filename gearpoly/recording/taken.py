@@ -55,6 +55,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
     if not table.others and chart is None:
         return table
     out, found = assigned(file, table, chart)
+    _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
     _ask(file, found, out)
     return out
 
@@ -70,7 +71,6 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     out.unread = table.unread
     times: dict[str, FloatArray] = {}
     used = take_mapped(table, out, times, chart) if chart is not None else set()
-    _check_names(file, table, used)
     held = _beside(table, out, used)
     found = meanings(held)
     _by_meaning(held, found, out, times)
@@ -84,14 +84,14 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     return out, found
 
 
-def _check_names(file: Path, table: Table, used: set[str]) -> None:
-    """Raise ``InputFileError`` where a channel beside the contract's columns is called nearly as one of them, and no
-    map says what it is."""
-    if not set(table.columns) - {"time_s"}:
+def _check_names(file: Path, table: Table, left: Iterable[str]) -> None:
+    """Raise ``InputFileError`` where a channel beside the contract's columns, ``left`` for nothing, is called nearly as
+    one of them."""
+    if not {*table.columns, *(one.leaf or name for name, one in table.others.items())} & set(COLUMNS) - {"time_s"}:
         return
-    for name, one in table.others.items():
-        own = one.leaf or name
-        if name not in used and own not in COLUMNS and (close := nearest(own, COLUMNS, cutoff=NAME_CUTOFF)):
+    for name in left:
+        own = table.others[name].leaf or name
+        if own not in COLUMNS and (close := nearest(own, COLUMNS, cutoff=NAME_CUTOFF)):
             wish = f'the nearest known column is "{close}"; rename it, or give or leave it out in a map ({SETTLE})'
             raise InputFileError(file, found=f'unknown column "{shorten(own)}"', wish=wish)
 
