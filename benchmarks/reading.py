@@ -23,7 +23,7 @@ import numpy as np
 
 from tests import recording_files as files
 
-SAMPLES = 300_000
+SAMPLES = 1_000_000
 COLUMNS = 4
 REPEATS = 5
 
