@@ -114,7 +114,7 @@ def _numbers(values: Any) -> FloatArray:
         return since_first(values)
     if values.dtype.kind == "m":
         return np.asarray(values / np.timedelta64(1, "s"), dtype=np.float64)
-    return np.array(values, dtype=np.float64)
+    return np.asarray(values, dtype=np.float64)
 
 
 READER = Reader(
