@@ -291,6 +291,29 @@ def test_pins_in_the_drawn_gear_give_its_thickness(z: int, x: float) -> None:
     assert thickness(z, x, over_pins_mm=M, pin_diameter_mm=D) == pytest.approx(-73.0, abs=CHORDS)
 
 
+@pytest.mark.parametrize(
+    ("z", "k", "factor"),
+    [(17, 2, 4.6663), (20, 3, 7.6604), (25, 3, 7.7305), (30, 4, 10.7526), (50, 6, 16.9370)],
+)
+def test_spans_of_the_handbooks_tables_are_of_nominal_teeth(z: int, k: int, factor: float) -> None:
+    """W_k / m at 20 deg without profile shift, to four digits, of which half the last is 0.1 um at m = 2."""
+    assert thickness(z, 0.0, span_mm=2.0 * factor, span_teeth=k) == pytest.approx(0.0, abs=0.1 / COS + 1e-6)
+
+
+@pytest.mark.parametrize(("z", "x"), [(18, 0.0), (24, 0.4), (40, -0.2), (19, 0.0), (41, 0.3)])
+def test_pins_by_the_closed_form_are_of_nominal_teeth(z: int, x: float) -> None:
+    """M = m z cos(alpha) / cos(phi) + D, times cos(pi / 2 z) before D where z is odd, inv phi = D / d_b + inv alpha
+    + 2 x tan(alpha) / z - pi / 2 z (ISO 21771:2007, 5.5), phi found by bisection."""
+    m, D, alpha = 2.0, 1.728 * 2.0, math.radians(20.0)
+    inv = math.tan(alpha) - alpha + D / (m * z * math.cos(alpha)) + 2.0 * x * math.tan(alpha) / z - math.pi / (2 * z)
+    low, high = 0.0, 1.4
+    for _ in range(80):
+        phi = 0.5 * (low + high)
+        low, high = (phi, high) if math.tan(phi) - phi < inv else (low, phi)
+    M = m * z * math.cos(alpha) / math.cos(phi) * (math.cos(math.pi / (2 * z)) if z % 2 else 1.0) + D
+    assert thickness(z, x, over_pins_mm=M, pin_diameter_mm=D) == pytest.approx(0.0, abs=1e-6)  # um: bisection to 1e-16
+
+
 def test_the_mean_of_several_sizes_counts() -> None:
     nominal = 15.2648  # W_3 of 18 teeth, module 2, from the handbooks' tables (7.6324 m, four digits)
     each = [nominal - 0.02, nominal - 0.03, nominal - 0.04]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gearpoly.recording.meaning import meanings, wrapped_unit
+from gearpoly.errors import InputFileError
+from gearpoly.recording.meaning import contradicting, meanings, wrapped_unit
+from gearpoly.recording.quantities import UNITS
+from gearpoly.recording.read import read_recording
 from gearpoly.recording.table import Channel
+from tests.made_texts import DEGREE, OWN, chart, own, run, same, table, written
 
 
 @pytest.mark.parametrize(
@@ -55,3 +60,41 @@ def test_the_unit_of_an_angle_is_told_by_where_it_begins_again() -> None:
             assert unit is not None and unit.name == name
     assert wrapped_unit(360.0 * turned) is None
     assert wrapped_unit(np.mod(turned, 1.0) * 380.0) is None
+
+
+@pytest.mark.parametrize(("stated", "true"), [("rad", "deg"), ("deg", "rad"), ("deg", "gon"), ("gon", "deg")])
+def test_units_that_the_numbers_contradict_are_asked_about(tmp_path: Path, stated: str, true: str) -> None:
+    """An angle that begins again at 360 is in degrees whatever its header says; the line of the message cures it."""
+    held = run(1200)
+    per = UNITS["angle"][true].size
+    angles = [held[name] / per for name in OWN[1:3]]
+    names = ("Zeit [s]", f"Winkel Antrieb [{stated}]", f"Winkel Abtrieb [{stated}]")
+    file = written(tmp_path, table([held["time_s"], *angles], names, digits=7))
+    with pytest.raises(InputFileError, match=f"the unit {stated}, and its readings begin again .* as in {true}"):
+        read_recording(file)
+    lines = "".join(
+        f'columns.{column} = {{ from = "{name}", unit = "?" }}\n'
+        for column, name in zip(OWN[1:3], names[1:], strict=True)
+    )
+    cured = read_recording(file, chart=chart(tmp_path, lines.replace("?", true)))
+    same(cured.driving_angle_rad, held["driving_angle_deg"] * DEGREE, half=0.5e-7 * per * DEGREE)
+    with pytest.raises(InputFileError, match=f'unit: {stated}, and the readings .* want unit = "{true}"'):
+        read_recording(file, chart=chart(tmp_path, lines.replace("?", stated)))
+
+
+def test_radians_under_a_name_of_degrees_are_refused_with_a_map_that_cures_it(tmp_path: Path) -> None:
+    held = run(1200)
+    for name in OWN[1:3]:
+        held[name] = np.radians(held[name])
+    file = written(tmp_path, own(held, digits=9))
+    with pytest.raises(InputFileError, match="readings that begin again after one turn as in rad"):
+        read_recording(file)
+    lines = "".join(f'columns.{name} = {{ from = "{name}", unit = "rad" }}\n' for name in OWN[1:3])
+    cured = read_recording(file, chart=chart(tmp_path, lines))
+    same(cured.driven_angle_rad, run(1200)["driven_angle_deg"] * DEGREE, half=0.5e-9)
+
+
+def test_a_spike_of_400_is_no_turn_of_gons() -> None:
+    angle = np.linspace(0.0, 700.0, 2000)
+    angle[900] += 400.0
+    assert contradicting(angle, UNITS["angle"]["deg"]) is None

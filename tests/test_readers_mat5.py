@@ -109,7 +109,8 @@ def test_mat5_keys_beside_columns_and_whole_workspaces(tmp_path: Path) -> None:
         assert (recording.torque_nm, recording.flank) == (12.5, "coast")
         assert any("notes" in remark for remark in recording.remarks)
     savemat(file, {"a": {"driving_angle_deg": ANGLE}, "b": {"driven_angle_deg": ANGLE}})
-    assert "a and b" in refusal(file).found
+    read = read_recording(file)  # a struct for each shaft: both are called by their names, and no two by the same
+    np.testing.assert_array_equal(read.driving_angle_rad, read.driven_angle_rad)
     savemat(file, {"driving_angle_deg": ANGLE, "driven_angle_deg": ANGLE + 1j})
     assert "complex" in refusal(file).found
     savemat(file, {"driving_angle_deg": ANGLE, "driven_angle_deg": "text of some length"})

@@ -200,6 +200,11 @@ def test_fvas_own_models(gearpoly_command: Command, tmp_path: Path) -> None:
     assert ran.code == 0, ran.err
     pair = read_pair(file)
     assert (pair.driving.teeth, pair.driven.teeth, pair.driving.module_mm) == (17, 22, 4.0)
+    for ending in ("rexs", "rexsj", "rexsz"):
+        design, again = tmp_path / f"design.{ending}", tmp_path / f"{ending}.toml"
+        assert gearpoly_command("export", file, "--to", design).code == 0
+        assert gearpoly_command("pair", "--from", design, again).code == 0
+        assert read_pair(again) == pair
     helical = SHARED / "FVA-Industriegetriebe_2stufig_1-4.rexs"
     ran = gearpoly_command("pair", "--from", helical, tmp_path / "h.toml", "--stage", "19")
     assert ran.code == 2 and "helical, 21 deg; want external spur gears" in ran.err

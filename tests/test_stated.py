@@ -15,11 +15,13 @@ from gearpoly.errors import InputFileError
 TURNS = np.linspace(0.0, 2.0 * math.pi * 20.0, 400)
 
 
-def turning(rpm: float, *, stated: float | None, scale: float = 1.0, backwards: bool = False) -> Any:
+def turning(
+    rpm: float, *, stated: float | None, scale: float = 1.0, backwards: bool = False, column: Any = None
+) -> Any:
     """Twenty turns at ``rpm``, angles written down ``scale`` times as large."""
     time = TURNS / (2.0 * math.pi) * 60.0 / rpm
     return SimpleNamespace(
-        cleaned=SimpleNamespace(recording=SimpleNamespace(speed_rpm=stated), ratio=0.72),
+        cleaned=SimpleNamespace(recording=SimpleNamespace(speed_rpm=stated), ratio=0.72, speed_rpm=column),
         theta_1=scale * (TURNS[::-1] if backwards else TURNS),
         time_s=time,
     )
@@ -32,6 +34,8 @@ def turning(rpm: float, *, stated: float | None, scale: float = 1.0, backwards: 
         (turning(30.0, stated=30.0, backwards=True), None),
         (turning(30.0, stated=None), None),
         (turning(30.0, stated=45.0), "turns at 30 rpm"),
+        (turning(0.03, stated=None, column=np.full(400, 30.0)), "are the times in ms?"),
+        (turning(30.0, stated=None, column=np.full(400, np.nan)), None),
         (turning(30.0, stated=30.0, scale=math.pi / 180.0), "are the angles in rad?"),
         (turning(30.0, stated=0.5), "is the speed in Hz?"),
         (turning(30.0, stated=math.pi), "is the speed in rad/s?"),

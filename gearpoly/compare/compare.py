@@ -16,6 +16,8 @@ from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import locate
+from gearpoly.compare.mesh_background import mesh_remarks
+from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.remarks import remarks
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -72,6 +74,8 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
         numbered=beside.alignment.numbered,
     )
     located = replace(located, entries=beside.named(located.entries), where=beside.named(located.where))
+    if (sky := sky_of(beside)) is not None:
+        beside = replace(beside, remarks=(*beside.remarks, *mesh_remarks(located, beside.aligned, sky)))
     return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)
 
 

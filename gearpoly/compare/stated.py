@@ -68,10 +68,17 @@ def _alike(one: FloatArray, other: FloatArray) -> bool:
     return one.size == other.size and np.array_equal(one, other)
 
 
+def _middle(speed: FloatArray | None) -> float | None:
+    """The middle one of recorded speeds (n,) in rpm, where there are any."""
+    held = speed[np.isfinite(speed)] if speed is not None else np.empty(0)
+    return float(np.median(held)) if held.size else None
+
+
 def speed_remarks(aligned: Sequence[Aligned]) -> Iterator[str]:
     """Where a stated speed is not that of the angles over their times."""
     for k, one in enumerate(aligned):
         stated, time = one.cleaned.recording.speed_rpm, one.time_s
+        stated = _middle(one.cleaned.speed_rpm) if stated is None else stated
         if not stated or stated < 0.0 or time is None or time[-1] <= time[0]:
             continue
         turning = abs(float(one.theta_1[-1] - one.theta_1[0])) / float(time[-1] - time[0]) / RPM

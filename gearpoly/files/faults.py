@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
@@ -13,29 +12,8 @@ from pydantic_core import ErrorDetails
 
 from gearpoly.errors import InputFileError, shown, shown_value
 from gearpoly.files.models import PairFile, Section
-from gearpoly.files.toml import OverLimitError, load
 from gearpoly.files.traces import nearest
 from gearpoly.keys.kinds import LIST, NUMBER
-
-
-def parse(file: Path, text: str) -> dict[str, Any]:
-    """The tables of a TOML text; raises ``InputFileError`` with line and column where it is none."""
-    wish = "want TOML: `key = value`, text in quotes, decimal points, each key and section once"
-    try:
-        return load(text)
-    except OverLimitError as error:
-        wish = "want no more than that; check the file name, or whether a program wrote too much"
-        raise InputFileError(file, found=str(error), wish=wish) from None
-    except ValueError as error:  # TOMLDecodeError, a limit, or an integer with more digits than Python converts
-        message = str(error)
-    place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
-    if place is None:
-        raise InputFileError(file, found=message, wish=wish)
-    lines = text.splitlines() or [""]
-    line, column = (int(place[1]), int(place[2])) if place[1] else (len(lines), len(lines[-1]) + 1)
-    standing = lines[line - 1].strip() if line <= len(lines) else ""
-    found = f"`{shown(standing)}` ({message[: place.start()]})"
-    raise InputFileError(file, where=f"line {line}, column {column}", found=found, wish=wish)
 
 
 def _sections(

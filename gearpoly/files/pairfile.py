@@ -9,10 +9,11 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.faults import explain, parse
+from gearpoly.files.faults import explain
 from gearpoly.files.models import GearSection, PairFile, Section
 from gearpoly.files.paths import is_file
 from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.files.toml import parse
 from gearpoly.files.toml_text import value_text
 from gearpoly.files.traces import read_text
 

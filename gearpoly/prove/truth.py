@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.faults import parse
+from gearpoly.files.toml import parse
 from gearpoly.files.traces import read_text
 from gearpoly.physics import catalogue
 from gearpoly.prove.fields import Fields

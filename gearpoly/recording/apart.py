@@ -2,8 +2,8 @@
 
 HDF5 2.0 does both: of 10 000 files with a few bytes changed one ended in a segmentation fault and two never came back,
 since links within the file led round in a circle. No exception comes of either, so the file is parsed where both can be
-seen and ended. The process is kept for the next file; it gets the file's name and gives back numbers, and nothing is
-unpickled.
+seen and ended. The process is kept for the next file; it gets the file's name and gives back numbers, or says where in
+the file they lie as they are, and nothing is unpickled.
 
 Run as a program this module is that process.
 """
@@ -26,7 +26,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
-from gearpoly.recording.reader import Reader, memory_limit, optional
+from gearpoly.recording.reader import Reader, check_finite, memory_limit, optional
+from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
@@ -43,15 +44,15 @@ _lock = threading.Lock()
 _kept: list[tuple[int, subprocess.Popen[bytes]]] = []
 
 
-def read_apart(reader: Reader, file: Path) -> Table:
-    """What ``reader`` finds in ``file``, read in another process.
+def read_apart(reader: Reader, file: Path, *arguments: object) -> Table:
+    """What ``reader`` finds in ``file``, read in another process; ``arguments`` of its own are such as JSON holds.
 
     Raises what the reader raises, and ``InputFileError`` where the process crashes or does not end.
     """
     if importlib.util.find_spec(reader.module) is None:
         optional(file, reader.module, extra=reader.extra)
     seconds = SECONDS + file.stat().st_size / BYTES_PER_SECOND
-    order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file)}
+    order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file), "more": arguments}
     with _lock:
         try:
             answer, columns = _within(seconds, order)
@@ -68,11 +69,15 @@ def read_apart(reader: Reader, file: Path) -> Table:
         raise InputFileError(file, **answer["refused"])
     if "bug" in answer:
         raise RuntimeError(answer["bug"])
+    for name, values in columns.items():
+        if name in COLUMNS:
+            check_finite(file, name, values)
     others = {
-        path: Channel(values=columns.pop(f"{k} values"), unit=unit, time=columns.pop(f"{k} time", None))
-        for k, (path, unit) in enumerate(answer["others"])
+        path: Channel(values=columns.pop(f"{k} values"), unit=unit, time=columns.pop(f"{k} time", None), leaf=leaf)
+        for k, (path, unit, leaf) in enumerate(answer["others"])
     }
-    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others)
+    unread = tuple(answer["unread"]) if answer["unread"] else None
+    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others, unread=unread)
 
 
 class _CrashedError(Exception):
@@ -150,7 +155,12 @@ def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dic
         raise EOFError
     answer = json.loads(line)
     columns = {}
-    for name, size in answer.get("columns", []):
+    for name, size, offset in answer.get("columns", []):
+        if offset is not None:
+            columns[name] = np.fromfile(order["file"], dtype=np.float64, count=size, offset=offset)
+            if columns[name].size < size:
+                raise EOFError
+            continue
         values = np.empty(size, dtype=np.float64)
         into, at = values.data.cast("B") if size else memoryview(b""), 0
         while at < len(into):
@@ -176,7 +186,7 @@ def _bound(memory: int) -> None:
 def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
     try:
         _bound(order["memory"])
-        table = importlib.import_module(order["module"]).READER.read(Path(order["file"]))
+        table = importlib.import_module(order["module"]).READER.read(Path(order["file"]), *order["more"])
     except InputFileError as error:
         return {"refused": {"where": error.where, "found": error.found, "wish": error.wish}}, None
     except MissingExtraError as error:
@@ -184,9 +194,10 @@ def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
     except Exception as error:
         traceback = importlib.import_module("traceback")
         return {"bug": "".join(traceback.format_exception(error))}, None
-    sizes = [(name, values.size) for name, values in _series(table)]
-    others = [(path, one.unit) for path, one in table.others.items()]
-    return {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others}, table
+    sizes = [(name, values.size, _offset(values)) for name, values in _series(table)]
+    others = [(path, one.unit, one.leaf) for path, one in table.others.items()]
+    found = {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others, "unread": table.unread}
+    return found, table
 
 
 def _series(table: Table) -> Iterator[tuple[str, FloatArray]]:
@@ -199,13 +210,23 @@ def _series(table: Table) -> Iterator[tuple[str, FloatArray]]:
             yield f"{k} time", one.time
 
 
+def _offset(values: FloatArray) -> int | None:
+    """Where in the file the numbers (n,) lie, for those that are mapped from there whole; ``None`` for others."""
+    owner: object = values
+    while isinstance(owner, np.ndarray) and not isinstance(owner, np.memmap):
+        owner = owner.base
+    if isinstance(owner, np.memmap) and owner.size == values.size and values.dtype == np.dtype("=f8"):
+        return int(owner.offset)
+    return None
+
+
 def serve(orders: BinaryIO, answers: BinaryIO) -> None:
     """Answer orders until there are none."""
     for line in orders:
         answer, table = _answer(json.loads(line))
         answers.write(json.dumps(answer).encode("ascii") + b"\n")
         for _, values in _series(table) if table is not None else ():
-            if values.size:
+            if values.size and _offset(values) is None:
                 answers.write(np.ascontiguousarray(values).data.cast("B"))
         answers.flush()
         del table

@@ -59,11 +59,11 @@ def read_csv(path: Path | str) -> Recording:
     return recording_from_table(file, taken(file, only(file, read_tables(file, Writing()))))
 
 
-def read_tables(file: Path, writing: Writing) -> list[Table]:
+def read_tables(file: Path, writing: Writing, *, mapped: bool = False) -> list[Table]:
     """The recordings of a text file: the contract's own CSV by its plain path, any other as its logger wrote it.
 
     A file whose header has the contract's names is held to its rules, unless all that differs is how it is written, and
-    columns under names unlike any of the contract.
+    columns under names unlike any of the contract, or that a map may say more of (``mapped``).
     Raises ``InputFileError`` with the line at fault.
     """
     if writing != Writing():
@@ -76,7 +76,7 @@ def read_tables(file: Path, writing: Writing) -> list[Table]:
     except InputFileError as fault:
         try:
             tables = read_foreign(file, writing, footer=False)
-            for table in tables:
+            for table in tables if not mapped else ():
                 _check_names(file, table)
         except InputFileError:
             raise fault from None

@@ -1,5 +1,6 @@
-"""Recordings as HDF5: one dataset per column, at the root or in one group however deep, the keys as attributes.
+"""Recordings as HDF5: one dataset per column, at the root or in one group up to four deep, the keys as attributes.
 
+Datasets under other names, or in other groups, are offered to a map by their paths.
 Only plain numbers inside the file are read: no links to other files, no external or virtual storage, no filters that
 HDF5 would have to load from a plug-in.
 """
@@ -7,6 +8,7 @@ HDF5 would have to load from a plug-in.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,27 +16,30 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import shorten
+from gearpoly.recording.groups import own_group
 from gearpoly.recording.reader import (
     Reader,
     check_few,
-    check_numbers,
+    check_held,
     damage_reported,
     is_key,
     numbers,
+    offered,
     optional,
     take_key,
-    wanted_columns,
 )
-from gearpoly.recording.recording import COLUMNS
+from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.stated_units import PACKED_NAMES, UNIT_NAMES, check_unit, unpacked
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import Channel, Table
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 FILTERS = frozenset({1, 2, 3, 4, 5, 6, 32000})
 """Filters that HDF5 and h5py hold themselves: deflate, shuffle, Fletcher 32, szip, n-bit, scale-offset, LZF."""
 
+
+EMPTY = "MATLAB_empty"
+"""Attribute by which MATLAB marks a variable without values."""
 
 UNSIGNED = "_Unsigned"
 """Attribute of netCDF 3 by which stored numbers are of another type than they are."""
@@ -50,17 +55,64 @@ def read_table(file: Path) -> Table:
     """The columns and keys of one HDF5 file."""
     h5py = optional(file, "h5py", extra="hdf5")
     with damage_reported(file, "HDF5"), h5py.File(file, "r") as root:
-        groups = nested(file, h5py, {"/": members(file, h5py, root)})
-        where, held = only_group(file, groups, h5py.Dataset)
+        groups = {
+            path: {name: member for name, member in held.items() if isinstance(member, h5py.Dataset)}
+            for path, held in nested(file, h5py, {"/": members(file, h5py, root)}).items()
+        }
+        where = own_group(groups)
         table = Table(columns={}, keys={})
-        datasets = [name for name, member in held.items() if isinstance(member, h5py.Dataset)]
-        wanted = wanted_columns(file, where, datasets, table.remarks)
-        check_datasets(file, {name: held[name] for name in wanted})
-        for holder in (root, root[where]):
-            _take_attributes(file, holder, table.keys)
-        for name in wanted:
-            table.columns[name] = numbers(file, name, stored(file, name, held[name]))
+        for holder in dict.fromkeys(("/", where or "/")):
+            _take_attributes(file, root[holder], table.keys, own=where is not None)
+        left = take_datasets(file, table, groups, where, wrong=no_numbers)
+        check_held(file, where or "/", table, left)
     return table
+
+
+def take_datasets(
+    file: Path,
+    table: Table,
+    groups: Mapping[str, Mapping[str, Any]],
+    where: str | None,
+    *,
+    wrong: Callable[[Any], tuple[str, str] | None],
+    joint: str = "/",
+) -> list[str]:
+    """Put into ``table`` the columns of the group ``where``, and all other series of numbers in ``groups`` by their
+    paths, whose parts stand about a ``joint``; ``wrong`` says what of a dataset is no plain numbers. The paths of what
+    is left out.
+
+    Raises ``InputFileError`` where a column is no plain numbers.
+    """
+    columns = {name: one for name, one in groups.get(where or "", {}).items() if name in COLUMNS}
+    for name, dataset in columns.items():
+        if why := wrong(dataset):
+            raise InputFileError(file, where=f"column {name}", found=why[0], wish=why[1])
+    others, left = {}, []
+    for group, held in groups.items():
+        for name, dataset in held.items():
+            path = joint.join([*group.strip("/").split("/"), name] if group != "/" else [name])
+            if (group == where and name in columns) or (name in KEYS and name not in COLUMNS):
+                continue
+            if wrong(dataset) or dataset.size != max(dataset.shape, default=0):
+                left.append(path)
+            elif dataset.size > 1:
+                others[path] = (name, dataset)
+    every = {**columns, **{path: dataset for path, (_, dataset) in others.items()}}
+    # A packed chunk is unpacked whole, beside its packed form.
+    chunks = (2 * math.prod(one.chunks) * one.dtype.itemsize for one in every.values() if one.chunks)
+    sizes = {name: int(one.size) for name, one in every.items()}
+    for name in offered(file, sizes, columns, table.remarks, beside=max(chunks, default=0)):
+        if name in columns:
+            check_unit(file, name, _attribute(file, name, columns[name], UNIT_NAMES))
+            values = stored(file, name, columns[name])
+            # Of mapped numbers no page is touched here: the process that reads them looks whether they are finite.
+            table.columns[name] = values if isinstance(values, np.memmap) else numbers(file, name, values)
+        else:
+            leaf, dataset = others[name]
+            values = np.ascontiguousarray(stored(file, name, dataset).reshape(-1), dtype=np.float64)
+            unit = _attribute(file, name, dataset, UNIT_NAMES)
+            table.others[name] = Channel(values=values, unit=unit, leaf=leaf)
+    return left
 
 
 def nested(file: Path, h5py: Any, groups: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
@@ -86,72 +138,69 @@ def members(file: Path, h5py: Any, group: Any) -> dict[str, Any]:
     return {name: group[name] for name in own}
 
 
-def only_group(file: Path, groups: dict[str, dict[str, Any]], kind: Any) -> tuple[str, dict[str, Any]]:
-    """The one group that holds columns, with its members; the root where none does, for the message about it."""
-    holding = [
-        where for where, held in groups.items() if any(n in COLUMNS and isinstance(m, kind) for n, m in held.items())
-    ]
-    # In a MAT file torque_nm and speed_rpm may be keys at the root beside the struct with the columns.
-    if (
-        len(holding) > 1
-        and "/" in holding
-        and not any(n in COLUMNS and m.size > 1 for n, m in groups["/"].items() if isinstance(m, kind))
-    ):
-        holding.remove("/")
-    if len(holding) > 1:
-        found = f"columns in {shorten(' and '.join(holding), width=120)}"
-        raise InputFileError(file, found=found, wish="want one recording in a file")
-    where = holding[0] if holding else "/"
-    return where, groups[where]
-
-
-def check_datasets(file: Path, datasets: dict[str, Any]) -> None:
-    """Refuse datasets that are no plain numbers in this file, and sizes beyond the limit, before anything is read."""
-    sizes = {name: math.prod(dataset.shape or (0,)) for name, dataset in datasets.items()}
-    for name, dataset in datasets.items():
-        where = f"column {name}"
-        if dataset.dtype.kind not in "iufb" or dataset.shape is None:
-            found = f"values of type {dataset.dtype}"
-            raise InputFileError(file, where=where, found=found, wish="want plain numbers")
-        if dataset.is_virtual or dataset.external:
-            wish = "want the numbers in the file itself"
-            raise InputFileError(file, where=where, found="numbers kept in another file", wish=wish)
-        if sizes[name] and not dataset.id.get_storage_size():
-            wish = "want the values in the file; close it where it is written, and copy it then"
-            raise InputFileError(file, where=where, found=f"{sizes[name]} values stated, and none there", wish=wish)
-        layout = dataset.id.get_create_plist()
-        for i in range(layout.get_nfilters()):
-            if layout.get_filter(i)[0] not in FILTERS:
-                found = f"compression by filter {layout.get_filter(i)[0]}"
-                raise InputFileError(file, where=where, found=found, wish="want gzip, LZF or no compression")
-    # A packed chunk is unpacked whole, beside its packed form.
-    chunks = (2 * math.prod(one.chunks) * one.dtype.itemsize for one in datasets.values() if one.chunks)
-    check_numbers(file, sum(sizes.values()), beside=max(chunks, default=0))
+def no_numbers(dataset: Any) -> tuple[str, str] | None:
+    """What of a dataset is no plain numbers in this file, and what would do; ``None`` where it is."""
+    if dataset.shape is None or dataset.dtype.kind not in "iufb":
+        return f"values of type {dataset.dtype}", "want plain numbers"
+    if dataset.is_virtual or dataset.external:
+        return "numbers kept in another file", "want the numbers in the file itself"
+    if dataset.size and not dataset.id.get_storage_size():
+        wish = "want the values in the file; close it where it is written, and copy it then"
+        return f"{dataset.size} values stated, and none there", wish
+    layout = dataset.id.get_create_plist()
+    for i in range(layout.get_nfilters()):
+        if layout.get_filter(i)[0] not in FILTERS:
+            return f"compression by filter {layout.get_filter(i)[0]}", "want gzip, LZF or no compression"
+    return None
 
 
 def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
-    """The values of a dataset as its attributes mean them: unit, scale, offset, what is missing."""
-    stated = {}
-    for key in (*PACKED_NAMES, *UNIT_NAMES, UNSIGNED):
-        if key in dataset.attrs:
-            if math.prod(dataset.attrs.get_id(key).shape or (1,)) > ATTRIBUTE_LIMIT:
-                raise InputFileError(file, where=f"column {name}", found=f"{key} is a long list", wish="want one value")
-            stated[key] = dataset.attrs[key]
-    if UNSIGNED in stated:
+    """The values of a dataset as its attributes mean them: scale, offset, what is missing. MATLAB keeps the shape of an
+    empty variable in its place."""
+    if EMPTY in dataset.attrs:
+        return np.empty(0)
+    if UNSIGNED in dataset.attrs:
         wish = "want numbers of an unsigned type, as they are meant"
         raise InputFileError(file, where=f"column {name}", found=f"the attribute {UNSIGNED}", wish=wish)
-    for key in UNIT_NAMES:
-        if key in stated:
-            check_unit(file, name, stated[key])
+    stated = {key: _short(file, name, dataset, key) for key in PACKED_NAMES if key in dataset.attrs}
+    values = None if stated else _mapped(file, dataset)
+    if values is not None:
+        return values
     return unpacked(file, name, np.asarray(dataset[()]), {k: np.asarray(v) for k, v in stated.items()})
 
 
-def _take_attributes(file: Path, holder: Any, keys: dict[str, object]) -> None:
+def _mapped(file: Path, dataset: Any) -> npt.NDArray[Any] | None:
+    """The values of a dataset mapped from the file, where they lie there in one piece as doubles; ``None`` elsewhere.
+    Neither HDF5 nor the way between two processes then copies them."""
+    offset = dataset.id.get_offset() if dataset.chunks is None else None
+    series = dataset.dtype == np.dtype("=f8") and dataset.size == max(dataset.shape, default=0) > 0
+    if offset is None or not series or offset + 8 * dataset.size > file.stat().st_size:
+        return None
+    values = np.memmap(file, dtype=np.float64, mode="r", offset=offset, shape=(dataset.size,))
+    ends = np.array([dataset[(0,) * dataset.ndim], dataset[tuple(n - 1 for n in dataset.shape)]])
+    # Whether the offset counts a user block before the file's own beginning is for the library to say.
+    return values if np.array_equal(values[[0, -1]], ends, equal_nan=True) else None
+
+
+def _short(file: Path, name: str, dataset: Any, key: str) -> Any:
+    """The value of an attribute, which is no long list."""
+    if math.prod(dataset.attrs.get_id(key).shape or (1,)) > ATTRIBUTE_LIMIT:
+        raise InputFileError(file, where=f"column {name}", found=f"{key} is a long list", wish="want one value")
+    return dataset.attrs[key]
+
+
+def _attribute(file: Path, name: str, dataset: Any, keys: Sequence[str]) -> str:
+    """The text of the first of some attributes that a dataset has, or nothing."""
+    value = next((_short(file, name, dataset, key) for key in keys if key in dataset.attrs), "")
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _take_attributes(file: Path, holder: Any, keys: dict[str, object], *, own: bool) -> None:
     """The keys among a group's attributes."""
     where = f"attributes of {holder.name}"
     check_few(file, where, len(holder.attrs), "attributes")
     for name in holder.attrs:
-        if not is_key(file, where, name):
+        if not is_key(file, where, name, own=own):
             continue
         if math.prod(holder.attrs.get_id(name).shape or (1,)) != 1:
             raise InputFileError(file, where=where, found=f"{name} is a list", wish="want one value")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.errors import InputFileError, shown_value
-from gearpoly.files.faults import parse
+from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text, shorten
 from gearpoly.recording.quantities import DOUBTFUL, Unit, column_unit, known_units, unit_written, units_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key

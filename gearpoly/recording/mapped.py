@@ -11,7 +11,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.meaning import contradicting, header_unit
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -33,6 +33,8 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         used.add(name)
         one, wanted = channels[name], column_unit(column)
         unit = source.unit or _unit(chart, column, name, one, own=name in table.columns)
+        if column in ANGLE_COLUMNS and source.wraps is None:
+            _check_unit(chart, column, one.values * source.scale, unit)
         put(out, times, column, one, replace(source, channel=name, unit=unit))
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
@@ -60,6 +62,15 @@ def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: boo
     return unit
 
 
+def _check_unit(chart: RecordingMap, column: str, values: FloatArray, unit: Unit) -> None:
+    """Raise ``InputFileError`` of the map where readings begin again after one turn in another unit than its own."""
+    other = contradicting(values, unit)
+    if other is not None:
+        found = f"{unit.name}, and the readings begin again after one turn as in {other.name}"
+        wish = f'want unit = "{other.name}", or wraps, the number at which they begin again'
+        raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
+
+
 def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:
     """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3").
 
@@ -67,7 +78,11 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
     """
     if name in channels:
         return name
-    bare = [one for one in channels if header_unit(one)[0] == name or one.rpartition("/")[2] == name]
+    bare = [
+        path
+        for path, one in channels.items()
+        if name in (header_unit(path)[0], one.leaf or path.rpartition("/")[2], header_unit(one.leaf)[0])
+    ]
     if len(bare) == 1:
         return bare[0]
     number = name.removeprefix("column ")
@@ -100,8 +115,8 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
         with np.errstate(over="ignore", invalid="ignore"):
             values = values * factor
-    # A recording takes over the numbers it gets, and a channel may be read again.
-    out.columns[column] = values.copy() if values is one.values else values
+    # A recording takes over the numbers it gets, and a channel may be read again; what is sealed it leaves alone.
+    out.columns[column] = values.copy() if values is one.values and values.flags.writeable else values
     out.taken_from[column] = source.channel
     if one.time is not None:
         times[column] = one.time

@@ -13,11 +13,16 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.hdf5_reader import SIGNATURE, check_datasets, members, nested, only_group, stored
-from gearpoly.recording.matlab_objects import refuse_objects
-from gearpoly.recording.reader import Reader, damage_reported, is_key, numbers, optional, take_key, wanted_columns
+from gearpoly.recording.groups import own_group, take_own
+from gearpoly.recording.hdf5_reader import SIGNATURE, members, nested, no_numbers, take_datasets
+from gearpoly.recording.matlab_tables import read_table as read_tables
+from gearpoly.recording.matlab_tables import take_tables
+from gearpoly.recording.reader import Reader, check_held, damage_reported, is_key, optional, take_key
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
+
+OBJECT = "MATLAB_object_decode"
+"""Attribute of what MATLAB keeps as an object."""
 
 TEXT_LIMIT = 1000
 """Longest text that a key may have, in characters; ``flank`` needs five."""
@@ -30,34 +35,48 @@ def read_table(file: Path) -> Table:
         top = {name: item for name, item in members(file, h5py, root).items() if not name.startswith("#")}
         groups = nested(file, h5py, {"/": top})
         stated = groups.pop("/keys", {})
-        where, held = only_group(file, {k: v for k, v in groups.items() if not k.endswith("/keys")}, h5py.Dataset)
-        if not any(name in COLUMNS for name in held):
-            objects = {name: _class(item) for name, item in top.items() if "MATLAB_object_decode" in item.attrs}
-            refuse_objects(file, objects)
+        series = {
+            path: {
+                name: item for name, item in held.items() if isinstance(item, h5py.Dataset) and not _is_key(name, item)
+            }
+            for path, held in groups.items()
+            if not path.endswith("/keys")
+        }
+        where = own_group(series)
+        held = groups.get(where or "", {})
         table = Table(columns={}, keys={})
-        for holder, inside in ((f"{where}/keys", held.get("keys")), ("keys", stated), (where, held), ("/", top)):
+        for holder, inside in ((f"{where}/keys", held.get("keys")), ("keys", stated), (where or "/", held), ("/", top)):
             if isinstance(inside, h5py.Group):
                 inside = members(file, h5py, inside)
             for name, item in (inside or {}).items():
                 single = isinstance(item, h5py.Dataset) and (item.size == 1 or _class(item) == "char")
                 column_only = name in COLUMNS and name not in KEYS
-                if single and not column_only and is_key(file, holder, name):
+                if single and not column_only and is_key(file, holder, name, own=where is not None):
                     take_key(file, holder, name, _value(file, holder, name, item), table.keys)
-        arrays = {n: item for n, item in held.items() if isinstance(item, h5py.Dataset)}
-        columns = [n for n in arrays if not (n in KEYS and arrays[n].size == 1)]
-        wanted = wanted_columns(file, where, columns, table.remarks)
-        for name in wanted:
-            kind = _class(arrays[name])
-            if (
-                kind in ("cell", "char", "function_handle", "FileWrapper__")
-                or "MATLAB_object_decode" in arrays[name].attrs
-            ):
-                raise InputFileError(file, where=f"column {name}", found=f"a {kind}", wish="want plain numbers")
-        check_datasets(file, {name: arrays[name] for name in wanted})
-        for name in wanted:
-            empty = "MATLAB_empty" in arrays[name].attrs
-            table.columns[name] = numbers(file, name, np.empty(0) if empty else stored(file, name, arrays[name]))
+        objects = {
+            ".".join([*path.strip("/").split("/"), name] if path != "/" else [name]): _class(item)
+            for path, held in groups.items()
+            for name, item in held.items()
+            if OBJECT in item.attrs
+        }
+        left = take_datasets(file, table, series, where, wrong=_no_numbers, joint=".")
+    take_tables(file, table, objects, lambda names: read_tables(file, names))
+    take_own(file, table)
+    check_held(file, where or "/", table, [path for path in left if path not in objects])
     return table
+
+
+def _is_key(name: str, item: Any) -> bool:
+    """Whether a variable with the name of a key and a column is the key: one value."""
+    return name in KEYS and item.size == 1
+
+
+def _no_numbers(item: Any) -> tuple[str, str] | None:
+    """What of a variable is no plain numbers, and what would do; ``None`` where it is."""
+    kind = _class(item)
+    if kind in ("cell", "char", "function_handle", "FileWrapper__") or OBJECT in item.attrs:
+        return f"a {kind}", "want plain numbers"
+    return no_numbers(item)
 
 
 def _class(item: Any) -> str:

@@ -1,11 +1,10 @@
-"""What MATLAB keeps as objects, which only MATLAB can open: tables, timetables, time series, logs of Simulink."""
+"""What MATLAB keeps as objects and was not read: what makes plain variables of it in MATLAB."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.traces import shorten
 
 CURES = {
@@ -26,13 +25,17 @@ CURES = {
 OTHER = "S = struct(...) with one field for each column; save('recording.mat', '-struct', 'S')"
 
 
-def refuse_objects(file: Path, objects: Mapping[str, str]) -> None:
-    """Raise ``InputFileError`` where a file without columns holds ``objects`` (class by name): with the lines that make
-    plain variables of the first table among them, or of the first."""
+def unread(objects: Mapping[str, str], *, why: GearpolyError | None = None) -> tuple[str, str] | None:
+    """The first table among ``objects`` (class by path), or the first of them, as found (with ``why`` it was not read)
+    and wished for: with the lines that make plain variables of it. ``None`` where there are no objects."""
     if not objects:
-        return
+        return None
     name = next((name for name, kind in objects.items() if kind in CURES), next(iter(objects)))
     kind = objects[name]
-    found = f"no columns, but {shorten(name)}, a {shorten(kind or 'class')}, which only MATLAB can open"
-    wish = f"want plain variables; in MATLAB: {CURES.get(kind, OTHER).format(name=shorten(name))}"
-    raise InputFileError(file, where="variables", found=found, wish=wish)
+    found = f"{shorten(name)}, a {shorten(kind or 'class')}, not read"
+    lines = CURES.get(kind, OTHER).format(name=shorten(name))
+    if isinstance(why, MissingExtraError):
+        return found, f"want mat-io, which reads it: pip install gearpoly[matlab]; or in MATLAB: {lines}"
+    if isinstance(why, InputFileError):
+        found += f" ({why.found})"
+    return found, f"want plain variables; in MATLAB: {lines}"

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import re
-import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -24,6 +23,7 @@ from gearpoly.recording.quantities import (
     TIME,
     TORQUE,
     UNITS,
+    UNSTATED,
     Unit,
     column_unit,
     unit_written,
@@ -31,53 +31,8 @@ from gearpoly.recording.quantities import (
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
 from gearpoly.recording.table import Channel
+from gearpoly.recording.words import NAME_LIMIT, OTHER, TE, plain, quantity_of, shaft_of, tokens
 from gearpoly.units import FloatArray
-
-TE, OTHER = "transmission error", "something else"
-
-QUANTITIES: tuple[tuple[str, str, str], ...] = (
-    (
-        TE,
-        "te drehwegfehler",
-        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
-        "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
-    ),
-    (
-        OTHER,
-        "",
-        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
-        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
-    ),
-    (
-        SPEED,
-        "n rpm rev regime nan nab",
-        "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
-    ),
-    (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
-    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
-    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
-    (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
-)
-"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
-row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
-with a unit that fits, but for t."""
-
-SHAFT_WORDS = {
-    "driving": (
-        "driving driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
-        "antrieb|eingang|input|treibend",
-    ),
-    "driven": (
-        "driven output sortie salida uscita mene menee conducido conducida condotto condotta out",
-        "abtrieb|ausgang|output|getrieben",
-    ),
-}
-"""Words and parts of words that name one shaft of a pair and no other."""
-
-_NO_SHAFT = re.compile(
-    r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
-)
-"""Names of a logger's own inputs and outputs, which are no shafts."""
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
@@ -86,12 +41,12 @@ NO_SUFFIX = ("in", "min", "m", "as", "h")
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
+ENOUGH = 200_000
+"""Readings of an angle that are looked at for its unit; the shortest recording that is compared has two turns."""
+
 WRAP_TOLERANCE = 0.01
 """Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
 a tenth apart."""
-
-NAME_LIMIT = 200
-"""Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,9 +72,10 @@ class Meaning:
 def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     """What each of the ``channels`` of a recording holds, in their order; no column is surely two of them."""
     # "in" is a word of German and an inch; beside an "out" it is a shaft.
-    outs = any("out" in _tokens(name) for name in channels)
-    found = [_meaning(name, one, outs=outs) for name, one in channels.items()]
-    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shaft_of(one.channel, outs=outs)]
+    outs = any("out" in tokens(one.leaf or name) for name, one in channels.items())
+    shafts = _shafts(channels, outs=outs)
+    found = [_meaning(name, one, shaft=shafts[name]) for name, one in channels.items()]
+    open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shafts[one.channel]]
     taken = {one.column for one in found if not one.doubt}
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
         ask = (entry(column, one.channel, one.unit),)
@@ -135,26 +91,15 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     return found
 
 
-def quantity_of(name: str) -> str:
-    """The quantity that the words of a channel's name say, or nothing."""
-    words, tokens = _plain(name), _tokens(name)
-    for quantity, whole, parts in QUANTITIES:
-        if (set(whole.split()) & tokens) or re.search(parts, words):
-            return quantity
-    return ""
-
-
-def shaft_of(name: str, *, outs: bool = False) -> str:
-    """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
-    words, tokens = _plain(name), _tokens(name)
-    if _NO_SHAFT.search(words):
-        return ""
-    if outs and "in" in tokens:
-        tokens.add("input")
-    found = [
-        shaft for shaft, (whole, parts) in SHAFT_WORDS.items() if set(whole.split()) & tokens or re.search(parts, words)
-    ]
-    return found[0] if len(found) == 1 else ""
+def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
+    """The shaft of each channel by its own name, or by its path where paths name both shafts: one group called input
+    may hold the inputs of a logger."""
+    by_path = {name: shaft_of(group) if (group := one.group(name)) else "" for name, one in channels.items()}
+    if not {"driving", "driven"} <= set(by_path.values()):
+        by_path = dict.fromkeys(channels, "")
+    return {
+        name: shaft_of(header_unit(one.leaf or name)[0], outs=outs) or by_path[name] for name, one in channels.items()
+    }
 
 
 def header_unit(header: str) -> tuple[str, str]:
@@ -172,37 +117,26 @@ def header_unit(header: str) -> tuple[str, str]:
     return text, ""
 
 
-def _plain(name: str) -> str:
-    """A name in small letters, without accents, its words parted by one blank."""
-    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
-    bare = unicodedata.normalize("NFKD", split.lower())
-    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
-
-
-def _tokens(name: str) -> set[str]:
-    return set(_plain(name).split())
-
-
-def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
-    name, in_name = header_unit(channel)
+def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
+    own = held.leaf or channel
+    name, in_name = header_unit(own)
     quantity = quantity_of(name)
     stated = held.unit or in_name
-    if channel in COLUMNS:
-        return Meaning(channel=channel, column=channel, unit=column_unit(channel), why="the name of a column")
+    if own in COLUMNS:
+        return _by_own_name(channel, own, held.unit)
     if quantity == OTHER:
         return Meaning(channel=channel)
     doubt = ""
-    letter = len(_plain(name)) == 1 and name.strip() != "t"
+    letter = len(plain(name)) == 1 and name.strip() != "t"
     if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
         if len(dimensions) != 1:
             return Meaning(channel=channel)
         quantity = dimensions.pop()
         doubt = f"known by its unit alone, {stated}"
-    shaft = shaft_of(name, outs=outs)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
-        return replace(_settled(channel, "time_s", unit, stated, TIME, doubt), named=not doubt)
+        return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
         doubt = "counts of an encoder whose lines are not stated"
@@ -218,21 +152,37 @@ def _meaning(channel: str, held: Channel, *, outs: bool) -> Meaning:
     columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
     unit = _unit_of(name, stated, quantity, held.values)
     doubts = [doubt] if doubt else []
+    other = contradicting(held.values, unit) if quantity == ANGLE and unit is not None else None
+    if unit is not None and other is not None:
+        doubts.append(f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}")
+        unit = other
     if quantity == TORQUE and shaft == "driving":
         doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
     elif quantity == SPEED and shaft == "driven":
         doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
-    return replace(_settled(channel, columns[quantity], unit, stated, quantity, ", ".join(doubts)), named=not doubt)
+    settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    return replace(settled, named=not doubt)
 
 
-def _settled(channel: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str) -> Meaning:
+def _by_own_name(channel: str, column: str, stated: str) -> Meaning:
+    """The meaning of a channel that is called as a ``column`` is; in doubt where it states another unit."""
+    unit = column_unit(column)
+    if stated.strip().lower() in UNSTATED or unit.dimension == COUNT or unit_written(stated, unit.dimension) == unit:
+        return Meaning(channel=channel, column=column, unit=unit, dimension=unit.dimension, why="the name of a column")
+    ask = (entry(column, channel, unit_written(stated, unit.dimension)),)
+    doubt = f'the unit "{shown(stated)}", and its name says {unit.name}'
+    return Meaning(channel=channel, column=column, dimension=unit.dimension, why="its name", doubt=doubt, ask=ask)
+
+
+def _settled(
+    channel: str, name: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str
+) -> Meaning:
     """The meaning of a channel whose quantity is known; without a unit it is a doubt."""
     if unit is None:
         what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
         doubt = f"{doubt}, and {what}" if doubt else what
-    name, _ = header_unit(channel)
     known = f"unit {stated}" if stated else "its readings begin again after one turn"
     return Meaning(
         channel=channel,
@@ -261,7 +211,7 @@ def quoted(text: str) -> str:
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:
     """The unit of a channel: the one stated, or that in which an angle begins again after one turn."""
     if stated.strip().lower() in DOUBTFUL and dimension == ANGLE:
-        if re.search(_GERMAN, _plain(name)):
+        if re.search(_GERMAN, plain(name)):
             return UNITS[ANGLE]["deg"]
         return wrapped_unit(values)
     if stated:
@@ -269,13 +219,27 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
     return wrapped_unit(values) if dimension == ANGLE else None
 
 
+def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
+    """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
+    shown_by = wrapped_unit(values)
+    if shown_by is None or abs(shown_by.size / unit.size - 1.0) <= WRAP_TOLERANCE:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(values[:ENOUGH])
+    far = steps[np.abs(steps) > 0.5 / shown_by.size * 360.0]
+    # A spike goes there and back; of turns more begin again one way than the other.
+    return shown_by if np.sum(np.sign(far)) != 0.0 else None
+
+
 def wrapped_unit(values: FloatArray) -> Unit | None:
-    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
-    held = values[np.isfinite(values)]
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not; the first of many
+    tell."""
+    held = values[:ENOUGH][np.isfinite(values[:ENOUGH])]
     if held.size < 8:
         return None
-    steps = np.diff(held)
-    span = float(np.ptp(held))
+    with np.errstate(over="ignore"):  # a damaged file may hold anything
+        steps = np.diff(held)
+        span = float(np.ptp(held))
     jumps = steps[np.abs(steps) > 0.5 * span]
     if not 1 <= jumps.size <= held.size // 4:
         return None

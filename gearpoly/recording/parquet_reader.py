@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
-from gearpoly.files.traces import check_header, shorten
+from gearpoly.files.traces import shorten
 from gearpoly.recording.reader import (
     Reader,
     check_few,
+    check_held,
     check_numbers,
     damage_reported,
     is_key,
@@ -24,7 +25,6 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER
 from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
 from gearpoly.recording.table import Channel, Table
-from gearpoly.units import FloatArray
 
 PYARROW_LEAST = 15
 """Oldest pyarrow, by its major version: up to 14.0.0 it unpickled what a Parquet file told it to (CVE-2023-47248)."""
@@ -33,8 +33,7 @@ PYARROW_LEAST = 15
 def read_table(file: Path) -> Table:
     """The columns and keys of one Parquet file; nulls are drop-outs.
 
-    A table with a name of the contract holds the columns of a recording and no others, as a CSV does; any other has
-    names of the owner's own.
+    Columns under the contract's names are the recording's; all others are offered to a map.
     """
     version = str(optional(file, "pyarrow", extra="parquet").__version__)
     if int(version.split(".")[0]) < PYARROW_LEAST:
@@ -51,9 +50,11 @@ def read_table(file: Path) -> Table:
             or types.is_boolean(column.type)
             for column in schema
         }
-        if own := any(name in COLUMNS for name in schema.names):
-            check_header(file, "schema", list(schema.names), (*COLUMNS, *PASSED_OVER))
-            for column in schema:
+        for column in schema:
+            if schema.names.count(column.name) > 1:
+                found = f'column "{shorten(column.name)}" twice'
+                raise InputFileError(file, where="schema", found=found, wish="want each column once")
+            if column.name in COLUMNS:
                 stamps = column.name == "time_s" and types.is_timestamp(column.type)
                 if not (plain[column.name] or stamps):
                     found = f"values of type {column.type}"
@@ -66,19 +67,21 @@ def read_table(file: Path) -> Table:
             name = key.decode("utf-8", errors="replace")
             if is_key(file, "metadata", name):
                 take_key(file, "metadata", name, text_value(value.decode("utf-8", errors="replace")), keys)
-        columns: dict[str, FloatArray] = {}
-        for name in dict.fromkeys(name for name in schema.names if plain[name] or (own and name == "time_s")):
+        table = Table(columns={}, keys=keys)
+        for column in schema:
+            name = column.name
+            if not plain[name] and name != "time_s":
+                continue
             # One at a time, so that only one column is held twice.
-            values = source.read(columns=[name], use_threads=True).column(0)
-            columns[name] = numbers(file, name, np.asarray(values.to_numpy()))
-        if not own:
-            units = {column.name: _unit(column) for column in schema}
-            others = {name: Channel(values=values, unit=units[name]) for name, values in columns.items()}
-            left = [shorten(name) for name in schema.names if not plain[name]]
-            remarks = [f"not read, since no numbers: {shorten(', '.join(left), width=200)}"] if left else []
-            return Table(columns={}, keys=keys, others=others, remarks=remarks)
-    table = Table(columns=columns, keys=keys)
+            values = np.asarray(source.read(columns=[name], use_threads=True).column(0).to_numpy())
+            if name in (*COLUMNS, *PASSED_OVER):
+                table.columns[name] = numbers(file, name, values)
+            else:
+                values = np.ascontiguousarray(values, dtype=np.float64)
+                table.others[name] = Channel(values=values, unit=_unit(column))
+        left = [name for name in schema.names if not plain[name] and name != "time_s"]
     pass_over(table)
+    check_held(file, "schema", table, left)
     return table
 
 

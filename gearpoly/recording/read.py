@@ -89,7 +89,8 @@ def read_tables(path: Path, chart: RecordingMap | None = None) -> list[Table]:
     if reader.parts:
         return [reader.read(file, number)]
     if reader.several is not None:
-        tables = reader.several(file, chart.writing if chart is not None else Writing())
+        mapped = chart is not None and bool(chart.columns or chart.leave_out)
+        tables = reader.several(file, chart.writing if chart is not None else Writing(), mapped=mapped)
     elif part is not None:
         wish = f"want {file.name} without #{part}: a {reader.name} file holds one recording"
         raise InputFileError(path, found=f"part {part} asked for", wish=wish)

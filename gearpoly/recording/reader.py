@@ -8,7 +8,7 @@ unpickles nothing.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +22,8 @@ from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.meaning import contradicting, entry
+from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
     ANGLE_COLUMNS,
@@ -36,7 +38,6 @@ from gearpoly.recording.recording import (
     recording_from_columns,
 )
 from gearpoly.recording.table import AXIS_ERROR, Table
-from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
@@ -78,7 +79,8 @@ class Reader:
     the extra that brings it; both are empty where the core suffices. A ``fallback`` is asked last. ``apart``: a damaged
     file can bring the library to crash or to go round for ever, so it reads in a process of its own. ``parts``: a file
     may hold several recordings, of which ``read`` takes the number, from 1, as a second argument. ``several`` reads a
-    format whose files may hold more than one recording and be written in more than one way.
+    format whose files may hold more than one recording and be written in more than one way (a ``Writing``), ``mapped``
+    where a map speaks of columns.
     """
 
     name: str
@@ -90,7 +92,7 @@ class Reader:
     fallback: bool = False
     apart: bool = False
     parts: bool = False
-    several: Callable[[Path, Writing], list[Table]] | None = None
+    several: Callable[..., list[Table]] | None = None
 
 
 def optional(file: Path, module: str, *, extra: str) -> Any:
@@ -134,6 +136,12 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    for name in ANGLE_COLUMNS:
+        other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
+        if other is not None:
+            wish = f"want degrees, or a map with {entry(name, name, other)}"
+            found = f"readings that begin again after one turn as in {other.name}"
+            raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if "te_urad" in table.columns and "te_arcsec" in table.columns:
         _take_one_error(file, table)
     places = _last_places(table)
@@ -176,11 +184,12 @@ def check_short(file: Path, where: str, name: str, value: str) -> None:
         raise InputFileError(file, where=where, found=found, wish=f"want a value of at most {VALUE_LIMIT} characters")
 
 
-def is_key(file: Path, where: str, name: str) -> bool:
-    """Whether ``name`` is a key; a name that is nearly one is refused, any other is a remark of the rig's."""
+def is_key(file: Path, where: str, name: str, *, own: bool = True) -> bool:
+    """Whether ``name`` is a key; a name that is nearly one is refused beside the contract's ``own`` columns, any other
+    is a remark of the rig's."""
     if name in KEYS:
         return True
-    if close := nearest(name, KEYS, cutoff=NAME_CUTOFF):
+    if own and (close := nearest(name, KEYS, cutoff=NAME_CUTOFF)):
         wish = f'the nearest known key is "{close}" (known: {", ".join(KEYS)})'
         raise InputFileError(file, where=where, found=f'unknown key "{shorten(name)}"', wish=wish)
     return False
@@ -205,26 +214,6 @@ def text_value(text: str) -> object:
         return load(f"value = {text.strip()}")["value"]
     except (ValueError, KeyError):
         return text.strip()
-
-
-def wanted_columns(file: Path, where: str, names: Iterable[str], remarks: list[str]) -> list[str]:
-    """The names that are columns. A name that is nearly one is refused; others are left out, with a remark."""
-    wanted, others = [], []
-    for name in names:
-        if name in COLUMNS:
-            wanted.append(name)
-        elif name not in KEYS:
-            if close := nearest(name, COLUMNS, cutoff=NAME_CUTOFF):
-                wish = f'the nearest known column is "{close}"; rename it, or leave it out'
-                raise InputFileError(file, where=where, found=f'unknown column "{shorten(name)}"', wish=wish)
-            others.append(name)
-    if not wanted:
-        held = f"no column of a recording, only {shorten(', '.join(others), width=120)}" if others else "no columns"
-        wish = f"want columns of {', '.join(COLUMNS)}"
-        raise InputFileError(file, where=where, found=held, wish=wish)
-    if others:
-        remarks.append(f"not read, since no columns of a recording: {shorten(', '.join(others), width=200)}")
-    return wanted
 
 
 def pass_over(table: Table) -> None:
@@ -252,7 +241,7 @@ def check_numbers(file: Path, count: int, *, beside: int = 0) -> None:
         raise InputFileError(file, found=found, wish=wish)
 
 
-def _since_first(stamps: npt.NDArray[Any]) -> FloatArray:
+def since_first(stamps: npt.NDArray[Any]) -> FloatArray:
     """Time stamps (n,) as seconds since the first of them; ``nan`` where there is none."""
     held = stamps[~np.isnat(stamps)]
     if not held.size:
@@ -265,7 +254,7 @@ def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:
     """One column as float64 (n,); a row or a column of a matrix counts, text and complex numbers do not. Time stamps
     are seconds since the first of them."""
     if name == "time_s" and values.dtype.kind == "M":
-        values = _since_first(values)
+        values = since_first(values)
     if values.dtype.kind not in "iufb":
         wish = "want plain numbers"
         raise InputFileError(file, where=f"column {name}", found=f"values of type {values.dtype}", wish=wish)
@@ -275,10 +264,38 @@ def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:
             raise InputFileError(file, where=f"column {name}", found=f"shape {shape}", wish="want one value a sample")
         values = values.reshape(-1)
     column = np.ascontiguousarray(values, dtype=np.float64)
+    check_finite(file, name, column)
+    return column
+
+
+def check_finite(file: Path, name: str, column: FloatArray) -> None:
+    """Raise ``InputFileError`` where a column (n,) holds an infinite number."""
     with np.errstate(over="ignore", invalid="ignore"):
         total = column.sum()
     if not np.isfinite(total) and np.isinf(column).any():  # the sum is quick, and finite in most columns
         row = int(np.argmax(np.isinf(column))) + 1
         wish = "want a finite number (nan for a drop-out)"
         raise InputFileError(file, where=f"column {name}, row {row}", found="inf", wish=wish)
-    return column
+
+
+def offered(
+    file: Path, sizes: Mapping[str, int], own: Collection[str], remarks: list[str], *, beside: int = 0
+) -> list[str]:
+    """The names among ``sizes`` (numbers in each channel) that are read: all, or the contract's ``own`` alone where all
+    would fill the memory. Raises ``InputFileError`` where those do; ``beside`` as in :func:`check_numbers`."""
+    check_numbers(file, sum(sizes[name] for name in own or sizes), beside=beside)
+    if NUMBER_BYTES * sum(sizes.values()) + beside <= memory_limit(file):
+        return list(sizes)
+    left = [name for name in sizes if name not in own]
+    remarks.append(f"not read, since they would fill the memory: {shorten(', '.join(left), width=200)}")
+    return [name for name in sizes if name in own]
+
+
+def check_held(file: Path, where: str, table: Table, left: Collection[str]) -> None:
+    """Raise ``InputFileError`` where a ``table`` has no numbers; say what was ``left`` out where it has."""
+    said = shorten(", ".join(left), width=200)
+    if not table.columns and not table.others:
+        held = f"no column of a recording, only {said}" if left else "no columns"
+        raise InputFileError(file, where=where, found=held, wish=f"want columns of {', '.join(COLUMNS)}")
+    if left:
+        table.remarks.append(f"not read, since no series of plain numbers: {said}")

@@ -36,11 +36,10 @@ def new_readings(
     ``readings`` (n,) by shaft, without drop-outs at ``keep``. A pair that stands still at either end of the recording
     repeats its readings rightly.
     """
-    moved = {
-        shaft: np.concatenate([[True], np.diff(values[keep]) != 0.0])
-        for shaft, values in readings.items()
-        if values is not None and keep.size
-    }
+    held = {shaft: values[keep] for shaft, values in readings.items() if values is not None and keep.size}
+    moved = {shaft: np.concatenate([[True], values[1:] != values[:-1]]) for shaft, values in held.items()}
+    if all(bool(one.all()) for one in moved.values()):
+        return keep, keep
     coarse = min(moved, key=lambda shaft: np.count_nonzero(moved[shaft]), default="")
     turns = np.flatnonzero(moved[coarse][1:]) + 1 if moved else np.empty(0, dtype=np.int64)
     if turns.size < 2:

@@ -40,20 +40,33 @@ def single_spikes(x: FloatArray, *shafts: FloatArray) -> BoolArray:
     spikes = np.zeros(x.size, dtype=np.bool_)
     if x.size < 7:
         return spikes
-    padded = np.pad(x, 2, mode="reflect")
-    beside = np.sort(np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]]), axis=0)
-    off = x - 0.5 * (beside[1] + beside[2])
+    least, lower, upper, most = _four_beside(x)
+    off = x - 0.5 * (lower + upper)
     size = np.abs(off)
     # Numbers of few digits may be equal in most samples, so the scale is never below the smallest step there is.
-    seen = size[size > 16.0 * np.finfo(np.float64).eps * np.max(np.abs(x))]
-    if not seen.size:
+    finest = 16.0 * np.finfo(np.float64).eps * max(float(np.max(x)), -float(np.min(x)))
+    smallest = float(np.min(size, where=size > finest, initial=math.inf))
+    if smallest == math.inf:
         return spikes
-    sigma = max(1.4826 * float(np.median(size)), float(seen.min()))
-    found = np.flatnonzero((size > SPIKE_SIGMAS * sigma) & (beside[3] - beside[0] < QUIET_SHARE * size))
+    sigma = max(1.4826 * float(np.median(size)), smallest)
+    found = np.flatnonzero(size > SPIKE_SIGMAS * sigma)
+    found = found[most[found] - least[found] < QUIET_SHARE * size[found]]
     spikes[found] = True
     for shaft in shafts:
         spikes[found[_repeats(off, found, shaft)]] = False
     return spikes
+
+
+def _four_beside(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The two samples before and the two after each of ``x`` (m,), sorted; by five exchanges of two, since a sort of
+    three million columns of four takes ten times as long."""
+    padded = np.pad(x, 2, mode="reflect")
+    a, b, c, d = padded[:-4], padded[1:-3], padded[3:-1], padded[4:]
+    a, b = np.minimum(a, b), np.maximum(a, b)
+    c, d = np.minimum(c, d), np.maximum(c, d)
+    a, c = np.minimum(a, c), np.maximum(a, c)
+    b, d = np.minimum(b, d), np.maximum(b, d)
+    return a, np.minimum(b, c), np.maximum(b, c), d
 
 
 def _repeats(off: FloatArray, found: IntArray, shaft: FloatArray) -> BoolArray:

@@ -6,7 +6,7 @@ Nothing is put right here and nothing refused: what a comparison would refuse is
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
-from gearpoly.recording.unwrapping import GAP_STEPS, continuous
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, continuous
 from gearpoly.units import DEG, FloatArray, IntArray
 
 STAND_SAMPLES = 12
@@ -133,6 +133,7 @@ def survey(file: Path, chart: RecordingMap | None = None) -> list[Survey]:
 
 def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int, of: int, format_name: str) -> Survey:
     refusal = ""
+    _seal(table)
     try:
         recording_from_table(file, taken(file, _copied(table), chart))
     except GearpolyError as error:
@@ -157,18 +158,15 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     )
 
 
+def _seal(table: Table) -> None:
+    """Let nobody write to the numbers of a table, so that a recording takes none of them over."""
+    for values in (*table.columns.values(), *(one.values for one in table.others.values())):
+        values.setflags(write=False)
+
+
 def _copied(table: Table) -> Table:
-    """The table with arrays of its own, since a recording takes over those it gets."""
-    return Table(
-        columns={name: values.copy() for name, values in table.columns.items()},
-        keys=dict(table.keys),
-        remarks=list(table.remarks),
-        others={
-            name: Channel(values=one.values.copy(), unit=one.unit, time=one.time) for name, one in table.others.items()
-        },
-        doubts=table.doubts,
-        places=table.places,
-    )
+    """The table with lists and keys of its own, beside the same numbers."""
+    return replace(table, columns=dict(table.columns), keys=dict(table.keys), remarks=list(table.remarks))
 
 
 def _doubt(one: Meaning) -> str:
@@ -216,10 +214,10 @@ def _seen(
 
 def _clock(time: FloatArray) -> Clock:
     rows = np.flatnonzero(np.isfinite(time))
-    steps = np.diff(time[rows])
-    rising = steps[steps > 0.0]
-    usual = float(np.median(rising)) if rising.size else float("nan")
-    low, high = (float(q) for q in np.quantile(rising, [0.05, 0.95])) if rising.size else (usual, usual)
+    steps = np.diff(time[rows] if rows.size < time.size else time)
+    some = steps[:: max(1, steps.size // ENOUGH)]
+    rising = some[some > 0.0]
+    low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
     wide = np.flatnonzero(steps > GAP_STEPS * usual)
     return Clock(
         rate_hz=1.0 / usual,
@@ -235,31 +233,31 @@ def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -
     rows = np.flatnonzero(np.isfinite(degrees) & (np.isfinite(time) if time is not None else True))
     if rows.size < FEWEST:
         return None
-    position = rows.astype(np.float64) if time is None else time[rows]
-    if np.any(np.diff(position) < 0.0):
-        position = rows.astype(np.float64)
-    one = continuous(degrees[rows] * DEG, position, rows)
+    if rows.size < degrees.size:  # else there is nothing to leave out, and millions of numbers to copy
+        degrees, values, time = degrees[rows], values[rows], time if time is None else time[rows]
+    position = time if time is not None and not np.any(time[1:] < time[:-1]) else rows.astype(np.float64)
+    one = continuous(degrees * DEG, position, rows)
     angle = one.angle
     spikes = single_spikes(angle)
-    kept, _ = new_readings(np.arange(rows.size), {"shaft": degrees[rows]}, [])
-    steps = np.abs(np.diff(values[rows]))
-    jumps = steps[one.wraps != 0]
-    modulus = float(np.median(jumps) + np.median(steps)) if jumps.size else None
+    held = np.flatnonzero(~spikes)
+    plain = angle[held] if held.size < angle.size else angle
+    kept, _ = new_readings(np.arange(rows.size), {"shaft": degrees}, [])
+    around = np.flatnonzero(one.wraps)
+    jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: ENOUGH + 1]))
     return Turning(
-        turns=float(np.ptp(angle[~spikes])) / (360.0 * DEG),
-        wraps=int(np.count_nonzero(one.wraps)),
-        modulus=modulus,
+        turns=float(np.ptp(plain)) / (360.0 * DEG),
+        wraps=around.size,
+        modulus=float(np.median(jumps) + np.median(steps)) if around.size else None,
         stops=_stops(angle, rows),
-        reversals=tuple(int(rows[k]) + 1 for k in _reversals(angle[~spikes], np.flatnonzero(~spikes))),
+        reversals=tuple(int(rows[k]) + 1 for k in _reversals(plain, held)),
         repeats=int(rows.size - kept.size),
-        spikes=int(spikes.sum()),
+        spikes=int(rows.size - held.size),
     )
 
 
 def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     """Rows (first, last) between which a shaft stands: below a fiftieth of its usual speed."""
-    travel = np.abs(np.diff(angle))
-    moving = travel[travel > 0.0]
+    moving = np.flatnonzero(angle[1:] != angle[:-1])
     if not moving.size:
         return ((int(rows[0]) + 1, int(rows[-1]) + 1),)
     # Samples between two new readings: an encoder that is read slowly does not stand still.
@@ -267,7 +265,8 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     window = max(STAND_SAMPLES, round(3.0 * hold))
     if angle.size <= window:
         return ()
-    usual = float(np.median(moving)) / hold
+    some = moving[:: max(1, moving.size // ENOUGH)]
+    usual = float(np.median(np.abs(angle[some + 1] - angle[some]))) / hold
     # The reach, not the way from end to end, which is nothing where a shaft turns round.
     size, middle = window + 1, slice((window + 1) // 2, angle.size - window + (window + 1) // 2)
     reach = (maximum_filter1d(angle, size) - minimum_filter1d(angle, size))[middle]

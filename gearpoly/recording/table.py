@@ -14,11 +14,17 @@ by. Only the pair file knows the worm between that axis and the pair."""
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:
     """A series of numbers under a name of the owner's own: ``values`` (m,) in the ``unit`` that the file states, empty
-    where it states none; ``time`` (m,) in s where the format gives the channel times of its own."""
+    where it states none; ``time`` (m,) in s where the format gives the channel times of its own. ``leaf`` is the
+    channel's own name where the table calls it by a path."""
 
     values: FloatArray
     unit: str = ""
     time: FloatArray | None = None
+    leaf: str = ""
+
+    def group(self, path: str) -> str:
+        """The part of its ``path`` before its own name; empty where it has none."""
+        return path[: -len(self.leaf)].rstrip("/.") if self.leaf and path != self.leaf else ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +43,7 @@ class Table:
     ``others`` are channels under names of the owner's own, by their path in the file (``rig/angle``, ``run.angle``, or
     the header of a column); names and units, or a map, say which columns they are. ``layout`` says how a text file was
     read, key by key of a map. ``places`` is half of the last place that a column was written to, where its numbers no
-    longer show it.
+    longer show it. ``unread`` is what else the file holds and was not read, and the cure.
     """
 
     columns: dict[str, FloatArray]
@@ -48,3 +54,4 @@ class Table:
     places: dict[str, float] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
     taken_from: dict[str, str] = field(default_factory=dict)
+    unread: tuple[str, str] | None = None

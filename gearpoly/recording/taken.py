@@ -7,19 +7,20 @@ the lines of a map that settle it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import shorten
+from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.mapped import put, take_mapped
 from gearpoly.recording.meaning import Meaning, entry, meanings
 from gearpoly.recording.quantities import ANGLE, TIME, TORQUE
-from gearpoly.recording.recording import ANGLE_COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
+from gearpoly.recording.reader import NAME_CUTOFF, check_finite
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.table import AXIS_ERROR, Channel, Table
 from gearpoly.units import FloatArray
@@ -54,6 +55,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
     if not table.others and chart is None:
         return table
     out, found = assigned(file, table, chart)
+    _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
     _ask(file, found, out)
     return out
 
@@ -66,15 +68,52 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     keys = {**table.keys, **(chart.keys if chart is not None else {})}
     out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
     out.taken_from = {name: name for name in table.columns}
+    out.unread = table.unread
     times: dict[str, FloatArray] = {}
     used = take_mapped(table, out, times, chart) if chart is not None else set()
-    held = {name: one for name, one in table.others.items() if name not in used}
+    held = _beside(table, out, used)
     found = meanings(held)
     _by_meaning(held, found, out, times)
     found = _confirmed(held, found, out, times)
     _say_left(found, out)
-    _on_one_axis(file, out, times)
+    by_channel = {column for column, name in out.taken_from.items() if column != name or name in table.others}
+    _on_one_axis(file, out, times, mapped=by_channel)
+    for name, channel in out.taken_from.items():
+        if channel in table.others and name in out.columns:
+            check_finite(file, name, out.columns[name])
     return out, found
+
+
+def _check_names(file: Path, table: Table, left: Iterable[str]) -> None:
+    """Raise ``InputFileError`` where a channel beside the contract's columns, ``left`` for nothing, is called nearly as
+    one of them."""
+    if not {*table.columns, *(one.leaf or name for name, one in table.others.items())} & set(COLUMNS) - {"time_s"}:
+        return
+    for name in left:
+        own = table.others[name].leaf or name
+        if own not in COLUMNS and (close := nearest(own, COLUMNS, cutoff=NAME_CUTOFF)):
+            wish = f'the nearest known column is "{close}"; rename it, or give or leave it out in a map ({SETTLE})'
+            raise InputFileError(file, found=f'unknown column "{shorten(own)}"', wish=wish)
+
+
+def _beside(table: Table, out: Table, used: set[str]) -> dict[str, Channel]:
+    """The channels that names and units may still give a column: none of another recording than the one whose columns
+    are taken, and none that was read at other times which nobody states."""
+    groups = {one.group(name) for name, one in table.others.items() if one.leaf in (*ANGLE_COLUMNS, *TE_COLUMNS)}
+    chosen = {table.others[name].group(name) for name in used if name in table.others}
+    sizes = {values.size for values in out.columns.values()}
+    held = {}
+    for name, one in table.others.items():
+        if name in used:
+            continue
+        of_another = one.group(name) in groups - chosen and (chosen & groups or out.columns)
+        if of_another or (one.time is None and len(sizes) == 1 and one.values.size not in sizes):
+            out.remarks.append(
+                f"{shorten(name)} not read: it is of {'another recording' if of_another else 'another length'}"
+            )
+        else:
+            held[name] = one
+    return held
 
 
 def _confirmed(
@@ -127,23 +166,26 @@ def _angles_known(names: Iterable[str]) -> bool:
     return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
 
 
-def _ask(file: Path, found: Sequence[Meaning], out: Table) -> None:
+def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
     """Raise where what a comparison needs is in doubt."""
-    doubtful = [one for one in found if one.doubt and one.column not in out.columns]
+    doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.dimension in ASKED and one.named]
     if not _angles_known(out.columns):
         needed = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in ASKED
         ]
         if not needed:
-            there = shorten(", ".join(one.channel for one in found), width=200)
+            there = shorten(", ".join(one.channel for one in meant), width=200)
             lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
-            first = next((one.channel for one in found if one.channel not in out.columns), "name")
+            first = next((one.channel for one in meant if one.channel not in out.columns), "name")
             wanted = next(name for name in ANGLE_COLUMNS if name not in out.columns)
             ask = (entry(wanted, first, None),)
-            if all(one.channel == f"column {k}" for k, one in enumerate(found, start=1)):
+            if all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
-                raise InputFileError(file, found=f"{len(found)} columns of numbers without names", wish=wish)
+                raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
+            if out.unread is not None:
+                found = f"no column that is surely {lacks}, only {there}; and {out.unread[0]}"
+                raise InputFileError(file, found=found, wish=out.unread[1])
             raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
     if needed:
         one = needed[0]
@@ -170,10 +212,13 @@ def _say_left(found: Iterable[Meaning], out: Table) -> None:
             out.remarks.append(f'"{shorten(one.channel)}" not read: {one.doubt}; in a map, if so: {" ".join(one.ask)}')
 
 
-def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray]) -> None:
-    """Bring columns that the format read at times of their own to common times."""
-    if not times or "time_s" in out.columns:
+def _on_one_axis(file: Path, out: Table, times: Mapping[str, FloatArray], *, mapped: Collection[str]) -> None:
+    """Bring columns that the format read at times of their own to common times; its own ``time_s`` is on their axis."""
+    if not times or "time_s" in mapped:
         return
+    own = out.columns.pop("time_s", None)
+    if own is not None:
+        times = {**dict.fromkeys(out.columns, own), **times}
     if len(times) < len(out.columns):
         lacking = next(name for name in out.columns if name not in times)
         wish = "want columns that all have times, or one that is time_s"

@@ -27,16 +27,17 @@ from gearpoly.recording.reader import (
     RECORDING_LIMIT_BYTES,
     Reader,
     check_few,
+    check_held,
     check_numbers,
     is_key,
     numbers,
     take_key,
     text_value,
-    wanted_columns,
 )
+from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.stated_units import check_unit
-from gearpoly.recording.table import Table
+from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
 START = re.compile(rb"\s*-1[ ]*\r?\n[ ]*\d+[ ]*(b|\r?\n|[ ]+\r?\n)")
@@ -103,12 +104,17 @@ def _read(file: Path, data: mmap.mmap) -> Table:
         ordinate, abscissa, at = _values(file, where, data, found_set)
         values[found_set.name] = (ordinate, abscissa, found_set)
         check_few(file, "", len(values), "data sets")
-    wanted = wanted_columns(file, "ID lines 1", values, table.remarks)
+    wanted = [name for name in values if name in COLUMNS]
     for name in wanted:
         check_unit(file, name, values[name][2].unit)
         table.columns[name] = numbers(file, name, values[name][0])
-    if "time_s" not in wanted:
+    if wanted and "time_s" not in wanted:
         _add_time(file, {name: values[name] for name in wanted}, table)
+    for name, (ordinate, abscissa, one) in values.items():
+        if name not in wanted:
+            time = _axis(file, name, abscissa, one) if one.is_time and "time_s" not in wanted else None
+            table.others[name] = Channel(values=ordinate, unit=one.unit.strip(), time=time)
+    check_held(file, "ID lines 1", table, ())
     return table
 
 

@@ -10,10 +10,11 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from gearpoly.errors import GearpolyError, InputFileError, shown, shown_value
-from gearpoly.files.faults import explain, parse
+from gearpoly.files.faults import explain
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.paths import is_file
 from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text
 from gearpoly.study.keys import check_key, with_values
 from gearpoly.study.models import Limit, StudyFile, Sweep, Until

@@ -11,12 +11,13 @@ from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.faults import explain, parse
+from gearpoly.files.faults import explain
 from gearpoly.files.inspection.measured import MeasuredGear, OwnTrace, Translated, Which
 from gearpoly.files.models import PairFile
 from gearpoly.files.output import write_text
 from gearpoly.files.paths import look
 from gearpoly.files.sheet_csv import with_sheets
+from gearpoly.files.toml import parse
 from gearpoly.files.toml_text import table, value_text
 from gearpoly.files.traces import read_text
 from gearpoly.keys.kinds import NAME_SHOWN

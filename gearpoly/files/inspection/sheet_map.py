@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from gearpoly.errors import InputFileError, shown, shown_value
-from gearpoly.files.faults import parse
+from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text
 from gearpoly.keys.kinds import Length, Section, field
 from gearpoly.keys.sizes import with_sizes

@@ -6,7 +6,8 @@ of a map that settles it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,21 +16,23 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.comments import read_comment
-from gearpoly.recording.meaning import header_unit, quantity_of
+from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import decoded
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
+from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
+from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
 SAMPLE_CELLS = 20_000
 """Cells that are looked at first for the decimal mark; one may settle it."""
 
-CHUNK_CELLS = 100_000
+CHUNK_CELLS = 20_000
 """Cells that are held as text at a time."""
 
 CELL_BYTES = 80
@@ -51,11 +54,11 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, encoding = decoded(file, stated=writing.encoding)
-    count = text.count("\n") + 1
-    if LINE_BYTES * count > memory_limit(file):
+    lines = Lines(text)
+    if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
-        raise InputFileError(file, found=f"{count} lines of {len(text) / count:.1f} characters", wish=wish)
-    lines = text.split("\n")
+        found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
+        raise InputFileError(file, found=found, wish=wish)
     del text
     separator = writing.separator or find_separator(file, lines)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
@@ -92,14 +95,46 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Part:
-    """One recording in the lines of a file: its block, and the numbers from 0 of its ``rows``, none of them blank."""
+    """One recording in the lines of a file, and its block."""
 
     file: Path
-    lines: Sequence[str]
+    lines: Lines
     block: Block
     separator: str
     writing: Writing
-    rows: Sequence[int]
+
+    @property
+    def bounds(self) -> tuple[int, int]:
+        """The first line of its rows and the one after the last, from 0."""
+        return self.block.rows[0] - 1, self.block.rows[1] - 1
+
+    def rows(self, first: int, end: int) -> list[int]:
+        """The numbers from 0 of the lines from ``first`` to before ``end`` that are not blank."""
+        return [first + k for k, line in enumerate(self.lines[first:end]) if line and not line.isspace()]
+
+    def ends(self, count: int) -> list[int]:
+        """The numbers of the first and of the last ``count`` rows, of all where there are no more."""
+        first, end = self.bounds
+        begin = list(itertools.islice(self._filled(range(first, end)), count))
+        rest = range(end - 1, begin[-1], -1) if begin else ()
+        return [*begin, *sorted(itertools.islice(self._filled(rest), count))]
+
+    def _filled(self, numbers: Iterable[int]) -> Iterator[int]:
+        return (k for k in numbers if self.lines[k].strip())
+
+    def plain(self, first: int, end: int, marks: Marks) -> FloatArray | None:
+        """The table (n, columns) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
+        ``None`` where they are to be read cell by cell."""
+        text = self.lines.joined(first, end)
+        if self.separator == " " or (marks.thousands and marks.thousands in text):
+            return None
+        rows = text.replace(marks.decimal, ".").split("\n")
+        try:
+            table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
+        except ValueError:
+            return None
+        good = table.shape == (end - first, len(self.block.names)) and bool(np.isfinite(table).all())
+        return np.asarray(table) if good else None
 
     def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
         """The cells of some rows, column by column."""
@@ -116,15 +151,13 @@ class _Part:
         return InputFileError(self.file, where=where, found=f'"{shorten(cell)}"', wish=wish)
 
 
-def _table(file: Path, lines: Sequence[str], block: Block, separator: str, writing: Writing) -> Table:
+def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
-    rows = [k for k in range(block.rows[0] - 1, block.rows[1] - 1) if lines[k] and not lines[k].isspace()]
-    part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing, rows=rows)
-    half = max(1, SAMPLE_CELLS // len(block.names) // 2)
-    sample = part.cells(rows if len(rows) <= 2 * half else [*rows[:half], *rows[-half:]])
+    part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
+    sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
-    check_numbers(file, 0, beside=CELL_BYTES * len(rows) * len(stamped))
+    check_numbers(file, 0, beside=CELL_BYTES * (block.rows[1] - block.rows[0]) * len(stamped))
     series, texts = _columns(part, marks, stamped)
     series.update(_times(part, texts, table))
     for k, name in enumerate(block.names):
@@ -140,20 +173,31 @@ def _table(file: Path, lines: Sequence[str], block: Block, separator: str, writi
 def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
     """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps."""
     texts: dict[int, list[str]] = {k: [] for k in stamped}
-    read: dict[int, list[FloatArray]] = {k: [] for k in range(len(part.block.names)) if k not in texts}
+    first, end = part.bounds
+    read = {k: np.empty(end - first) for k in range(len(part.block.names)) if k not in texts}
     chunk = max(1, CHUNK_CELLS // len(part.block.names))
     wish = f'want a finite number with the decimal mark "{marks.decimal}" ({marks.why}), or an empty cell'
-    for begin in range(0, len(part.rows), chunk):
-        rows = part.rows[begin : begin + chunk]
+    count = 0
+    for begin in range(first, end, chunk):
+        table = part.plain(begin, min(begin + chunk, end), marks) if not texts else None
+        if table is not None:
+            for k, held in read.items():
+                held[count : count + len(table)] = table[:, k]
+            count += len(table)
+            continue
+        rows = part.rows(begin, min(begin + chunk, end))
+        if not rows:
+            continue
         cells = part.cells(rows)
         for k, stamps in texts.items():
             stamps.extend(cells[k])
         for k, held in read.items():
             try:
-                held.append(marks.values(cells[k]))
+                held[count : count + len(rows)] = marks.values(cells[k])
             except BadCellError as bad:
                 raise part.bad(k, rows[bad.at], cells[k][bad.at], wish) from None
-    return {k: np.concatenate(held) for k, held in read.items()}, texts
+        count += len(rows)
+    return {k: held[:count] for k, held in read.items()}, texts
 
 
 def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
@@ -169,7 +213,7 @@ def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, 
             out[k] = seconds(cells, order=order, dates=days)
         except BadCellError as bad:
             wish = "want a time stamp like those above, or an empty cell"
-            raise part.bad(k, part.rows[bad.at], cells[bad.at], wish) from None
+            raise part.bad(k, part.rows(*part.bounds)[bad.at], cells[bad.at], wish) from None
         table.remarks.append(f"{shorten(part.block.names[k])}: time stamps, in s after the first")
     return out
 
@@ -187,11 +231,11 @@ def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int],
     """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
     if part.writing.decimal:
         return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
-    quoted = any('"' in part.lines[k] for k in part.rows)
+    quoted = part.lines.hold('"', *part.bounds)
     cells = [sample[k] for k in numbers]
     found = marks_proved(cells, separator=part.separator, quoted=quoted)
-    if found is None and cells and len(part.rows) > len(cells[0]):
-        whole = part.cells(part.rows)
+    if found is None and cells and part.bounds[1] - part.bounds[0] > len(cells[0]):
+        whole = part.cells(part.rows(*part.bounds))
         cells = [whole[k] for k in numbers]
         found = marks_proved(cells, separator=part.separator, quoted=quoted)
     found = found or marks_confirmed(cells, angles=[j for j, k in enumerate(numbers) if _is_degrees(part.block, k)])

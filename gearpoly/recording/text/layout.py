@@ -16,6 +16,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import UNSTATED, units_written
 from gearpoly.recording.text.cells import is_missing, is_number
+from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
 from gearpoly.recording.text.stamps import is_stamp
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
@@ -97,7 +98,7 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
 
 
 def find_blocks(
-    file: Path, lines: Sequence[str], separator: str, *, header: int = 0, units: int = 0, footer: bool = True
+    file: Path, lines: Lines, separator: str, *, header: int = 0, units: int = 0, footer: bool = True
 ) -> list[Block]:
     """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them,
     ``footer`` allows text below the last row.
@@ -130,7 +131,7 @@ def find_blocks(
     return blocks
 
 
-def _runs(lines: Sequence[str], separator: str) -> list[tuple[int, int, int]]:
+def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
     """Runs of rows of one width: first line, end (both from 0), width."""
     runs: list[tuple[int, int, int]] = []
     quick: re.Pattern[str] | None = None
@@ -139,19 +140,24 @@ def _runs(lines: Sequence[str], separator: str) -> list[tuple[int, int, int]]:
         cell = r"[ ]*[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?[ ]*" if separator != "," else r"[ ]*[+-]?\d+(?:\.\d+)?[ ]*"
         quick = re.compile(rf"{cell}(?:{mark}{cell})+")
     open_ = False
-    for k, line in enumerate(lines):
-        if not line or line.isspace():
+    for begin in range(0, len(lines), LINES_AT_ONCE):
+        end = min(begin + LINES_AT_ONCE, len(lines))
+        if open_ and are_rows(lines.joined(begin, end), separator, runs[-1][2]):
+            runs[-1] = (runs[-1][0], end, runs[-1][2])
             continue
-        if quick is not None and quick.fullmatch(line):
-            width = line.count(separator) + 1
-        else:
-            cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
-            width = len(cells) if len(cells) > 1 and is_data(cells) else 0
-        if width and open_ and runs[-1][2] == width:
-            runs[-1] = (runs[-1][0], k + 1, width)
-        elif width:
-            runs.append((k, k + 1, width))
-        open_ = width > 0
+        for k, line in enumerate(lines[begin:end], start=begin):
+            if not line or line.isspace():
+                continue
+            if quick is not None and quick.fullmatch(line):
+                width = line.count(separator) + 1
+            else:
+                cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
+                width = len(cells) if len(cells) > 1 and is_data(cells) else 0
+            if width and open_ and runs[-1][2] == width:
+                runs[-1] = (runs[-1][0], k + 1, width)
+            elif width:
+                runs.append((k, k + 1, width))
+            open_ = width > 0
     return runs
 
 

@@ -1,0 +1,92 @@
+"""The words of five languages by which a channel's name tells a quantity and a shaft."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE
+
+TE, OTHER = "transmission error", "something else"
+
+QUANTITIES: tuple[tuple[str, str, str], ...] = (
+    (
+        TE,
+        "te drehwegfehler",
+        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
+        "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
+    ),
+    (
+        OTHER,
+        "",
+        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
+        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
+    ),
+    (
+        SPEED,
+        "n rpm rev regime nan nab",
+        "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
+    ),
+    (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
+    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
+    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
+    (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
+)
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
+row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
+with a unit that fits, but for t."""
+
+SHAFT_WORDS = {
+    "driving": (
+        "driving driver input entree entrada ingresso entrata menant menante conductor conductora conduttore",
+        "antrieb|eingang|input|treibend",
+    ),
+    "driven": (
+        "driven output sortie salida uscita mene menee conducido conducida condotto condotta out",
+        "abtrieb|ausgang|output|getrieben",
+    ),
+}
+"""Words and parts of words that name one shaft of a pair and no other."""
+
+_NO_SHAFT = re.compile(
+    r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
+)
+"""Names of a logger's own inputs and outputs, which are no shafts."""
+
+NAME_LIMIT = 200
+"""Characters of a name that are looked at; the longest header of a logger seen has 60."""
+
+
+def quantity_of(name: str) -> str:
+    """The quantity that the words of a channel's name say, or nothing."""
+    words, whole_words = plain(name), tokens(name)
+    for quantity, whole, parts in QUANTITIES:
+        if (set(whole.split()) & whole_words) or re.search(parts, words):
+            return quantity
+    return ""
+
+
+def shaft_of(name: str, *, outs: bool = False) -> str:
+    """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
+    words, whole_words = plain(name), tokens(name)
+    if _NO_SHAFT.search(words):
+        return ""
+    if outs and "in" in whole_words:
+        whole_words.add("input")
+    found = [
+        shaft
+        for shaft, (whole, parts) in SHAFT_WORDS.items()
+        if set(whole.split()) & whole_words or re.search(parts, words)
+    ]
+    return found[0] if len(found) == 1 else ""
+
+
+def plain(name: str) -> str:
+    """A name in small letters, without accents, its words parted by one blank."""
+    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
+    bare = unicodedata.normalize("NFKD", split.lower())
+    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
+
+
+def tokens(name: str) -> set[str]:
+    return set(plain(name).split())
