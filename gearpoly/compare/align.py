@@ -174,7 +174,7 @@ def _level(curve: Curve) -> Curve:
     te, _ = without_ramp(curve.theta_2, curve.te)
     return Curve(
         theta_2=curve.theta_2, te=te, weight=curve.weight, template=curve.template, turn=curve.turn,
-        counted=curve.counted,
+        counted=curve.counted, count=curve.count,
     )  # fmt: skip
 
 
@@ -288,6 +288,8 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             continue
         if apart[k] >= 0 and k != origin:
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
+        elif (same := _counted_with(fits, k)) is not None:
+            turns[k] = turns[same]
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
             blind = float(np.max(np.ptp(ways, axis=0))) < TOLD
@@ -295,6 +297,12 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             turns[k] = np.argmin(ways, axis=0) * turn if known is None else known
         total += misfit[(index + turns[k]) % cycle.size]
     return total, turns
+
+
+def _counted_with(fits: list[Misfit], k: int) -> int | None:
+    """An earlier recording whose count of turns is that of recording ``k``."""
+    count = fits[k].curve.count
+    return next((j for j in range(k) if fits[j].curve.count == count), None) if count >= 0 else None
 
 
 def _zeros(shift: float | FloatArray, offset: float | FloatArray, cycle: Cycle) -> tuple[FloatArray, FloatArray]:

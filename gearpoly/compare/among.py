@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray
 
 ALIKE = 0.5
@@ -36,6 +37,13 @@ class Turns(NamedTuple):
 
     turns: int
     clear: bool
+
+
+def shared_counts(recordings: Sequence[Recording]) -> list[int]:
+    """Numbers from 0 of the counts of turns that ``recordings`` go by: runs of one stretch of a file share theirs; -1
+    where nobody shares it."""
+    runs = [None if one.run is None else (one.run.file, one.run.stretch) for one in recordings]
+    return [-1 if one is None else runs.index(one) for one in runs]
 
 
 def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cycle, *, blind: bool) -> IntArray | None:

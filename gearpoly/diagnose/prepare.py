@@ -118,8 +118,12 @@ def means_compare(recordings: Sequence[Recording]) -> tuple[bool, ...]:
     """Whether the mean of each recording compares with those of the others of its set.
 
     Encoders keep their zeros. A transmission error that the rig computed keeps its own zero as well, unless the rig
-    took the mean off, or began at nothing; it does not compare with readings of encoders.
+    took the mean off, or began at nothing; it does not compare with readings of encoders. Runs of one stretch have one
+    zero whatever it is.
     """
+    runs = {(r.run.file, r.run.stretch) if r.run is not None else None for r in recordings}
+    if len(runs) == 1 and None not in runs:
+        return (True,) * len(recordings)
     computed = [r.computed for r in recordings]
     if not all(computed):
         return tuple(not one for one in computed)

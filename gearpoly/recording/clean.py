@@ -17,6 +17,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
+from gearpoly.recording.reversals import backward_limit
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.stated_twice import check_error, check_errors
 from gearpoly.recording.travel import nearest_teeth, slope
@@ -41,10 +42,12 @@ RUN_UP_SHARE = 0.1
 """Part of all driving turns that a slow end may hold and still be a ramp."""
 RAMP_WINDOW = 5.0 * DEG
 """Driving rotation in rad over which that speed is taken, above the noise of single readings."""
-BACKWARD_LIMIT = 0.5 * DEG
-"""Backward motion in rad that counts as jitter of the reading; more is a real reversal, which changes the flank."""
 TURNS_LEAST = 2.0
 """Driving turns that must be left; with fewer nothing of the driving shaft repeats."""
+
+
+class TooShortError(InputFileError):
+    """Too little of a recording is left to be compared."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -182,15 +185,16 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     )
 
 
-def _too_short(recording: Recording, found: str) -> InputFileError:
+def _too_short(recording: Recording, found: str) -> TooShortError:
     wish = f"want at least {TURNS_LEAST:g} driving turns at speed, angles in deg; record longer"
-    return InputFileError(recording.source, found=found, wish=wish)
+    return TooShortError(recording.source, found=found, wish=wish)
 
 
 def _row(recording: Recording, sample: int) -> str:
-    """A sample's place for a message: its row from 1, and its time."""
+    """A sample's place for a message: its row of the file from 1, and its time."""
+    first = recording.run.rows[0] if recording.run is not None else 1
     at = "" if recording.time_s is None else f" (time_s {recording.time_s[sample]:.6g})"
-    return f"row {sample + 1}{at}"
+    return f"row {sample + first}{at}"
 
 
 def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
@@ -295,17 +299,15 @@ def _steady(theta_1: FloatArray, position: FloatArray) -> tuple[int, int]:
 
 def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: IntArray, done: list[Deed]) -> None:
     """Raise where a shaft really turns back; count where only its reading trembles."""
-    back = np.maximum.accumulate(angle) - angle
-    real = np.flatnonzero(back > BACKWARD_LIMIT)
+    back, limit = np.maximum.accumulate(angle) - angle, backward_limit(angle)
+    real = np.flatnonzero(back > limit)
     if real.size:
         # The turn-round itself is the highest reading before.
         turned = int(np.argmax(angle[: real[0] + 1]))
         found = (
             f"the {shaft} angle runs back, by {back[real[0]] / DEG:.2f} deg up to {_row(recording, int(keep[real[0]]))}"
         )
-        wish = (
-            f"want one direction (up to {BACKWARD_LIMIT / DEG:g} deg back is taken for jitter); cut the recording there"
-        )
+        wish = f"want one direction (up to {limit / DEG:.2g} deg back is taken for jitter); cut the recording there"
         raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
     steps = int(np.count_nonzero(np.diff(angle) < 0.0))
     says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gearpoly.errors import GearpolyError
-from gearpoly.recording.clean import BACKWARD_LIMIT, STANDS_SHARE
+from gearpoly.recording.clean import STANDS_SHARE
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
@@ -22,6 +22,7 @@ from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
 from gearpoly.recording.repeats import new_readings
+from gearpoly.recording.reversals import reversals
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
@@ -30,9 +31,6 @@ from gearpoly.units import DEG, FloatArray, IntArray
 
 STAND_SAMPLES = 12
 """Least samples of a stop: an encoder that is read slowly repeats its value for fewer."""
-
-REVERSALS_LIMIT = 200
-"""Reversals that are looked for; each takes a pass over the rest."""
 
 FEWEST = 8
 """Samples below which nothing is said of rates and turns."""
@@ -250,7 +248,7 @@ def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -
         wraps=int(np.count_nonzero(one.wraps)),
         modulus=modulus,
         stops=_stops(angle, rows),
-        reversals=tuple(int(rows[k]) + 1 for k in _reversals(angle[~spikes], np.flatnonzero(~spikes))),
+        reversals=tuple(int(rows[~spikes][k]) + 1 for k in reversals(angle[~spikes])),
         repeats=int(rows.size - kept.size),
         spikes=int(spikes.sum()),
     )
@@ -276,22 +274,3 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     return tuple(
         (int(rows[a]) + 1, int(rows[b - 1 + window]) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)
     )
-
-
-def _reversals(angle: FloatArray, rows: IntArray) -> list[int]:
-    """Samples at which a shaft turns round for more than jitter."""
-    out: list[int] = []
-    begin, way = 0, 0.0
-    far = np.flatnonzero(np.abs(angle - angle[0]) > BACKWARD_LIMIT)
-    if not far.size:
-        return out
-    way = float(np.sign(angle[far[0]] - angle[0]))
-    while len(out) < REVERSALS_LIMIT:
-        run = way * angle[begin:]
-        back = np.flatnonzero(np.maximum.accumulate(run) - run > BACKWARD_LIMIT)
-        if not back.size:
-            return out
-        at = begin + int(np.argmax(run[: back[0] + 1]))
-        out.append(int(rows[at]))
-        begin, way = at, -way
-    return out
