@@ -22,8 +22,9 @@ ENDS = 2
 """Places left out at either end, where a shaft that turns round takes up the lost motion."""
 
 LEAST = 0.3 * ARCMIN
-"""rad. Less is no change of flanks: a pair whose load hangs on one flank comes back by its friction, which is 0.02 um
-at full load in a simulated pair, its shafts by that of their bearings. Backlash of a module 1 is ten times as much."""
+"""rad. Less is no change of flanks: where the load hangs on one flank friction makes the pair come back 0.05 arcmin
+apart (0.18 um; 12 on 16 teeth of module 2, 80 N.m, a coefficient of 0.05), 0.11 at twice that. Backlash of a module 1
+is ten times as much."""
 
 LEAST_ALONG = 1.5 * UM
 """mm. The same along the line of action, at a base radius of 17 mm."""

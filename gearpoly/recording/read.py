@@ -6,7 +6,6 @@ import functools
 import importlib
 import pkgutil
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from gearpoly import recording as package
@@ -15,17 +14,13 @@ from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.apart import read_apart
-from gearpoly.recording.clean import TURNS_LEAST
 from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
-from gearpoly.recording.runs import runs_of, says, usable
+from gearpoly.recording.runs import NAMED, runs_of, usable
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.writing import Writing
-
-NAMED = 4
-"""Runs that a message names; the rest is counted."""
 
 HEAD_BYTES = 4096
 """How much of a file is looked at to tell its format; HDF5 may begin as far in as 2048."""
@@ -101,17 +96,7 @@ def _runs(recording: Recording, number: int | None) -> list[Recording]:
             wish = f"want {file.name}#1 to #{len(runs)}"
             raise InputFileError(file, found=f"run {number} of {len(runs)}", wish=wish)
         return [runs[number - 1]]
-    long = usable(runs)
-    if not long:
-        most = max(one.run.turns for one in runs if one.run is not None)
-        found = f"{len(runs)} runs forth and back, none of more than {most:.3g} driving turns"
-        wish = f"want at least {TURNS_LEAST:g} driving turns one way; gearpoly read tells the lost motion all the same"
-        raise InputFileError(recording.source, found=found, wish=wish)
-    short = [says(one) for one in runs if one not in long]
-    if not short:
-        return long
-    said = f"too short to use: {'; '.join(short[:NAMED])}" + (f"; and {len(short) - NAMED} more" * (len(short) > NAMED))
-    return [replace(long[0], remarks=(*long[0].remarks, said)), *long[1:]]
+    return usable(runs)
 
 
 def read_set(paths: Sequence[Path], maps: Sequence[Path] | None, *, worm: WormSection | None = None) -> list[Recording]:

@@ -29,6 +29,12 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 SHORT = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""
 
+FEWEST = 8
+"""Samples below which nothing is said of runs."""
+
+NAMED = 4
+"""Runs that a message names; the rest is counted."""
+
 FASTEST = 0.99
 """Part of all steps that are slower than the speed by which a gap is bridged at most."""
 
@@ -51,7 +57,8 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
     shafts = _shafts(recording)
     good = np.logical_and.reduce([np.isfinite(one) for one in shafts.values()])
     rows = np.flatnonzero(good)
-    if rows.size < 8:
+    steps = np.diff(next(iter(shafts.values()))[rows])
+    if rows.size < FEWEST or np.all(steps >= 0.0) or np.all(steps <= 0.0):  # never wrapped, and never turned round
         check_torque(recording)
         return (recording,)
     whole, cuts = _continuous(recording, {name: one[rows] for name, one in shafts.items()}, rows)
@@ -64,16 +71,39 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
         angles[name] = np.full(recording.size, np.nan)
         angles[name][rows] = angle * _direction(recording, name)
     pieces = [_piece(recording, angles, rows, one, (k, len(stretches))) for k, one in enumerate(stretches, start=1)]
+    if all(_torque(one) < 0.0 for one in pieces):
+        check_torque(recording)
     return _with_flanks(recording, pieces)
 
 
+def is_long(one: Recording, runs: Sequence[Recording]) -> bool:
+    """Whether one of several runs holds enough to be compared."""
+    if one.run is None:
+        return True
+    longest = max(other.run.turns for other in runs if other.run is not None)
+    return one.run.turns >= (TURNS_LEAST if one.run.shaft == "driving" else SHORT * longest)
+
+
 def usable(runs: Sequence[Recording]) -> list[Recording]:
-    """Those of several runs that are long enough to compare."""
-    longest = max((one.run.turns for one in runs if one.run is not None), default=0.0)
-    return [
-        one for one in runs
-        if one.run is None or one.run.turns >= (TURNS_LEAST if one.run.shaft == "driving" else SHORT * longest)
-    ]  # fmt: skip
+    """The runs of one recording that are long enough to compare; the first has a word of those that are not.
+
+    Raises ``InputFileError`` where none is.
+    """
+    long = [one for one in runs if is_long(one, runs)]
+    short = [says(one) for one in runs if not is_long(one, runs)]
+    if not long:
+        file, most = next((one.run.file, one.run.turns) for one in _longest_first(runs) if one.run is not None)
+        found = f"{len(runs)} runs forth and back, none of more than {most:.3g} driving turns"
+        wish = f"want at least {TURNS_LEAST:g} driving turns one way; gearpoly read tells the lost motion all the same"
+        raise InputFileError(file, found=found, wish=wish)
+    if not short:
+        return long
+    said = f"too short to use: {'; '.join(short[:NAMED])}" + (f"; and {len(short) - NAMED} more" * (len(short) > NAMED))
+    return [replace(long[0], remarks=(*long[0].remarks, said)), *long[1:]]
+
+
+def _longest_first(runs: Sequence[Recording]) -> list[Recording]:
+    return sorted(runs, key=lambda one: -one.run.turns if one.run is not None else 0.0)
 
 
 def check_torque(recording: Recording) -> None:
@@ -188,12 +218,17 @@ def _with_flanks(recording: Recording, pieces: list[Recording]) -> tuple[Recordi
     out = []
     for k, (piece, flank) in enumerate(zip(pieces, flanks, strict=True)):
         torque = piece.torque_samples_nm
-        if torque is not None and float(np.nanmedian(torque)) < 0.0:
+        if torque is not None and _torque(piece) < 0.0:
             torque = -torque
         # Of the file as a whole it is enough to speak once.
         remarks = (f"{says(piece)}, {flank} flank", *((f"flanks of the runs: {why}", *recording.remarks) * (k == 0)))
         out.append(replace(piece, flank=flank, torque_samples_nm=torque, remarks=remarks))
     return tuple(out)
+
+
+def _torque(one: Recording) -> float:
+    """The middle recorded torque in N.m, 0 where none was."""
+    return 0.0 if one.torque_samples_nm is None else float(np.nanmedian(one.torque_samples_nm))
 
 
 def says(one: Recording) -> str:
@@ -209,13 +244,15 @@ def says(one: Recording) -> str:
 def _flanks(stated: Flank, pieces: list[Recording]) -> tuple[list[Flank], str]:
     """The flank of every piece, and how it is known."""
     senses = [-1 if one.backward else 1 for one in pieces]
-    torque = [0.0 if one.torque_samples_nm is None else float(np.nanmedian(one.torque_samples_nm)) for one in pieces]
+    torque = [_torque(one) for one in pieces]
     if min(torque) < 0.0 < max(torque) and len({s * t > 0.0 for s, t in zip(senses, torque, strict=True)}) == 1:
         return ["drive" if t > 0.0 else "coast" for t in torque], "the recorded torque changes its sign"
     found = sorted((one for _, _, one in lost_motions(pieces)), key=lambda one: one.mean)
     if not found:
-        why = "taken to be braked by what it drives, since no two runs hold the same angles"
-        return ["drive" if s > 0 else "coast" for s in senses], why
+        main = 1 if sum(s * one.run.turns for s, one in zip(senses, pieces, strict=True) if one.run) >= 0.0 else -1
+        why = "those one way as stated, the others taken to be braked too, since no two runs hold the same angles"
+        other: Flank = "coast" if stated == "drive" else "drive"
+        return [stated if s == main else other for s in senses], why
     one = found[len(found) // 2]
     if not one.seen:
         return [stated] * len(pieces), f"one flank carries both ways, with {one.says} between them"

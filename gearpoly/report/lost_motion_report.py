@@ -84,7 +84,9 @@ def draw_lost(figure: Any, found: Sequence[Lost]) -> None:
         ):
             axis.plot(angle[some], values[some] / UM, ".", color=colour, markersize=2.5, alpha=0.4)
             words = f"{name}: {lost.arcmin(float(np.mean(values))):.3f} arcmin of the driving shaft in the mean"
-            axis.plot(at, np.append(mean, mean[0]) / UM, color=colour, drawstyle="steps-mid", linewidth=1.4, label=words)
+            axis.plot(
+                at, np.append(mean, mean[0]) / UM, color=colour, drawstyle="steps-mid", linewidth=1.4, label=words
+            )
         axis.set_xlabel("driven angle / deg")
         axis.set_ylabel("lost motion along the\nline of action / um")
         drive, coast = (" and ".join(map(str, these)) for these in lost.recordings)
