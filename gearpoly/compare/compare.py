@@ -18,7 +18,8 @@ from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
 from gearpoly.compare.locate import locate
 from gearpoly.compare.pieces import pieces
-from gearpoly.compare.remarks import remarks
+from gearpoly.compare.remarks import remarks, scale_remarks
+from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
@@ -91,6 +92,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
     recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
+    recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2)
     for one in cleaned:
@@ -159,7 +161,8 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         aligned=aligned,
         alignment=alignment,
         gears=gears,
-        remarks=(*jam_remarks(pair), *remarks(file, aligned, alignment, base)),
+        remarks=(*jam_remarks(pair), *scale_remarks(scale), *remarks(file, aligned, alignment, base)),
+        scale=scale,
         parts=parts_of(file.also_turns, z_1=z_1, z_2=z_2),
         worm=file.worm,
     )

@@ -12,7 +12,31 @@ import numpy as np
 
 from gearpoly.physics.parts import EncoderErrors
 from gearpoly.recording.recording import Recording
-from gearpoly.units import FloatArray
+from gearpoly.recording.travel import whole_angles
+from gearpoly.units import DEG, FloatArray
+
+ZERO_KEPT = 0.5 * DEG
+"""rad per turn by which a scale may be off for a stated zero to stay: it says which reading is zero, but not in which
+turn, and half a tooth of a gear with 360 is as much."""
+
+
+def loses_zero(scale: float) -> bool:
+    """Whether a reading ``scale`` times the truth has no zero but in one of its turns."""
+    return abs(scale - 1.0) * 2.0 * np.pi > ZERO_KEPT
+
+
+def with_own_zero(recording: Recording, shaft: str, *, ratio: float) -> Recording:
+    """The recording without the angle of a ``shaft`` whose count has no zero that others share: its transmission error
+    from a zero of its own, beside the angle of the other shaft. As it is where both angles were not read."""
+    both = whole_angles(recording)
+    if both is None:
+        return recording
+    rows, theta_1, theta_2, _ = both
+    te = np.full(recording.size, np.nan)
+    te[rows] = theta_2 - ratio * theta_1
+    te -= te[rows[0]]
+    changes: dict[str, Any] = {f"{shaft}_angle_rad": None, f"{shaft}_zero_rad": None, f"{shaft}_direction": 1}
+    return replace(recording, te_rad=te, **changes)
 
 
 def corrected(
@@ -38,6 +62,8 @@ def corrected(
             held = np.isfinite(reading)
             whole = reading.copy()
             whole[held] = np.unwrap(reading[held])
+            if loses_zero(errors.scale):
+                changes[f"{name}_zero_rad"] = None
         true = (whole - errors.at(reading)) / errors.scale
         changes[f"{name}_angle_rad"] = true
         wrong[name] = sense * (whole - true)

@@ -65,4 +65,5 @@ def steady(theta_1: FloatArray, position: FloatArray) -> Steady:
             slow = speed[before + 1 : last]
             if first < last and np.min(slow) < CREEP_SHARE * usual and theta_1[last] - theta_1[first - 1] <= way:
                 stops[first:last] = True
+    stops[:begin] = stops[end:] = False
     return Steady(begin, end, stops)
