@@ -15,6 +15,7 @@ from gearpoly.compare.division import Division
 from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.on_sky import Sky, arcsec_words, sky_of
+from gearpoly.compare.scale import Scale
 from gearpoly.compare.zeros import Zeros
 from gearpoly.report.lost_motion_report import lost_json, lost_rows
 from gearpoly.units import DEG, NM, RPM, UM
@@ -69,6 +70,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "divides_um": division_json(located.division),
         **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
         **({} if sky is None else {"residual_rms_arcsec": sky.arcsec(located.residual_rms / UM)}),
+        **({} if comparison.scale is None else {"reading_scale": _scale_json(comparison.scale)}),
         **({"lost_motion": [lost_json(one) for one in lost]} if lost else {}),
         "recordings": [
             {
@@ -95,6 +97,14 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def _scale_json(scale: Scale) -> dict[str, Any]:
+    """What one reading was times the truth, before it was taken out."""
+    out: dict[str, Any] = {"gear": scale.shaft, "ratio": scale.value, "std": scale.std}
+    if scale.by_recording:
+        out["ratio_by_recording"] = dict(zip(map(str, scale.of), scale.by_recording, strict=True))
+    return out
 
 
 def entries_json(entries: tuple[Entry, ...], sky: Sky | None) -> list[dict[str, object]]:
