@@ -11,7 +11,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, stated_limits
 from gearpoly.compare.align import lay
-from gearpoly.compare.among import shared_counts
+from gearpoly.compare.among import means_compare, shared_counts
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
@@ -141,6 +141,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         direction_1=recordings[0].driving_direction,
         direction_2=recordings[0].driven_direction,
         counted=tuple(curve.counted for curve in curves),
+        compared=means_compare([one.recording for one in cleaned]),
         flank=tuple(one.recording.flank for one in cleaned),
         torque=tuple(torques),
     )

@@ -15,7 +15,7 @@ from gearpoly.compare.ratio import Explained, Travelled, decided, explanations, 
 from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.physics.parts import EncoderErrors
-from gearpoly.recording.chain import loses_zero, with_own_zero
+from gearpoly.recording.chain import loses_zero, with_own_zeros
 from gearpoly.recording.clean import RATIO_LIMIT, clean
 from gearpoly.recording.recording import SHAFTS, Recording
 from gearpoly.recording.travel import whole_angles
@@ -70,7 +70,7 @@ def put_right(
     if not found:
         shafts = [name for name, one in zip(("driving", "driven"), encoders, strict=True) if loses_zero(one.scale)]
         if shafts and not _one_count(recordings):
-            return [with_own_zero(one, shafts[0], ratio=pair.ratio) for one in recordings], None
+            return with_own_zeros(recordings, shafts[0], ratio=pair.ratio), None
         return list(recordings), None
     these = list(found.values())
     first = recordings[next(iter(found))]
@@ -155,7 +155,7 @@ def _taken_out(recordings: Sequence[Recording], scale: Scale, pair: GearPair) ->
     out = [_divided(one, scale.shaft, values[k]) if k in values else one for k, one in enumerate(recordings)]
     if _one_count(recordings) and not scale.by_recording:
         return out
-    return [with_own_zero(one, scale.shaft, ratio=pair.ratio) if k in values else one for k, one in enumerate(out)]
+    return with_own_zeros(out, scale.shaft, ratio=pair.ratio)
 
 
 def _divided(recording: Recording, shaft: str, scale: float) -> Recording:

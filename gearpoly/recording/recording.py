@@ -75,7 +75,8 @@ class Recording:
     while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
     ``time_s`` rises; ``flank`` is still the one that touches. ``from_time``: shafts of which no encoder was read, since
     their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
-    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``run`` says
+    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``own_zero``:
+    a transmission error whose zero no recording shares but runs beside it in one file. ``run`` says
     which part of its file it is, where the shafts turned forth and back there. ``remarks`` say what a reader found,
     assumed or left out.
 
@@ -102,6 +103,7 @@ class Recording:
     backward: bool = False
     from_time: tuple[str, ...] = ()
     last_places: Mapping[str, float] = field(default_factory=dict)
+    own_zero: bool = False
     run: Run | None = None
     remarks: tuple[str, ...] = ()
 
