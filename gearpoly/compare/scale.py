@@ -83,7 +83,7 @@ def put_right(
         return list(recordings), None
     if best.teeth is not None:
         raise InputFileError(first.source, found=_off(ratio, pair), wish=_another(told))
-    scale = _scale(best, told, found, pair)
+    scale = _scale(best, told, {k: _refined(recordings[k], best.shaft, one, pair) for k, one in found.items()}, pair)
     return _taken_out(recordings, scale, pair), scale
 
 
@@ -124,6 +124,14 @@ def _with(recording: Recording, driving: FloatArray, driven: FloatArray) -> Reco
         recording, driving_angle_rad=driving, driven_angle_rad=driven, driving_direction=1, driven_direction=1,
         driving_zero_rad=None, driven_zero_rad=None,
     )  # fmt: skip
+
+
+def _refined(recording: Recording, shaft: str, one: Travelled, pair: GearPair) -> Travelled:
+    """The travels once more, with the first orders of both shafts where they truly are."""
+    wrong = pair.ratio / one.ratio if shaft == "driving" else one.ratio / pair.ratio
+    again = clean(_divided(recording, shaft, wrong), ratio=pair.ratio, r_b2=pair.r_b2)
+    more = 1.0 + again.ratio_offset / pair.ratio
+    return replace(one, ratio=one.ratio * more, std=again.ratio_offset_std * one.ratio / pair.ratio)
 
 
 def _scale(best: Explained, told: Sequence[Explained], found: dict[int, Travelled], pair: GearPair) -> Scale:
