@@ -96,6 +96,8 @@ def draw_lost(figure: Any, found: Sequence[Lost]) -> None:
             fontsize=9,
         )
         axis.set_xlim(0.0, 360.0)
+        low, high = axis.get_ylim()
+        axis.set_ylim(low, high + 0.2 * (high - low))  # room for the legend
         per_um = lost.arcmin(UM)
         second = axis.secondary_yaxis(
             "right", functions=(partial(operator.mul, per_um), partial(operator.mul, 1.0 / per_um))
