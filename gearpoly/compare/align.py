@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.among import further_on
+from gearpoly.compare.among import counted_with, further_on
 from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
 from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
@@ -288,7 +288,7 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             continue
         if apart[k] >= 0 and k != origin:
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
-        elif (same := _counted_with(fits, k)) is not None:
+        elif (same := counted_with([fit.curve for fit in fits], k)) is not None:
             turns[k] = turns[same]
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
@@ -297,12 +297,6 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             turns[k] = np.argmin(ways, axis=0) * turn if known is None else known
         total += misfit[(index + turns[k]) % cycle.size]
     return total, turns
-
-
-def _counted_with(fits: list[Misfit], k: int) -> int | None:
-    """An earlier recording whose count of turns is that of recording ``k``."""
-    count = fits[k].curve.count
-    return next((j for j in range(k) if fits[j].curve.count == count), None) if count >= 0 else None
 
 
 def _zeros(shift: float | FloatArray, offset: float | FloatArray, cycle: Cycle) -> tuple[FloatArray, FloatArray]:

@@ -75,6 +75,12 @@ def _zeroed(recording: Recording) -> bool:
     return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
 
 
+def counted_with(curves: Sequence[Curve], k: int) -> int | None:
+    """An earlier one of the ``curves`` whose count of turns is that of number ``k``; None where there is none."""
+    count = curves[k].count
+    return next((j for j in range(k) if curves[j].count == count), None) if count >= 0 else None
+
+
 def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cycle, *, blind: bool) -> IntArray | None:
     """Steps (size,) of the cycle that ``other`` lies further on, told by the recordings ``among`` which it lies, each
     with its own steps; None where none tells it clearly. ``blind``: nothing else tells, so the most alike will do, or
