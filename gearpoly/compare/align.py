@@ -172,10 +172,7 @@ def _chosen(tries: list[Attempt], cycle: Cycle, off: Callable[[Attempt], float])
 def _level(curve: Curve) -> Curve:
     """The curve without its ramp: what goes on for the whole recording cannot be folded."""
     te, _ = without_ramp(curve.theta_2, curve.te)
-    return Curve(
-        theta_2=curve.theta_2, te=te, weight=curve.weight, template=curve.template, turn=curve.turn,
-        counted=curve.counted, count=curve.count,
-    )  # fmt: skip
+    return replace(curve, te=te)
 
 
 def _misfit(curve: Curve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
