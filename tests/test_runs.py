@@ -295,8 +295,8 @@ def test_every_command_takes_the_runs(files: tuple[Path, Path], gearpoly_command
     ran = gearpoly_command("read", str(file))
     assert ran.code == 0, ran.err
     said = " ".join(ran.out.split())
-    assert "run 1 of 3 in test.csv" in said and "turns forward, drive flank, #1" in said
-    assert "turns back, coast flank, #2" in said and "too short to use" in said
+    assert "run 1 of 3 in test.csv" in said and "turns forward, drive flank, alone as test.csv#1" in said
+    assert "turns back, coast flank, alone as test.csv#2" in said and "too short to use" in said
     assert "lost motion from run 1 to run 2: 34 arcmin of the driving shaft" in said
     assert "to be compared as it is" in said
     held = json.loads(gearpoly_command("read", str(file), "--json", "-").out)["recordings"][0]

@@ -20,6 +20,9 @@ from gearpoly.recording.survey import Clock, RunSeen, Seen, Survey, Turning
 from gearpoly.report.terminal import Terminal
 from gearpoly.units import ARCMIN, UM
 
+RUN_SHOWN = 240
+"""Characters of a run's line; it holds the file's name twice."""
+
 NAMED = 3
 """Places of one kind that are named; the rest is counted."""
 
@@ -45,8 +48,8 @@ def print_survey(console: Terminal, found: Survey) -> None:
         if one.turning is not None:
             console.print(f"{shorten(one.name)}: {_turning_words(one.turning, one)}", highlight=False, soft_wrap=True)
     for run in found.runs:
-        short = ", too short to use" if run.short else f", {run.flank} flank, #{run.run.number} behind the file's name"
-        console.print(f"{shown(run.says)}{short}", highlight=False, soft_wrap=True)
+        flank = "too short to use" if run.short else f"{run.flank} flank, alone as {run.run.named}"
+        console.print(shown(f"{run.says}, {flank}", width=RUN_SHOWN), highlight=False, soft_wrap=True)
     for forth, back, lost in found.lost[:NAMED]:
         words = f"lost motion from run {forth} to run {back}: {lost.says}"
         console.print(words, style="bold", highlight=False, soft_wrap=True)
