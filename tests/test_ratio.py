@@ -138,6 +138,18 @@ def test_where_no_teeth_show_nothing_is_named(rig: Rig) -> None:
     assert "the teeth are 6/10 or 9/15 or 12/20" in caught.value.wish
 
 
+def test_teeth_that_were_skipped_are_no_scale(rig: Rig) -> None:
+    """One pitch at one moment, or at four, makes the travels miss the ratio too: no encoder is blamed, and no pair."""
+    assert rig.recording.driven_angle_rad is not None
+    for moments in ([0.3], [0.5], [0.7], [0.1, 0.4, 0.6, 0.9]):
+        driven = rig.recording.driven_angle_rad.copy()
+        for part in moments:
+            driven[int(part * driven.size) :] += TURN / 16.0
+        one = replace(rig.recording, driven_angle_rad=driven)
+        (kept,), scale = put_right([one], rig.made.pair, TRUE)
+        assert scale is None and kept is one
+
+
 def test_travels_that_fit_are_not_asked(rig: Rig) -> None:
     (kept,), scale = put_right([rig.recording], rig.made.pair, TRUE)
     assert scale is None and kept is rig.recording

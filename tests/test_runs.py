@@ -16,15 +16,17 @@ from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.diagnose.prepare import means_compare
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
-from gearpoly.files.pairfile import dump_pair
+from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.mesh.transmission import both_flanks
 from gearpoly.recording.clean import clean
 from gearpoly.recording.clean_set import clean_set
+from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.reversals import backward_limit, reversals
 from gearpoly.recording.runs import lost_motions as between_runs
 from gearpoly.recording.runs import runs_of, usable
 from gearpoly.units import ARCMIN, DEG, UM, FloatArray
+from tests.at_hand import SHIPPED
 from tests.made_command import Command
 from tests.made_recordings import inspected
 from tests.made_runs import TURN, motion, recorded
@@ -244,6 +246,36 @@ def test_a_run_that_its_ramps_leave_too_short_is_left_out_with_a_word(pair: Pair
     (kept,) = clean_set(slow, ratio=RATIO, r_b2=pair.made.pair.r_b2)
     assert kept.recording.flank == "drive"
     assert kept.recording.remarks[-1].startswith("test.csv#2 left out, with 1.")
+
+
+def test_a_drive_that_only_swings_is_read_to_its_end_in_a_bounded_time() -> None:
+    t = np.arange(60_000) / 100.0
+    theta = 3.0 * np.sin(TURN * 0.5 * t)
+    one = Recording(source=Path("rig.csv"), driving_angle_rad=theta, driven_angle_rad=RATIO * theta, time_s=t)
+    runs = runs_of(one)
+    assert len(runs) == 200
+    assert any("more than 200 reversals" in said for said in runs[0].remarks)
+    with pytest.raises(InputFileError, match="200 runs forth and back"):
+        usable(runs)
+
+
+def test_a_torque_that_was_not_read_tells_nothing(pair: Pair) -> None:
+    one = recorded(pair.made, motion((6.0, -6.0)), rng())
+    torque = np.full(one.size, math.nan)
+    torque[:50] = 3.0
+    assert [run.flank for run in runs_of(replace(one, torque_samples_nm=torque))] == ["drive", "coast"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["encoder_off_centre", "eccentric_low_tooth"])
+def test_the_lost_motion_of_an_independent_bench_is_the_simulated_one(name: str) -> None:
+    """A second calculation, which shares no code: the bench's pairs have the declared thickness, which the inspection
+    knows to 0.2 um, and what hides in them averages out over the turn."""
+    folder = SHIPPED / name
+    file = read_pair(folder / "pair.toml")
+    these = [read_recording(one) for one in sorted(folder.glob("rec_*.csv"))]
+    (lost,) = lost_motions(compare(file, these, path=folder / "pair.toml"))
+    assert abs(lost.beyond) < 0.2 * UM
 
 
 @pytest.mark.parametrize("creep", [0.0, 0.03])

@@ -20,7 +20,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.clean import TURNS_LEAST
 from gearpoly.recording.lost_motion import LostMotion, between
 from gearpoly.recording.recording import SHAFTS, Flank, Recording
-from gearpoly.recording.reversals import BACKWARD_LIMIT, backward_limit, reversals
+from gearpoly.recording.reversals import BACKWARD_LIMIT, REVERSALS_LIMIT, backward_limit, reversals
 from gearpoly.recording.run import Run
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN
@@ -166,7 +166,9 @@ def _stretches(leader: FloatArray, follower: FloatArray, cuts: BoolArray) -> lis
     out: list[_Stretch] = []
     for block, (begin, end) in enumerate(itertools.pairwise(edges)):
         here = begin + np.flatnonzero(~single_spikes(leader[begin:end]))
-        ends = [0, *reversals(leader[here], limit), here.size - 1]
+        turned_at = reversals(leader[here], limit)
+        # What comes after the last that is looked for is no run of one sense.
+        ends = [0, *turned_at, *([here.size - 1] if len(turned_at) < REVERSALS_LIMIT else [])]
         for k, (a, b) in enumerate(itertools.pairwise(ends)):
             moved = float(leader[here[b]] - leader[here[a]])
             if abs(moved) <= limit:
@@ -176,7 +178,7 @@ def _stretches(leader: FloatArray, follower: FloatArray, cuts: BoolArray) -> lis
             turned = sense * follower[first : last + 1]
             if k > 0:  # till the follower has turned from where it stood farthest back
                 first += int(np.argmax(turned > float(np.min(turned)) + taken))
-            if k < len(ends) - 2:
+            if k < len(turned_at):
                 last -= int(np.argmax(turned[::-1] < float(np.max(turned)) - taken))
             if last > first:
                 out.append(_Stretch(first, last, sense, block))
@@ -196,7 +198,7 @@ def _piece(
     for name, angle in angles.items():
         changes[f"{name}_angle_rad"] = angle[here]
     speed = changes.get("speed_samples_rpm")
-    if speed is not None and float(np.nanmedian(speed)) < 0.0:
+    if speed is not None and _middle(speed) < 0.0:
         changes["speed_samples_rpm"] = -speed
     shaft, angle = next(iter(angles.items()))
     run = Run(
@@ -223,12 +225,20 @@ def _with_flanks(recording: Recording, pieces: list[Recording]) -> tuple[Recordi
         # Of the file as a whole it is enough to speak once.
         remarks = (f"{says(piece)}, {flank} flank", *((f"flanks of the runs: {why}", *recording.remarks) * (k == 0)))
         out.append(replace(piece, flank=flank, torque_samples_nm=torque, remarks=remarks))
+    if len(out) >= REVERSALS_LIMIT and out[-1].run is not None:
+        said = f"more than {REVERSALS_LIMIT} reversals: nothing after row {out[-1].run.rows[1]} is read"
+        out[0] = replace(out[0], remarks=(*out[0].remarks, said))
     return tuple(out)
 
 
 def _torque(one: Recording) -> float:
     """The middle recorded torque in N.m, 0 where none was."""
-    return 0.0 if one.torque_samples_nm is None else float(np.nanmedian(one.torque_samples_nm))
+    return _middle(one.torque_samples_nm)
+
+
+def _middle(values: FloatArray | None) -> float:
+    """The middle of what was read (n,), 0 where nothing was."""
+    return 0.0 if values is None or not np.isfinite(values).any() else float(np.nanmedian(values))
 
 
 def says(one: Recording) -> str:
