@@ -44,8 +44,10 @@ PRESENT, MESH_PRESENT = 0.1, 0.5
 STRENGTH = 30.0
 """Mean power of a line that shows, over that of the background."""
 
-SWELLS = 0.1
-"""Part of itself by which a line sways along a recording, and leaks into its neighbours."""
+SWELLS = 0.25
+"""Part of itself by which a line sways along a recording, and leaks into its neighbours, so that no single line tells:
+of 540 made recordings of 4 to 30 turns, scaled or of other pairs, a tenth blamed the wrong reading 14 times of 484;
+with this none of 160 that were told in 600 was wrong."""
 
 WIDE, NEAR, FINE = 8, 2, 4
 """Lines of the recording's own width on either side from which the background is taken, from which a strong line leaks,
@@ -54,8 +56,9 @@ and places per line."""
 SLOW = 4
 """Degree of the polynomial over the recording that is no line."""
 
-SURE = math.log(100.0)
-"""Log odds of an explanation over each other one from which it is taken."""
+SURE = math.log(1000.0)
+"""Log odds of an explanation over each other one from which it is taken: orders of a gear come together, and each
+counts as if it came alone."""
 
 SEEN = math.log(1000.0)
 """Log odds of the lines under it over noise alone: fifteen orders of either shaft and some harmonics are looked at."""

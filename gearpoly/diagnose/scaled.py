@@ -47,7 +47,7 @@ def scale_finding(comparison: Comparison, after: Rms) -> Finding | None:
         unknown_probability=1.0 - chance,
         without=Rms(seen=math.hypot(after.seen, ramp), unseen=math.hypot(after.unseen, ramp)),
         with_=after,
-        rivals=(),  # any other is a hundred times less likely, or nothing would have been taken out
+        rivals=(),  # any other is a thousand times less likely, or nothing would have been taken out
         separation=None,
     )
 
