@@ -11,21 +11,29 @@ from typing import Any
 import numpy as np
 
 from gearpoly.compare.among import shared_counts
+from gearpoly.compare.even import even_rate
 from gearpoly.compare.ratio import Explained, Travelled, decided, explanations, other_teeth
 from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.physics.parts import EncoderErrors
 from gearpoly.recording.chain import loses_zero, with_own_zeros
-from gearpoly.recording.clean import RATIO_LIMIT, clean
+from gearpoly.recording.clean import RATIO_LIMIT, TEETH_TOLERANCE, Cleaned, clean
 from gearpoly.recording.recording import SHAFTS, Recording
-from gearpoly.recording.travel import whole_angles
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.recording.rounding import reading_step
+from gearpoly.recording.travel import nearest_teeth, whole_angles
+from gearpoly.units import UM, FloatArray, IntArray
 
 TURN = 2.0 * math.pi
 
 MATTERS = 0.25
 """Pitches of a whole recording by which travels miss the ratio from which teeth stand at other angles than they read:
 of less a slope of the transmission error tells all that there is."""
+
+QUIET = 0.02 * UM
+"""mm rms. What the simulation itself misses; a recording of less was made without encoders."""
+
+COARSE = 0.1
+"""Part of what a recording differs by, rms, from which the rounding of even readings may make the lines that show."""
 
 SIGMAS = 5.0
 """Standard errors within which several recordings have one scale."""
@@ -79,7 +87,9 @@ def put_right(
     best = decided(told)
     if best is None:
         if abs(ratio / pair.ratio - 1.0) > RATIO_LIMIT:
-            raise InputFileError(first.source, found=_off(ratio, pair), wish=_open(told, ratio))
+            nearest = nearest_teeth(ratio, 10.0 * TEETH_TOLERANCE)
+            named = f"; the nearest tooth ratio is {nearest.numerator}/{nearest.denominator}"
+            raise InputFileError(first.source, found=_off(ratio, pair) + named, wish=_open(told, ratio))
         return list(recordings), None
     if best.teeth is not None:
         raise InputFileError(first.source, found=_off(ratio, pair), wish=_another(told))
@@ -108,7 +118,25 @@ def _travelled(recording: Recording, pair: GearPair) -> Travelled | None:
     ratio, std = (pair.ratio + cleaned.ratio_offset) * factor, cleaned.ratio_offset_std * factor
     if abs(ratio / pair.ratio - 1.0) <= SIGMAS * std / pair.ratio:
         return None
+    if _is_rounding(cleaned, pair.r_b2):
+        return None
     return Travelled(cleaned=cleaned, factor=factor, ratio=ratio, std=std)
+
+
+def _is_rounding(cleaned: Cleaned, r_b2: float) -> bool:
+    """Whether the lines of a recording may be those of its rounding, which in even samples stand at whole orders
+    too: it is a good part of what is recorded, or what is recorded is less than any encoder reads (``QUIET``)."""
+    angles = cleaned.theta_1, cleaned.theta_2
+    steps = [reading_step(angle) or 0.0 for angle in angles]
+    error = math.hypot(cleaned.ratio * steps[0], steps[1]) / math.sqrt(12.0)
+    left = float(np.std(cleaned.te - cleaned.ratio_offset * cleaned.theta_1))
+    if left * r_b2 < QUIET:
+        return True
+    if error < COARSE * left:
+        return False
+    return any(
+        even_rate(angle, rounding=step / math.sqrt(12.0)) is not None for angle, step in zip(angles, steps, strict=True)
+    )
 
 
 def _spread(recording: Recording, rows: IntArray, angle: FloatArray) -> FloatArray:
