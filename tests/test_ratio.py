@@ -150,6 +150,15 @@ def test_teeth_that_were_skipped_are_no_scale(rig: Rig) -> None:
         assert scale is None and kept is one
 
 
+@pytest.mark.parametrize("step_deg", [0.1, 1e-6])
+def test_lines_of_rounding_tell_nothing(rig: Rig, step_deg: float) -> None:
+    """Even samples of 1.1 deg: their rounding makes waves at whole orders of either shaft."""
+    driving = 1.1 * np.arange(8000.0) + 0.013
+    first, second = (np.radians(np.round(a / step_deg) * step_deg) for a in (driving, 0.75 * 1.02 * driving))
+    one = Recording(source=Path("even.csv"), driving_angle_rad=first, driven_angle_rad=second)
+    assert put_right([one], rig.made.pair, TRUE)[1] is None
+
+
 def test_travels_that_fit_are_not_asked(rig: Rig) -> None:
     (kept,), scale = put_right([rig.recording], rig.made.pair, TRUE)
     assert scale is None and kept is rig.recording
