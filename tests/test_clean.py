@@ -12,10 +12,12 @@ import numpy.typing as npt
 import pytest
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.clean import BACKWARD_LIMIT, RAMP_SHARE, Cleaned, clean
+from gearpoly.recording.clean import Cleaned, clean
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.reversals import BACKWARD_LIMIT
 from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.steady import RAMP_SHARE
 from gearpoly.recording.travel import nearest_teeth, slope
 from tests.at_hand import BENCH, SHARED, SHIPPED, here
 

@@ -41,7 +41,11 @@ def bench(tmp_path: Path) -> Path:
     ("pair", "recordings", "says"),
     [
         # 11/13 is 0.846, a quarter above 17/25.
-        ("others.toml", ["whole.csv"], ["whole.csv", "0.846", "11/13", "0.68", "want a recording of this pair"]),
+        (
+            "others.toml",
+            ["whole.csv"],
+            ["whole.csv", "0.846", "11 on 13 teeth", "0.68", "want a recording of this pair"],
+        ),
         (
             "pair.toml",
             ["whole.csv", "later.csv"],

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.among import further_on
+from gearpoly.compare.among import counted_with, further_on
 from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
 from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
@@ -172,10 +172,7 @@ def _chosen(tries: list[Attempt], cycle: Cycle, off: Callable[[Attempt], float])
 def _level(curve: Curve) -> Curve:
     """The curve without its ramp: what goes on for the whole recording cannot be folded."""
     te, _ = without_ramp(curve.theta_2, curve.te)
-    return Curve(
-        theta_2=curve.theta_2, te=te, weight=curve.weight, template=curve.template, turn=curve.turn,
-        counted=curve.counted,
-    )  # fmt: skip
+    return replace(curve, te=te)
 
 
 def _misfit(curve: Curve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
@@ -288,6 +285,8 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             continue
         if apart[k] >= 0 and k != origin:
             turns[k] = turns[origin] + ((apart[k] - apart[origin]) * cycle.z_2 % cycle.meshes) * cycle.per_mesh
+        elif (same := counted_with([fit.curve for fit in fits], k)) is not None:
+            turns[k] = turns[same]
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
             blind = float(np.max(np.ptp(ways, axis=0))) < TOLD

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray
 
 ALIKE = 0.5
@@ -30,12 +31,54 @@ REPEATED = 2
 """Turns from which on what a tooth of the shaft that turned wholly makes in the mean is known apart from its mates."""
 
 
+ZEROED = 1e-3
+"""Part of the scatter of a computed transmission error below which its mean was taken off by the rig."""
+
+
 class Turns(NamedTuple):
     """Whole ``turns`` of the encoder's shaft by which one recording lies further on than another, modulo the hunting
     cycle: the most alike; ``clear``: more so than any other beyond chance."""
 
     turns: int
     clear: bool
+
+
+def shared_counts(recordings: Sequence[Recording]) -> list[int]:
+    """Numbers from 0 of the counts of turns that ``recordings`` go by: runs of one stretch of a file share theirs; -1
+    where nobody shares it."""
+    runs = [None if one.run is None else (one.run.file, one.run.stretch) for one in recordings]
+    return [-1 if one is None else runs.index(one) for one in runs]
+
+
+def means_compare(recordings: Sequence[Recording]) -> tuple[bool, ...]:
+    """Whether the mean of each recording compares with those of the others of its set.
+
+    Encoders keep their zeros. A transmission error that the rig computed keeps its own zero as well, unless the rig
+    took the mean off, or began at nothing; it does not compare with readings of encoders. Runs of one stretch have one
+    zero whatever it is.
+    """
+    runs = {(r.run.file, r.run.stretch) if r.run is not None else None for r in recordings}
+    if len(runs) == 1 and None not in runs:
+        return (True,) * len(recordings)
+    computed = [r.computed for r in recordings]
+    if not all(computed):
+        return tuple(not one for one in computed)
+    return (len(recordings) > 1 and not any(r.own_zero or _zeroed(r) for r in recordings),) * len(recordings)
+
+
+def _zeroed(recording: Recording) -> bool:
+    """Whether a computed transmission error was moved to a zero of its own: its mean or its first value is nothing."""
+    te = recording.te_rad if recording.te_mm is None else recording.te_mm
+    if te is None:
+        return False
+    known = te[np.isfinite(te)]
+    return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
+
+
+def counted_with(curves: Sequence[Curve], k: int) -> int | None:
+    """An earlier one of the ``curves`` whose count of turns is that of number ``k``; None where there is none."""
+    count = curves[k].count
+    return next((j for j in range(k) if curves[j].count == count), None) if count >= 0 else None
 
 
 def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cycle, *, blind: bool) -> IntArray | None:

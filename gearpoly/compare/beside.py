@@ -14,6 +14,7 @@ from gearpoly.compare.angles import smoothed
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_rate
 from gearpoly.compare.locate import Located
+from gearpoly.compare.scale import Scale
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
 from gearpoly.compare.zeros import Alignment
@@ -154,7 +155,7 @@ class Aligned:
 class Beside:
     """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
     what had to be assumed, ``parts`` what else turns in the drive, ``worm`` what the driven gear turns in a
-    telescope."""
+    telescope, ``scale`` what one reading was times the truth, before it was taken out."""
 
     name: str
     assembled: Assembled
@@ -164,6 +165,7 @@ class Beside:
     remarks: tuple[str, ...]
     parts: tuple[Part, ...] = ()
     worm: WormSection | None = None
+    scale: Scale | None = None
 
     def named(self, entries: Sequence[Entry]) -> tuple[Entry, ...]:
         """The ``entries`` with the other parts of the drive that have a line there."""

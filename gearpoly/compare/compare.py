@@ -11,6 +11,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, stated_limits
 from gearpoly.compare.align import lay
+from gearpoly.compare.among import means_compare, shared_counts
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
@@ -19,7 +20,8 @@ from gearpoly.compare.locate import locate
 from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
-from gearpoly.compare.remarks import remarks
+from gearpoly.compare.remarks import remarks, scale_remarks
+from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
@@ -37,7 +39,8 @@ from gearpoly.mesh.shafts import runs_up
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
-from gearpoly.recording.clean import Cleaned, clean
+from gearpoly.recording.clean import Cleaned
+from gearpoly.recording.clean_set import clean_set
 from gearpoly.recording.load import most_off, relative_load
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.rounding import reading_step
@@ -93,8 +96,9 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
     recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
+    recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
-    cleaned = [clean(recording, ratio=pair.ratio, r_b2=pair.r_b2) for recording in recordings]
+    cleaned = clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2)
     for one in cleaned:
         if one.size < LEAST_SAMPLES:
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
@@ -126,7 +130,8 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     )
     drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
     drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
-    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, strict=True))
+    counts = shared_counts([one.recording for one in cleaned])
+    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, counts, strict=True))
     before = [
         _further(one, c.template, assembled, c.theta_2, load)
         for one, c, load in zip(cleaned, curves, loads, strict=True)
@@ -140,6 +145,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         direction_1=recordings[0].driving_direction,
         direction_2=recordings[0].driven_direction,
         counted=tuple(curve.counted for curve in curves),
+        compared=means_compare([one.recording for one in cleaned]),
         flank=tuple(one.recording.flank for one in cleaned),
         torque=tuple(torques),
     )
@@ -160,13 +166,14 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         aligned=aligned,
         alignment=alignment,
         gears=gears,
-        remarks=(*jam_remarks(pair), *remarks(file, aligned, alignment, base)),
+        remarks=(*jam_remarks(pair), *scale_remarks(scale), *remarks(file, aligned, alignment, base)),
+        scale=scale,
         parts=parts_of(file.also_turns, z_1=z_1, z_2=z_2),
         worm=file.worm,
     )
 
 
-def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Base, cycle: Cycle) -> Curve:
+def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], count: int, base: Base, cycle: Cycle) -> Curve:
     """The recording by the set's base zeros instead of its own, a known ``drift`` (um, Legendre) taken off."""
     recording = one.recording
     further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
@@ -186,6 +193,7 @@ def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], base: Bas
         template=template,
         turn=cycle.z_2 if driven else cycle.z_1,
         counted=counted,
+        count=count,
     )
 
 

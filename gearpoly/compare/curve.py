@@ -90,7 +90,8 @@ class Curve:
 
     ``theta_2`` (n,) driven rotation in rad by zeros that are still in doubt, ``te`` (n,) in mm by the same zeros,
     ``weight`` (n,) samples behind each. ``turn`` in pitches is what the encoder that says where the teeth are goes
-    through per turn. ``counted``: both encoders were recorded, so ``te`` holds the whole turns of both.
+    through per turn. ``counted``: both encoders were recorded, so ``te`` holds the whole turns of both. ``count``:
+    curves of one number, from 0, share their count of turns; -1: nobody shares this one's.
     """
 
     theta_2: FloatArray
@@ -99,6 +100,7 @@ class Curve:
     template: Template
     turn: int
     counted: bool
+    count: int = -1
 
     def __post_init__(self) -> None:
         for name in ("theta_2", "te", "weight"):
@@ -129,6 +131,7 @@ def folded(curve: Curve, cycle: Cycle, *, places: int = FOLDED) -> Curve:
         template=curve.template,
         turn=curve.turn,
         counted=curve.counted,
+        count=curve.count,
     )
 
 

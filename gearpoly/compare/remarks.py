@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from gearpoly.compare.beside import COARSE, Aligned
+from gearpoly.compare.scale import Scale
 from gearpoly.compare.stated import speed_remarks
 from gearpoly.compare.zeros import Alignment, Base
 from gearpoly.files.models import PairFile
@@ -61,6 +62,17 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
             + ("the stated zeros are kept" if kept else "no zero is stated either, so tooth numbers mean nothing")
         )
     return out
+
+
+def scale_remarks(scale: Scale | None) -> Iterator[str]:
+    """Which reading was wrong, where one was, and how its size is known."""
+    if scale is not None:
+        yield scale.says
+        if scale.by_recording:
+            each = ", ".join(
+                f"{value:.6g} in recording {k}" for k, value in zip(scale.of, scale.by_recording, strict=True)
+            )
+            yield f"the {scale.shaft} shaft reads its turns times {each}"
 
 
 def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:

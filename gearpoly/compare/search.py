@@ -137,11 +137,12 @@ class Search(JumpSearch):
             members = [k for k, s in enumerate(self.states) if s.data.flank == flank]
             group = [self.states[k] for k in members]
             scores = [s.noise.score(s.noise.whitened(solution.left[k])) for k, s in zip(members, group, strict=True)]
+            samples = min(s.data.u.size for s in group)
             for gear, first, z in ((1, 0, self.z_1), (2, 2 * self.z_1, self.z_2)):
                 cells = []
                 for s in group:
                     weight = s.carried.weights(self.deviation(s))
-                    cells.append(make_cells(s.carried, weight, gear=gear, coast=s.coast))
+                    cells.append(make_cells(s.carried, weight, gear=gear, coast=s.coast, samples=samples))
                 at = flank_at * self.tooth_parameters + first
                 information = tooth_information(
                     cells, [s.noise for s in group], precision=(float(precision[at]), float(precision[at + z]))
@@ -152,9 +153,9 @@ class Search(JumpSearch):
                     which = None if find.recording is None else members[find.recording]
                     if (find.gear, find.tooth, which, flank) not in taken:
                         out.append(replace(find, recording=which, flank=flank))
-        samples = sum(s.data.u.size for s in self.states) / len(self.states) / max(self.z_1, self.z_2)
+        each = sum(s.data.u.size for s in self.states) / len(self.states) / max(self.z_1, self.z_2)
         level = min(s.noise.innovation for s in self.states)
-        least = samples * (FOLLOWED_TOOTH * self.built_rms / level) ** 2
+        least = each * (FOLLOWED_TOOTH * self.built_rms / level) ** 2
         out = [f for f in out if abs(f.amplitude) > self.floor and f.gain > least]
         return sorted(out, key=lambda f: -f.gain)
 

@@ -74,12 +74,13 @@ class Cells:
         return np.asarray(out.reshape(self.z, self.bins, self.bins) * (n / part), dtype=np.float64)
 
 
-def make_cells(carried: Carried, weight: FloatArray, *, gear: int, coast: bool) -> Cells:
-    """Cells of ``gear`` with each pair's ``weight`` (P, n) in the transmission error."""
+def make_cells(carried: Carried, weight: FloatArray, *, gear: int, coast: bool, samples: int) -> Cells:
+    """Cells of ``gear`` with each pair's ``weight`` (P, n) in the transmission error, as wide as the shortest of the
+    recordings needs that share them, of so many ``samples``."""
     low, high = carried.contact[0] - BEYOND, carried.contact[1] + BEYOND
     z = carried.z_1 if gear == 1 else carried.z_2
     # At least eight samples to a cell, so that short records do not search cells that hold nothing.
-    per_pitch = carried.phase.shape[1] / z
+    per_pitch = samples / z
     width = max(CELL, 8.0 / max(per_pitch, 1.0))
     bins = max(4, round((high - low) / width))
     edges = np.linspace(low, high, bins + 1)

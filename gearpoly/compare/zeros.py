@@ -165,13 +165,15 @@ def _base(recordings: Sequence[Recording], shaft: Literal["driving", "driven"], 
 @dataclass(frozen=True, kw_only=True)
 class Shafts:
     """What the recordings hold of both shafts: whether each has an encoder, which way it counts, and per recording
-    whether both were read (``counted``) and the flank and torque (N.mm) it was made on."""
+    whether both were read (``counted``), whether its mean compares with those of the others (``compared``), and the
+    flank and torque (N.mm) it was made on."""
 
     driving: bool
     driven: bool
     direction_1: int
     direction_2: int
     counted: tuple[bool, ...]
+    compared: tuple[bool, ...]
     flank: tuple[Flank, ...]
     torque: tuple[float, ...]
 
@@ -191,7 +193,10 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment
     best = placed(laid.best)
     rate = cycle.pitch * cycle.r_b2
     offset = np.empty(best.offset.size)
-    for k, counted in enumerate(shafts.counted):
+    for k, (counted, compared) in enumerate(zip(shafts.counted, shafts.compared, strict=True)):
+        if not compared:
+            offset[k] = best.offset[k]
+            continue
         # A transmission error that the rig computed has its own zero, which is not that of the encoders.
         origin = anchor if counted else shafts.counted.index(False)
         offset[k] = best.offset[origin] + round((best.offset[k] - best.offset[origin]) / rate) * rate

@@ -39,6 +39,7 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.sheets import recounted
@@ -118,7 +119,10 @@ def diagnose(
         (k, _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch))
         for k, key in ((k, model.claims[k].key) for k in order)
     ]
-    findings = gathered(search, each, hold=held_places(search))
+    masks = [one.fit for one in model.observed]
+    after = cross_validated(search.linear, masks, hold=held_places(search))
+    scaled = scale_finding(comparison, after)
+    findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
     left_over = with_causes(
@@ -131,7 +135,6 @@ def diagnose(
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
-    masks = [one.fit for one in model.observed]
     scale = compliance_scale(search)
     recount = () if counted is None else (counted.says,)
     status: Status = "nothing_missing"
@@ -152,10 +155,10 @@ def diagnose(
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison, model),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
-        after=cross_validated(search.linear, masks, hold=held_places(search)),
+        after=after,
         held_out_by=_held_out_by(search, jumped=any(jumps(comparison))),
         left=tuple(search.linear.left()),
-        fitted=fitted_file(model),
+        fitted=with_scale(fitted_file(model), comparison),
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.assemble import stated_limits
+from gearpoly.compare.among import means_compare
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
@@ -31,9 +32,6 @@ LEAST_SHIFT = 0.002 * DEG
 MOST_SHIFT = 0.06
 """Pitches. Farther a zero is not moved: where the curves do not place the teeth, places an eighth of a pitch apart were
 tried, and any is as good."""
-
-ZEROED = 1e-3
-"""Part of the scatter of a computed transmission error below which its mean was taken off by the rig."""
 
 COAST = 0.05
 """Part of an inspection's variance by which a coast flank that nobody measured may differ from what follows of the
@@ -112,27 +110,6 @@ def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driv
     if all(r.driven_angle_rad is not None and r.driving_angle_rad is None for r in recordings):
         return "driven"
     return "driving" if all(r.driven_angle_rad is None for r in recordings) else None
-
-
-def means_compare(recordings: Sequence[Recording]) -> tuple[bool, ...]:
-    """Whether the mean of each recording compares with those of the others of its set.
-
-    Encoders keep their zeros. A transmission error that the rig computed keeps its own zero as well, unless the rig
-    took the mean off, or began at nothing; it does not compare with readings of encoders.
-    """
-    computed = [r.computed for r in recordings]
-    if not all(computed):
-        return tuple(not one for one in computed)
-    return (len(recordings) > 1 and not any(_zeroed(r) for r in recordings),) * len(recordings)
-
-
-def _zeroed(recording: Recording) -> bool:
-    """Whether a computed transmission error was moved to a zero of its own: its mean or its first value is nothing."""
-    te = recording.te_rad if recording.te_mm is None else recording.te_mm
-    if te is None:
-        return False
-    known = te[np.isfinite(te)]
-    return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
 
 
 def form_of(prior: GearPrior) -> float:

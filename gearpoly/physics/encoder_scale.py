@@ -22,11 +22,14 @@ from gearpoly.units import UM, FloatArray
 
 PPM = 1e-6
 
+LARGE = 1e3
+"""Millionths from which a scale is said as the factor that it is: no rounding of counts makes as much."""
+
 
 class EncoderKeys(Section):
     """What an encoder says of it."""
 
-    scale: float = field("reading over truth, where the counts per turn are set wrong", 1.0, gt=0.5, lt=2.0)
+    scale: float = field("reading over truth, where the counts per turn are set wrong", 1.0, gt=0.01, lt=100.0)
 
 
 def _errors(stated: Encoder, errors: EncoderErrors) -> EncoderErrors:
@@ -63,6 +66,14 @@ def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reporte
     return {"ratio": (1.0 + float(values[0]) * PPM, math.sqrt(max(float(covariance[0, 0]), 0.0)) * PPM)}
 
 
+def _says(place: Place, values: Values) -> str:
+    if abs(values[0]) > LARGE:
+        reads = f"reads {1.0 + values[0] * PPM:.7g} times what it turns: its counts per turn are set wrong"
+    else:
+        reads = f"counts {values[0]:+.1f} millionths too {'much' if values[0] > 0 else 'little'} per turn"
+    return f"The encoder on the {own_of(place)}'s shaft {reads}, or its coupling slips."
+
+
 PHYSICS = Physics(
     name="encoder_scale",
     rank=READ + 2,
@@ -87,9 +98,6 @@ PHYSICS = Physics(
     slow=True,
     write=_write,
     report=_report,
-    says=lambda place, v: (
-        f"The encoder on the {own_of(place)}'s shaft counts {v[0]:+.1f} millionths too "
-        f"{'much' if v[0] > 0 else 'little'} per turn, or its coupling slips."
-    ),
+    says=_says,
     equation="reading = ratio times truth: a ramp in x",
 )

@@ -17,11 +17,13 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
+from gearpoly.recording.reversals import backward_limit
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.stated_twice import check_error, check_errors
+from gearpoly.recording.steady import RAMP_SHARE, steady
 from gearpoly.recording.travel import nearest_teeth, slope
-from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps, weighted_median
-from gearpoly.units import DEG, FloatArray, IntArray, read_only
+from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps
+from gearpoly.units import DEG, BoolArray, FloatArray, IntArray, read_only
 
 TURN = 2.0 * math.pi
 
@@ -33,18 +35,14 @@ OFFSET_SIGMAS = 5.0
 """Standard errors from which a ratio is told to be off; with a dozen stretches behind the error chance is 4 in 10^4."""
 TEETH_TOLERANCE = 1e-4
 """Relative uncertainty of a measured ratio at least, when teeth are named: encoder errors over a few turns."""
-RAMP_SHARE = 0.75
-"""Share of the usual speed below which both ends of a recording are ramps; speed may wobble within it."""
-STANDS_SHARE = 0.02
-"""The same below which it stands still."""
-RUN_UP_SHARE = 0.1
-"""Part of all driving turns that a slow end may hold and still be a ramp."""
-RAMP_WINDOW = 5.0 * DEG
-"""Driving rotation in rad over which that speed is taken, above the noise of single readings."""
-BACKWARD_LIMIT = 0.5 * DEG
-"""Backward motion in rad that counts as jitter of the reading; more is a real reversal, which changes the flank."""
+STOPS_NAMED = 3
+"""Stops whose rows are told; the rest is counted."""
 TURNS_LEAST = 2.0
 """Driving turns that must be left; with fewer nothing of the driving shaft repeats."""
+
+
+class TooShortError(InputFileError):
+    """Too little of a recording is left to be compared."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -144,15 +142,17 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     if len(shafts) == 1:  # then a wild reading does not show in the recorded transmission error
         spikes |= single_spikes(next(iter(shafts.values())).angle)
     note(done, "spikes", int(spikes.sum()), "single samples far off their neighbours that never return, left out")
-    left = ~spikes
+    left = np.flatnonzero(~spikes)
     keep, position = keep[left], position[left]
     theta_1, theta_2, te = theta_1[left], theta_2[left], te[left]
 
-    begin, end = _steady(theta_1, position)
+    begin, end, stops = steady(theta_1, position)
     ramps = ("stop ramp", "start ramp") if back else ("start ramp", "stop ramp")
     for what, count in zip(ramps, (begin, keep.size - end), strict=True):
         note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
-    keep, theta_1, theta_2, te = keep[begin:end], theta_1[begin:end], theta_2[begin:end], te[begin:end]
+    _note_stops(recording, keep, stops, done)
+    left = begin + np.flatnonzero(~stops[begin:end])
+    keep, theta_1, theta_2, te = keep[left], theta_1[left], theta_2[left], te[left]
     if not keep.size or theta_1[-1] - theta_1[0] < TURNS_LEAST * TURN:
         turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
         raise _too_short(recording, f"{turns:.2f} driving turns")
@@ -182,15 +182,33 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     )
 
 
-def _too_short(recording: Recording, found: str) -> InputFileError:
+def _note_stops(recording: Recording, keep: IntArray, stops: BoolArray, done: list[Deed]) -> None:
+    """Say which samples lie in stops between turns in one direction."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], stops, [False])))).reshape(-1, 2)
+    if not edges.size:
+        return
+    ends = keep[edges - [0, 1]] + _first_row(recording)
+    places = [f"rows {min(a, b)} to {max(a, b)}" for a, b in ends[:STOPS_NAMED].tolist()]
+    more = f" and {len(edges) - STOPS_NAMED} more" if len(edges) > STOPS_NAMED else ""
+    what = "a stop" if len(edges) == 1 else f"{len(edges)} stops"
+    says = f"samples of {what} in the middle left out, with the ramps: {', '.join(places)}{more}"
+    note(done, "stops", int(np.count_nonzero(stops)), says)
+
+
+def _too_short(recording: Recording, found: str) -> TooShortError:
     wish = f"want at least {TURNS_LEAST:g} driving turns at speed, angles in deg; record longer"
-    return InputFileError(recording.source, found=found, wish=wish)
+    return TooShortError(recording.source, found=found, wish=wish)
 
 
 def _row(recording: Recording, sample: int) -> str:
-    """A sample's place for a message: its row from 1, and its time."""
+    """A sample's place for a message: its row of the file from 1, and its time."""
     at = "" if recording.time_s is None else f" (time_s {recording.time_s[sample]:.6g})"
-    return f"row {sample + 1}{at}"
+    return f"row {sample + _first_row(recording)}{at}"
+
+
+def _first_row(recording: Recording) -> int:
+    """The row of the file, from 1, that holds the first sample."""
+    return recording.run.rows[0] if recording.run is not None else 1
 
 
 def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
@@ -272,40 +290,17 @@ def _rotations(
     return (theta_2 - te) / ratio, theta_2, te
 
 
-def _steady(theta_1: FloatArray, position: FloatArray) -> tuple[int, int]:
-    """The first sample and the end of the stretch between the start and the stop ramp. Slow ends that hold a good part
-    of the way are no ramps but a run-up or a coast-down, of which only standing still is left out."""
-    travel = np.abs(np.diff(theta_1))
-    moving = weighted_median(travel, travel)
-    span = min(max(1, math.ceil(RAMP_WINDOW / moving)) if moving > 0.0 else 1, theta_1.size - 1)
-    pause = position[span:] - position[:-span]
-    advance = theta_1[span:] - theta_1[:-span]
-    speed = np.divide(advance, pause, out=np.zeros_like(advance), where=pause > 0.0)
-    usual = weighted_median(speed, np.abs(advance))
-    fast, moves = (np.flatnonzero(speed >= share * usual) for share in (RAMP_SHARE, STANDS_SHARE))
-    if not fast.size:
-        return 0, 0
-    begin, end, way = int(fast[0]), int(fast[-1]) + span + 1, RUN_UP_SHARE * (theta_1[-1] - theta_1[0])
-    if theta_1[begin] - theta_1[moves[0]] > way:
-        begin = int(moves[0])
-    if theta_1[moves[-1] + span] - theta_1[end - 1] > way:
-        end = int(moves[-1]) + span + 1
-    return begin, end
-
-
 def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: IntArray, done: list[Deed]) -> None:
     """Raise where a shaft really turns back; count where only its reading trembles."""
-    back = np.maximum.accumulate(angle) - angle
-    real = np.flatnonzero(back > BACKWARD_LIMIT)
+    back, limit = np.maximum.accumulate(angle) - angle, backward_limit(angle)
+    real = np.flatnonzero(back > limit)
     if real.size:
         # The turn-round itself is the highest reading before.
         turned = int(np.argmax(angle[: real[0] + 1]))
         found = (
             f"the {shaft} angle runs back, by {back[real[0]] / DEG:.2f} deg up to {_row(recording, int(keep[real[0]]))}"
         )
-        wish = (
-            f"want one direction (up to {BACKWARD_LIMIT / DEG:g} deg back is taken for jitter); cut the recording there"
-        )
+        wish = f"want one direction (up to {limit / DEG:.2g} deg back is taken for jitter); cut the recording there"
         raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
     steps = int(np.count_nonzero(np.diff(angle) < 0.0))
     says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"

@@ -17,6 +17,7 @@ from gearpoly.recording.apart import read_apart
 from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.runs import NAMED, runs_of, usable
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.writing import Writing
@@ -37,29 +38,65 @@ def read_recording(
     path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
 ) -> Recording:
     """Read the one recording of a file of any format; a guide log through the ``worm`` of the pair file, an owner's own
-    file by the map ``chart``. ``FILE#2`` is the second recording of a file that holds several.
+    file by the map ``chart``. ``FILE#2`` is the second recording of a file that holds several, or the second run of one
+    that turned forth and back.
 
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
     recording or holds several, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
-    file = Path(path)
-    return recording_from_table(file, taken(file, only(file, read_tables(file, chart)), chart), worm=worm)
+    file, tables, number = _opened(Path(path), chart)
+    one = recording_from_table(file, taken(file, only(file, tables), chart), worm=worm)
+    runs = _runs(one, number)
+    if len(runs) > 1:
+        each = [f"{run.source.name} ({'back' if run.backward else 'forward'}, {run.flank} flank)" for run in runs]
+        named = ", ".join(each[:NAMED]) + (" or a later one" if len(each) > NAMED else "")
+        raise InputFileError(file, found=f"{len(runs)} runs forth and back", wish=f"want one of them: {named}")
+    return runs[0]
 
 
 def read_recordings(
     path: Path | str, *, worm: WormSection | None = None, chart: RecordingMap | None = None
 ) -> list[Recording]:
-    """Every recording of a file, as :func:`read_recording` reads one; each of several is called by its number."""
-    file = Path(path)
-    tables = read_tables(file, chart)
+    """Every recording of a file, as :func:`read_recording` reads one, and every run of those that turned forth and
+    back; each of several is called by its number."""
+    file, tables, number = _opened(Path(path), chart)
     if len(tables) == 1:
-        return [recording_from_table(file, taken(file, tables[0], chart), worm=worm)]
+        return _runs(recording_from_table(file, taken(file, tables[0], chart), worm=worm), number)
     out = []
-    for number, table in enumerate(tables, start=1):
-        table.remarks.insert(0, f"recording {number} of {len(tables)} in the file, each taken as one of the set")
-        called = file.with_name(f"{file.name}, recording {number}")
-        out.append(recording_from_table(called, taken(called, table, chart), worm=worm))
+    for k, table in enumerate(tables, start=1):
+        table.remarks.insert(0, f"recording {k} of {len(tables)} in the file, each taken as one of the set")
+        called = file.with_name(f"{file.name}, recording {k}")
+        out += _runs(recording_from_table(called, taken(called, table, chart), worm=worm), None)
     return out
+
+
+def _opened(file: Path, chart: RecordingMap | None) -> tuple[Path, list[Table], int | None]:
+    """A file as it is called from here on, its tables, and the number of the run that is asked for: the number behind a
+    name is that of a run where there is one recording to be cut, and else of a recording."""
+    name, number = parted(file)
+    if number is not None and not find_reader(name).parts:
+        tables = read_tables(name, chart)
+        if len(tables) == 1:
+            return name, tables, number
+    return file, read_tables(file, chart), None
+
+
+def _runs(recording: Recording, number: int | None) -> list[Recording]:
+    """The runs of a recording that can be used, or the one of that ``number``.
+
+    Raises ``InputFileError`` where there is no such run, or none long enough.
+    """
+    runs = runs_of(recording)
+    if number is not None:
+        file = recording.source
+        if len(runs) == 1:
+            wish = f"want {file.name} without #{number}: it holds one recording that turns one way"
+            raise InputFileError(file, found=f"part {number} asked for", wish=wish)
+        if not 1 <= number <= len(runs):
+            wish = f"want {file.name}#1 to #{len(runs)}"
+            raise InputFileError(file, found=f"run {number} of {len(runs)}", wish=wish)
+        return [runs[number - 1]]
+    return usable(runs)
 
 
 def read_set(paths: Sequence[Path], maps: Sequence[Path] | None, *, worm: WormSection | None = None) -> list[Recording]:

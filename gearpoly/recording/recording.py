@@ -17,6 +17,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError, shown_value
 from gearpoly.recording.from_time import is_from_time
+from gearpoly.recording.run import Run
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
@@ -74,8 +75,10 @@ class Recording:
     while the pair runs forward. ``backward``: the pair ran backwards, so both angles fall while
     ``time_s`` rises; ``flank`` is still the one that touches. ``from_time``: shafts of which no encoder was read, since
     their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
-    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``remarks`` say
-    what a reader found, assumed or left out.
+    file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``own_zero``:
+    a transmission error whose zero no recording shares but runs beside it in one file. ``run`` says
+    which part of its file it is, where the shafts turned forth and back there. ``remarks`` say what a reader found,
+    assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -100,6 +103,8 @@ class Recording:
     backward: bool = False
     from_time: tuple[str, ...] = ()
     last_places: Mapping[str, float] = field(default_factory=dict)
+    own_zero: bool = False
+    run: Run | None = None
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -240,19 +245,12 @@ def recording_from_columns(
 
     ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants, without raw channels; the
     arrays are taken over and may be written to. ``keys`` holds values that passed :func:`check_key`, ``places`` half of
-    the last place of columns that follow from others. Raises ``InputFileError`` where a column holds no number at all,
-    or a torque that points backward.
+    the last place of columns that follow from others. Raises ``InputFileError`` where a column holds no number at all.
     """
     for name, values in columns.items():
         if np.isnan(values[0]) and np.isnan(values).all():
             wish = "want numbers in it, or no such column"
             raise InputFileError(file, where=f"column {name}", found="not one number", wish=wish)
-    torque = columns.get("torque_nm")
-    # The middle value, since noise may take single samples of an unloaded pair below zero.
-    if torque is not None and np.fmin.reduce(torque) < 0.0 and float(np.nanmedian(torque)) < 0.0:
-        found = f"a median of {float(np.nanmedian(torque)):g} N.m"
-        wish = "want a torque of 0 or more (the flank says which way it acts)"
-        raise InputFileError(file, where="column torque_nm", found=found, wish=wish)
 
     def scaled(name: str, unit: float) -> FloatArray | None:
         return _taken_over(columns[name], unit) if name in columns else None

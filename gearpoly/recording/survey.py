@@ -13,16 +13,20 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gearpoly.errors import GearpolyError
-from gearpoly.recording.clean import BACKWARD_LIMIT, STANDS_SHARE
+from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
 from gearpoly.recording.quantities import Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
-from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, Recording
 from gearpoly.recording.repeats import new_readings
+from gearpoly.recording.reversals import reversals
+from gearpoly.recording.run import Run
+from gearpoly.recording.runs import is_long, lost_motions, runs_of, says, usable
 from gearpoly.recording.spikes import single_spikes
+from gearpoly.recording.steady import STANDS_SHARE
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
 from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, continuous
@@ -30,9 +34,6 @@ from gearpoly.units import DEG, FloatArray, IntArray
 
 STAND_SAMPLES = 12
 """Least samples of a stop: an encoder that is read slowly repeats its value for fewer."""
-
-REVERSALS_LIMIT = 200
-"""Reversals that are looked for; each takes a pass over the rest."""
 
 FEWEST = 8
 """Samples below which nothing is said of rates and turns."""
@@ -93,11 +94,24 @@ class Seen:
         return (float(held.min()), float(held.max())) if held.size else None
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunSeen:
+    """One of the runs forth and back: what it ``says``, which ``run`` it is, whether it turns ``back``, its ``flank``,
+    and whether it is too ``short`` to be compared."""
+
+    says: str
+    run: Run
+    back: bool
+    flank: str
+    short: bool
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Survey:
     """One recording of a file: its ``number`` among those in the ``file`` (from 1) and ``of`` how many, the ``format``,
     the ``channels``, ``clock``, ``keys``, ``layout`` of the text, what is in doubt, remarks, and the ``refusal`` that a
-    comparison would give, empty where it takes the recording."""
+    comparison would give, empty where it takes the recording; where the shafts turn forth and back the ``runs``, and
+    the lost motion between two of them, by their numbers."""
 
     file: Path
     number: int
@@ -111,6 +125,8 @@ class Survey:
     doubts: tuple[Doubt, ...]
     remarks: tuple[str, ...]
     refusal: str
+    runs: tuple[RunSeen, ...] = ()
+    lost: tuple[tuple[int, int, LostMotion], ...] = ()
 
     @property
     def rows(self) -> int:
@@ -134,8 +150,10 @@ def survey(file: Path, chart: RecordingMap | None = None) -> list[Survey]:
 def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int, of: int, format_name: str) -> Survey:
     refusal = ""
     _seal(table)
+    runs: tuple[Recording, ...] = ()
     try:
-        recording_from_table(file, taken(file, _copied(table), chart))
+        runs = runs_of(recording_from_table(file, taken(file, _copied(table), chart)))
+        usable(runs)
     except GearpolyError as error:
         refusal = str(error)
     out, found = assigned(file, table, chart)
@@ -155,6 +173,12 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         doubts=tuple(doubts),
         remarks=tuple(table.remarks),
         refusal=refusal,
+        runs=tuple(
+            RunSeen(says=says(one), run=one.run, back=one.backward, flank=one.flank, short=not is_long(one, runs))
+            for one in runs
+            if one.run is not None
+        ),
+        lost=tuple((forth + 1, back + 1, one) for forth, back, one in lost_motions(runs)),
     )
 
 
@@ -249,7 +273,7 @@ def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -
         wraps=around.size,
         modulus=float(np.median(jumps) + np.median(steps)) if around.size else None,
         stops=_stops(angle, rows),
-        reversals=tuple(int(rows[k]) + 1 for k in _reversals(plain, held)),
+        reversals=tuple(int(rows[held[k]]) + 1 for k in reversals(plain)),
         repeats=int(rows.size - kept.size),
         spikes=int(rows.size - held.size),
     )
@@ -275,22 +299,3 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     return tuple(
         (int(rows[a]) + 1, int(rows[b - 1 + window]) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)
     )
-
-
-def _reversals(angle: FloatArray, rows: IntArray) -> list[int]:
-    """Samples at which a shaft turns round for more than jitter."""
-    out: list[int] = []
-    begin, way = 0, 0.0
-    far = np.flatnonzero(np.abs(angle - angle[0]) > BACKWARD_LIMIT)
-    if not far.size:
-        return out
-    way = float(np.sign(angle[far[0]] - angle[0]))
-    while len(out) < REVERSALS_LIMIT:
-        run = way * angle[begin:]
-        back = np.flatnonzero(np.maximum.accumulate(run) - run > BACKWARD_LIMIT)
-        if not back.size:
-            return out
-        at = begin + int(np.argmax(run[: back[0] + 1]))
-        out.append(int(rows[at]))
-        begin, way = at, -way
-    return out

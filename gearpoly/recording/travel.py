@@ -13,7 +13,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from gearpoly.units import FloatArray
+from gearpoly.recording.recording import Recording
+from gearpoly.recording.unwrapping import continuous, settle_gaps
+from gearpoly.units import FloatArray, IntArray
 
 TURN = 2.0 * math.pi
 
@@ -23,8 +25,37 @@ BLOCKS_LIMIT = 100_000
 """Most means in all, for speed; very long recordings get fewer per turn."""
 STRETCHES = 12
 """Stretches whose scatter gives the standard error: long enough to hold slow wander, enough to be counted."""
+FEWEST = 64
+"""Samples below which no ratio is asked for."""
 TEETH_LIMIT = 400
 """Largest tooth count of a ratio that is offered as an explanation."""
+
+
+def whole_angles(recording: Recording) -> tuple[IntArray, FloatArray, FloatArray, float] | None:
+    """Samples (m,) of a recording with both angles, these angles (m,) in rad, forward positive and continuous, and the
+    ratio of their travels from sample to sample; None where both were not read, or hardly."""
+    first, second = recording.driving_angle_rad, recording.driven_angle_rad
+    if first is None or second is None or recording.computed:
+        return None
+    good = np.isfinite(first) & np.isfinite(second)
+    if recording.time_s is not None:
+        good &= np.isfinite(recording.time_s)
+    rows = np.flatnonzero(good)
+    position = rows.astype(np.float64) if recording.time_s is None else recording.time_s[rows]
+    if rows.size < FEWEST or np.any(np.diff(position) < 0.0):
+        return None
+    one, other = (
+        continuous(way * angle[rows], position, rows)
+        for way, angle in ((recording.driving_direction, first), (recording.driven_direction, second))
+    )
+    both = one.ordinary & other.ordinary
+    travel = float(np.sum(np.diff(one.angle)[both]))
+    ratio = float(np.sum(np.diff(other.angle)[both])) / travel if travel else 0.0
+    if not ratio > 0.0:
+        return None
+    # Gaps are settled with a ratio, and it has to be that of these readings.
+    theta_1, theta_2, _ = settle_gaps(one, other, ratio)
+    return rows, theta_1, theta_2, ratio
 
 
 def slope(theta_1: FloatArray, theta_2: FloatArray, te: FloatArray) -> tuple[float, float]:

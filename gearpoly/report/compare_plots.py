@@ -11,9 +11,11 @@ from matplotlib.figure import Figure
 
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.families import SHARES, line_threshold
+from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.compare.spectrum import Grid
+from gearpoly.report.lost_motion_report import draw_lost
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
 from gearpoly.units import NM, UM, FloatArray
 
@@ -36,13 +38,17 @@ def comparison_figure(comparison: Comparison) -> Figure:
     """Maps of the recording with the most left over, and the spectra of all."""
     aligned = comparison.aligned
     timed = [k for k, one in enumerate(aligned) if one.time_s is not None]
-    figure = Figure(figsize=(13.0, 11.0 if timed else 8.0), layout="constrained")
-    rows: Any = figure.subfigures(3 if timed else 2, 1, height_ratios=(5, 3, 3) if timed else (5, 3))
+    lost = lost_motions(comparison)
+    heights = [5, 3, *[3] * bool(timed), *[3] * bool(lost)]
+    figure = Figure(figsize=(13.0, float(sum(heights))), layout="constrained")
+    rows: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
     worst = int(np.argmax([one.rms for one in aligned]))
     _maps(rows[0], comparison, worst)
     _orders(rows[1].subplots(), comparison)
     if timed:
         _times(rows[2].subplots(), comparison, timed)
+    if lost:
+        draw_lost(rows[-1], lost)
     one = aligned[worst]
     figure.suptitle(
         f"{comparison.name}: recorded minus simulated, {comparison.located.residual_rms / UM:.3f} um rms, "

@@ -13,8 +13,11 @@ from gearpoly import __version__
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.division import Division
 from gearpoly.compare.entries import Entry, named, says
+from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.on_sky import Sky, arcsec_words, sky_of
+from gearpoly.compare.scale import Scale
 from gearpoly.compare.zeros import Zeros
+from gearpoly.report.lost_motion_report import lost_json, lost_rows
 from gearpoly.units import DEG, NM, RPM, UM
 
 SINGLY = 3
@@ -55,7 +58,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """Everything as plain values, sizes in um and angles in deg."""
     located = comparison.located
     repeatable = located.repeatable_rms
-    sky = sky_of(comparison)
+    sky, lost = sky_of(comparison), lost_motions(comparison)
     return {
         "gearpoly": __version__,
         "pair": comparison.name,
@@ -67,6 +70,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "divides_um": division_json(located.division),
         **({} if repeatable is None else {"repeatable_rms_um": repeatable / UM}),
         **({} if sky is None else {"residual_rms_arcsec": sky.arcsec(located.residual_rms / UM)}),
+        **({} if comparison.scale is None else {"reading_scale": _scale_json(comparison.scale)}),
+        **({"lost_motion": [lost_json(one) for one in lost]} if lost else {}),
         "recordings": [
             {
                 "file": str(one.cleaned.recording.source),
@@ -92,6 +97,14 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         ],
         "remarks": list(comparison.remarks),
     }
+
+
+def _scale_json(scale: Scale) -> dict[str, Any]:
+    """What one reading was times the truth, before it was taken out."""
+    out: dict[str, Any] = {"gear": scale.shaft, "ratio": scale.value, "std": scale.std}
+    if scale.by_recording:
+        out["ratio_by_recording"] = dict(zip(map(str, scale.of), scale.by_recording, strict=True))
+    return out
 
 
 def entries_json(entries: tuple[Entry, ...], sky: Sky | None) -> list[dict[str, object]]:
@@ -155,6 +168,9 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         + ("" if sky is None else f"; {arcsec_words(sky.arcsec(located.residual_rms / UM))} rms on the sky"),
     )
     table.add_row("which divides", division_words(located.division))
+    for one_lost in lost_motions(comparison):
+        for name, words in lost_rows(one_lost):
+            table.add_row(name, words)
     console.print(table)
     if located.where:
         console.print("where they differ, most of the mismatch first:", style="bold", highlight=False)

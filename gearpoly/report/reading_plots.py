@@ -38,6 +38,7 @@ def plot_surveys(surveys: Sequence[Survey], *, target: Path) -> None:
         which = f", recording {found.number} of {found.of}" if found.of > 1 else ""
         title = f"{shown(found.file.name)}{which}: {found.rows} samples{_marks(found)}"
         axes[0][column].set_title(title, loc="left", fontsize=9)
+        _runs(axes[0][column], found)
         last = axes[max(len(channels) - 1, 0)][column]
         last.set_xlabel("time / s" if found.time is not None else "row")
     save(figure, target)
@@ -64,6 +65,18 @@ def _channel(axis: Any, found: Survey, one: Seen) -> None:
     axis.margins(x=0.0)
     axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
     axis.ticklabel_format(useOffset=False, axis="y")
+
+
+def _runs(axis: Any, found: Survey) -> None:
+    """The number and the flank of every run forth and back, over its rows."""
+    for run in found.runs:
+        first, last = (row - 1 for row in run.run.rows)
+        begin, end = (first + 1, last + 1) if found.time is None else (found.time[first], found.time[last])
+        words = f"{run.run.number}" if run.short else f"run {run.run.number}: {run.flank}"
+        axis.text(
+            0.5 * (begin + end), 0.94, words, transform=axis.get_xaxis_transform(), ha="center", va="top", fontsize=7,
+            bbox={"facecolor": "white", "edgecolor": GREY, "linewidth": 0.5, "alpha": 0.85, "pad": 1.5},
+        )  # fmt: skip
 
 
 def _is_axis(found: Survey, one: Seen) -> bool:

@@ -7,15 +7,21 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from rich import box
 from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.errors import shown
 from gearpoly.files.traces import shorten
+from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.quantities import column_unit
-from gearpoly.recording.survey import Clock, Seen, Survey, Turning
+from gearpoly.recording.survey import Clock, RunSeen, Seen, Survey, Turning
 from gearpoly.report.terminal import Terminal
+from gearpoly.units import ARCMIN, UM
+
+RUN_SHOWN = 240
+"""Characters of a run's line; it holds the file's name twice."""
 
 NAMED = 3
 """Places of one kind that are named; the rest is counted."""
@@ -41,6 +47,12 @@ def print_survey(console: Terminal, found: Survey) -> None:
     for one in found.channels:
         if one.turning is not None:
             console.print(f"{shorten(one.name)}: {_turning_words(one.turning, one)}", highlight=False, soft_wrap=True)
+    for run in found.runs:
+        flank = "too short to use" if run.short else f"{run.flank} flank, alone as {run.run.named}"
+        console.print(shown(f"{run.says}, {flank}", width=RUN_SHOWN), highlight=False, soft_wrap=True)
+    for forth, back, lost in found.lost[:NAMED]:
+        words = f"lost motion from run {forth} to run {back}: {lost.says}"
+        console.print(words, style="bold", highlight=False, soft_wrap=True)
     for key, value in found.keys.items():
         console.print(f"states {key} = {value}", highlight=False, soft_wrap=True)
     for one in found.channels:
@@ -111,10 +123,30 @@ def _held(found: Survey) -> dict[str, Any]:
         "keys": dict(found.keys),
         "clock": None if found.clock is None else _clock_held(found.clock),
         "columns": [_seen_held(one) for one in found.channels],
+        **({"runs": [_run_held(one) for one in found.runs]} if found.runs else {}),
+        **({"lost_motion": [_lost_held(*one) for one in found.lost]} if found.lost else {}),
         "doubts": [{"says": one.says, "map": list(one.ask)} for one in found.doubts],
         "remarks": list(found.remarks),
         "refused": found.refusal or None,
     }
+
+
+def _run_held(one: RunSeen) -> dict[str, Any]:
+    return {
+        "number": one.run.number,
+        "rows": list(one.run.rows),
+        "turns": one.run.turns,
+        "shaft": one.run.shaft,
+        "direction": "back" if one.back else "forward",
+        "flank": one.flank,
+        "too_short": one.short,
+    }
+
+
+def _lost_held(forth: int, back: int, one: LostMotion) -> dict[str, Any]:
+    unit, name = (UM, "um") if one.along else (ARCMIN, f"{one.side}_arcmin")
+    sizes = {"mean": one.mean, "least": float(np.min(one.by)), "most": float(np.max(one.by))}
+    return {"runs": [forth, back], **{f"{what}_{name}": size / unit for what, size in sizes.items()}}
 
 
 def _clock_held(clock: Clock) -> dict[str, Any]:
