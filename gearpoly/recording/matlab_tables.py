@@ -80,9 +80,10 @@ def take_tables(file: Path, table: Table, objects: Mapping[str, str], read: Any)
             raise InputFileError(file, where="variables", found=f"no columns; {table.unread[0]}", wish=table.unread[1])
 
 
-def _series(held: Mapping[str, Any]) -> Iterator[tuple[str, str, FloatArray | None, str]]:
+def _series(held: dict[str, Any]) -> Iterator[tuple[str, str, FloatArray | None, str]]:
     """Path, own name, values (``None`` for what is no number) and unit of every column of the tables in ``held``."""
-    waiting = [(name, value, 0) for name, value in held.items() if not name.startswith("__")]
+    # Taken out, so that nothing but what waits is kept.
+    waiting = [(name, held.pop(name), 0) for name in list(held) if not name.startswith("__")]
     while waiting:
         path, value, depth = waiting.pop(0)
         if type(value).__name__ == "DataFrame":
@@ -114,7 +115,7 @@ def _numbers(values: Any) -> FloatArray:
         return since_first(values)
     if values.dtype.kind == "m":
         return np.asarray(values / np.timedelta64(1, "s"), dtype=np.float64)
-    return np.asarray(values, dtype=np.float64)
+    return np.array(values, dtype=np.float64)
 
 
 READER = Reader(

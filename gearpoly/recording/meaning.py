@@ -41,8 +41,8 @@ NO_SUFFIX = ("in", "min", "m", "as", "h")
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
-ENOUGH = 200_000
-"""Readings of an angle that are looked at for its unit; the shortest recording that is compared has two turns."""
+ENOUGH = 50_000
+"""Readings of an angle that are looked at for its unit, the first or some of all; a turn has a few hundred."""
 
 WRAP_TOLERANCE = 0.01
 """Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
@@ -221,31 +221,41 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
 
 def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
     """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
-    shown_by = wrapped_unit(values)
+    shown_by, net = _begun_again(values)
     if shown_by is None or abs(shown_by.size / unit.size - 1.0) <= WRAP_TOLERANCE:
         return None
-    with np.errstate(over="ignore", invalid="ignore"):
-        steps = np.diff(values[:ENOUGH])
-    far = steps[np.abs(steps) > 0.5 / shown_by.size * 360.0]
     # A spike goes there and back; of turns more begin again one way than the other.
-    return shown_by if np.sum(np.sign(far)) != 0.0 else None
+    return shown_by if net else None
 
 
 def wrapped_unit(values: FloatArray) -> Unit | None:
-    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not; the first of many
-    tell."""
-    held = values[:ENOUGH][np.isfinite(values[:ENOUGH])]
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
+    return _begun_again(values)[0]
+
+
+def _begun_again(values: FloatArray) -> tuple[Unit | None, int]:
+    """The unit in which readings (n,) begin again after one turn, by the first of many or by some of all, and how many
+    more of them do so downward than upward."""
+    for some in (values[:ENOUGH], values[:: max(1, values.size // ENOUGH)]):
+        found = _jumps(some)
+        if found[0] is not None:
+            return found
+    return None, 0
+
+
+def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
+    held = values[np.isfinite(values)]
     if held.size < 8:
-        return None
+        return None, 0
     with np.errstate(over="ignore"):  # a damaged file may hold anything
         steps = np.diff(held)
         span = float(np.ptp(held))
     jumps = steps[np.abs(steps) > 0.5 * span]
     if not 1 <= jumps.size <= held.size // 4:
-        return None
+        return None, 0
     usual = float(np.median(np.abs(steps)))
     modulus = float(np.median(np.abs(jumps))) + usual
     for unit in (UNITS[ANGLE][one] for one in ("deg", "rad", "gon", "mrad")):
         if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
-            return unit
-    return None
+            return unit, -int(np.sum(np.sign(jumps)))
+    return None, 0
