@@ -24,7 +24,7 @@ FIGURES = (
 
 
 def figures(turns: float, *, torque_nm: float) -> dict[str, float]:
-    summary = PAIR.simulate(turns=turns, points_per_mesh=12, torque_nm=torque_nm, fast=True).summary()
+    summary = PAIR.simulate(turns=turns, points_per_mesh=12, torque_nm=torque_nm, fast=True).summary
     return {key: summary[key] for key in FIGURES if key in summary}
 
 

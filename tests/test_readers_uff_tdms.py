@@ -67,8 +67,8 @@ def test_what_pyuff_writes_is_read(tmp_path: Path, count: int, binary: int, even
     file = tmp_path / "rec.uff"
     rng = np.random.default_rng(count)
     x = 0.25 * np.arange(count) if even else np.cumsum(rng.uniform(0.5, 1.5, count))
-    first, second = rng.normal(0.0, 100.0, (2, count))
-    first[1] = -1.0  # looks like the mark of a set's end
+    first, second = np.cumsum(rng.uniform(1.0, 100.0, (2, count)), axis=1)
+    first[:2] = -2.0, -1.0  # the second looks like the mark of a set's end
     form = {"binary": binary, "abscissa_spacing": even}
     pyuff_write(
         file,

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.csv_reader import RECORDING_LIMIT_BYTES, read_csv
+from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from tests.at_hand import SHARED, SHIPPED
 
@@ -117,10 +118,11 @@ def test_torque_and_speed_per_sample(tmp_path: Path) -> None:
 def test_noise_below_zero_torque_is_fine_but_backward_torque_is_not(tmp_path: Path) -> None:
     head = "driving_angle_deg,driven_angle_deg,torque_nm\n"
     assert read_csv(write(tmp_path, head + "1,2,0.1\n3,4,-0.05\n5,6,0.02\n")).size == 3
-    error = refusal(tmp_path, head + "1,2,-25\n3,4,-25\n5,6,-24\n")
-    assert error.where == "column torque_nm"
-    assert "-25" in error.found
-    assert "flank" in error.wish
+    with pytest.raises(InputFileError) as error:
+        read_recording(write(tmp_path, head + "1,2,-25\n3,4,-25\n5,6,-24\n"))
+    assert error.value.where == "column torque_nm"
+    assert "-25" in error.value.found
+    assert "flank" in error.value.wish
 
 
 def test_arrays_are_float64_and_read_only(tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def test_the_bound_is_where_drawn_roots_begin_to_reach_the_mates_tip(angle: floa
 def test_full_depth_gears_turn_as_they_stand_and_a_rounder_root_is_named_where_they_jam() -> None:
     known = sides(z=(120, 160), dedendum=1.157, pressure_angle_deg=14.5)
     run = gearpoly.Pair.of(known).simulate(turns=0.007, points_per_mesh=30, fast=True)
-    assert run.summary()["backlash_least_um"] > 0.0
+    assert run.summary["backlash_least_um"] > 0.0
     round_ = sides(z=(120, 160), dedendum=1.157, pressure_angle_deg=14.5, root_radius=0.37)
     with pytest.raises(JammedError, match=r"root_radius = 0\.37 .* at most 0\.2094 leaves it free"):
         gearpoly.Pair.of(round_).simulate(turns=0.007, points_per_mesh=30, fast=True)

@@ -28,8 +28,9 @@ REVERSALS_LIMIT = 200
 def backward_limit(angle: FloatArray) -> float:
     """How far in rad the readings (n,) in rad of a shaft may come back without a reversal: ``BACKWARD_LIMIT``, or what
     their noise and the steps of a coarse encoder make."""
-    steps = np.diff(angle)
-    against = steps[1:] * steps[:-1] < 0.0
+    with np.errstate(over="ignore", invalid="ignore"):  # a damaged file may hold anything
+        steps = np.diff(angle)
+    against = np.sign(steps[1:]) * np.sign(steps[:-1]) < 0.0
     if np.count_nonzero(against) < TREMBLES * max(angle.size, 1):
         return BACKWARD_LIMIT
     pairs = np.abs(steps[1:] - steps[:-1])[against]
