@@ -28,8 +28,7 @@ REVERSALS_LIMIT = 200
 def backward_limit(angle: FloatArray) -> float:
     """How far in rad the readings (n,) in rad of a shaft may come back without a reversal: ``BACKWARD_LIMIT``, or what
     their noise and the steps of a coarse encoder make."""
-    with np.errstate(over="ignore", invalid="ignore"):  # a damaged file may hold anything
-        steps = np.diff(angle)
+    steps = np.diff(angle)
     against = np.sign(steps[1:]) * np.sign(steps[:-1]) < 0.0
     if np.count_nonzero(against) < TREMBLES * max(angle.size, 1):
         return BACKWARD_LIMIT

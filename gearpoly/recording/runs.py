@@ -48,6 +48,7 @@ class _Stretch(NamedTuple):
     block: int
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def runs_of(recording: Recording) -> tuple[Recording, ...]:
     """The runs of a recording in their order, those too short to use among them; the recording itself where it turns
     one way only.
