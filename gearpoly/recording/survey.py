@@ -252,6 +252,7 @@ def _clock(time: FloatArray) -> Clock:
     )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -> Turning | None:
     """How a shaft with readings (n,) in deg, which are ``values`` in the file, turns."""
     rows = np.flatnonzero(np.isfinite(degrees) & (np.isfinite(time) if time is not None else True))
