@@ -34,7 +34,7 @@ test-slow: $(VENV)/.test
 
 # What the rules of the diagnosis know, held against whole verdicts (docs/rules.md).
 knowledge: $(VENV)/.test
-	$(BIN)/pytest -n $(JOBS) tests/knowledge
+	$(BIN)/pytest -n $(JOBS) tests/knowledge tests/knowledge_compare
 
 # Inputs of each fuzzer; the table of what became of them ends the run (docs/explanation/reliability.md).
 FUZZ ?= 550
