@@ -21,6 +21,7 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.verdict import Finding
+from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
@@ -82,6 +83,8 @@ def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     )
 
 
+PULSES = "a torque that pulses with that shaft"
+
 FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
 
@@ -139,6 +142,8 @@ def with_causes(
         before = {(cause.physics, cause.gear) for cause in out[at].could_be}
         more = tuple(cause for cause in could_be if (cause.physics, cause.gear) not in before)
         there = max(out[at].probability or 0.0, 1.0 - one.posterior.nothing)
+        if one.claim.physics is LOAD_WAVE:
+            out[at] = replace(out[at], rivals=(*out[at].rivals, PULSES))
         out[at] = replace(out[at], could_be=(*out[at].could_be, *more), probability=there, curves=mine)
     return tuple(out)
 

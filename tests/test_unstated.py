@@ -1,0 +1,56 @@
+"""How far teeth deviate of which nobody says anything."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gearpoly.diagnose.unstated import SEEN, _step, grade_of
+from gearpoly.infer.unknown import plainest_first
+
+Z = 40
+KNOWN = 0.1
+
+
+def seen(pitch: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+    return _step(pitch, KNOWN**2 * np.eye(Z))
+
+
+def test_independent_teeth_step_by_the_root_of_two_of_what_they_deviate() -> None:
+    """The variance of a difference is the sum of both, less what every tooth is known to; the median of 40 steps is known
+    to a sixth (1.25 / sqrt(2 z) of a normal one, times the correlation of neighbours)."""
+    rng = np.random.default_rng(3)
+    found = [seen(rng.normal(0.0, 5.0, Z)) for _ in range(50)]
+    assert np.mean(found) == pytest.approx(5.0 * math.sqrt(2.0), rel=0.05)
+
+
+def test_an_eccentricity_or_one_tooth_off_its_place_says_nothing_of_the_others() -> None:
+    rng = np.random.default_rng(4)
+    angle = 2.0 * np.pi / Z * np.arange(Z)
+    fine = rng.normal(0.0, KNOWN, Z)
+    off = fine.copy()
+    off[7] += 30.0
+    assert seen(fine + 40.0 * np.cos(angle + 0.3)) == 0.0
+    assert seen(off) == 0.0
+
+
+def test_what_is_hardly_more_than_its_doubt_counts_as_nothing() -> None:
+    rng = np.random.default_rng(5)
+    pitch = rng.normal(0.0, 1.0, Z)
+    scale = SEEN * KNOWN
+    assert seen(0.3 * scale * pitch) == 0.0
+    assert seen(3.0 * scale * pitch) > 0.0
+
+
+def test_grades_are_a_root_of_two_apart() -> None:
+    """ISO 1328-1:2013, 5.2."""
+    assert [grade_of(2.0 ** (k / 2.0)) for k in (-4, -1, 0, 1, 2, 14)] == [1, 4, 5, 6, 7, 19]
+    assert grade_of(1.01) == 6
+
+
+def test_forms_of_one_cause_share_its_weight() -> None:
+    assert plainest_first(1) == [1.0]
+    assert sum(plainest_first(7)) == pytest.approx(1.0, abs=1e-15)
+    assert plainest_first(7)[0] == 0.5
