@@ -19,8 +19,8 @@ def seen(pitch: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
 
 
 def test_independent_teeth_step_by_the_root_of_two_of_what_they_deviate() -> None:
-    """The variance of a difference is the sum of both, less what every tooth is known to; the median of 40 steps is known
-    to a sixth (1.25 / sqrt(2 z) of a normal one, times the correlation of neighbours)."""
+    """The variance of a difference is the sum of both, less what every tooth is known to; the median of 40 steps is
+    known to a sixth (1.25 / sqrt(2 z) of a normal one, times the correlation of neighbours)."""
     rng = np.random.default_rng(3)
     found = [seen(rng.normal(0.0, 5.0, Z)) for _ in range(50)]
     assert np.mean(found) == pytest.approx(5.0 * math.sqrt(2.0), rel=0.05)
