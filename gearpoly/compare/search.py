@@ -138,11 +138,15 @@ class Search(JumpSearch):
             group = [self.states[k] for k in members]
             scores = [s.noise.score(s.noise.whitened(solution.left[k])) for k, s in zip(members, group, strict=True)]
             samples = min(s.data.u.size for s in group)
+            begin, end = zip(*(s.carried.contact for s in group), strict=True)
+            contact = min(begin), max(end)
             for gear, first, z in ((1, 0, self.z_1), (2, 2 * self.z_1, self.z_2)):
                 cells = []
                 for s in group:
                     weight = s.carried.weights(self.deviation(s))
-                    cells.append(make_cells(s.carried, weight, gear=gear, coast=s.coast, samples=samples))
+                    cells.append(
+                        make_cells(s.carried, weight, gear=gear, coast=s.coast, samples=samples, contact=contact)
+                    )
                 at = flank_at * self.tooth_parameters + first
                 information = tooth_information(
                     cells, [s.noise for s in group], precision=(float(precision[at]), float(precision[at + z]))

@@ -74,10 +74,12 @@ class Cells:
         return np.asarray(out.reshape(self.z, self.bins, self.bins) * (n / part), dtype=np.float64)
 
 
-def make_cells(carried: Carried, weight: FloatArray, *, gear: int, coast: bool, samples: int) -> Cells:
-    """Cells of ``gear`` with each pair's ``weight`` (P, n) in the transmission error, as wide as the shortest of the
-    recordings needs that share them, of so many ``samples``."""
-    low, high = carried.contact[0] - BEYOND, carried.contact[1] + BEYOND
+def make_cells(
+    carried: Carried, weight: FloatArray, *, gear: int, coast: bool, samples: int, contact: tuple[float, float]
+) -> Cells:
+    """Cells of ``gear`` with each pair's ``weight`` (P, n) in the transmission error, over the ``contact`` of all
+    recordings that share them, as wide as the shortest of these needs, of so many ``samples``."""
+    low, high = contact[0] - BEYOND, contact[1] + BEYOND
     z = carried.z_1 if gear == 1 else carried.z_2
     # At least eight samples to a cell, so that short records do not search cells that hold nothing.
     per_pitch = samples / z

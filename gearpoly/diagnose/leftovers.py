@@ -20,6 +20,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.physics.base import Claim
@@ -132,7 +133,7 @@ def with_causes(
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
         same = [k for k, entry in enumerate(out) if _same_place(entry, place)]
-        if not same and one.seen:
+        if not same and (one.seen or one.posterior.nothing > EVEN):
             continue
         if not same:
             out.append(place)

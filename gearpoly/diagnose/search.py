@@ -149,8 +149,8 @@ class Search(Exchange):
                 continue
             if weighed is not None and left_unnamed(self, best.claim, weighed):
                 leave_more(self, found[:SHORTLIST], besides=best.claim)
-                self.settle()
-                looked = False
+                looked = self._unsettled(before)
+                refused |= {best.claim.key} if looked else set()
                 continue
             best = best if weighed is None else likeliest(best, weighed)
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
@@ -167,6 +167,15 @@ class Search(Exchange):
             if len(refused) > MOST:
                 break
         return found, roads
+
+    def _unsettled(self, before: Kept) -> bool:
+        """Whether gears cannot run with the curves that were left without a name; the state is then as ``before``."""
+        try:
+            self.settle()
+        except GearpolyError:
+            self.restore(before)
+            return True
+        return False
 
     def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
         """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was

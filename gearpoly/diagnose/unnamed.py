@@ -13,6 +13,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.scan import Candidate, all_places
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.weigh import Weigh
+from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
 from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import kind_of, order_of, same_place
@@ -24,6 +25,10 @@ EVEN = 0.5
 
 AT_ONCE = 6
 """Places that are left without a name after one look: as many as cost what another look does."""
+
+CURVES = 4
+"""Flanks that get a curve of their own, which is simulated and written into the fitted file; where more deviate, it is
+no single tooth that is unknown."""
 
 UNNAMED = 24
 """Places that are left without a name in one search: each costs columns, and beyond these `compare` has said what there
@@ -74,8 +79,14 @@ def left_unnamed(fit: Weigh, claim: Claim, weighed: Weighed) -> bool:
     fit.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")
     effect = fit.model.change(fit.scenes, claim, claim.values)
     rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
-    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
-    leave(fit, weighed.unknown)
+    forms = free_forms(claim, fit.scenes) if claim.place.tooth is not None and _curves(fit) < CURVES else []
+    seen = not forms and claim.physics is not LOAD_WAVE
+    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=seen)
+    if forms:
+        fit.join(forms)
+        fit.linear = fit.linearised()
+    else:
+        leave(fit, weighed.unknown)
     fit.model.unnamed = (*fit.model.unnamed, place)
     return True
 
@@ -93,6 +104,11 @@ def leave_more(fit: Weigh, found: Sequence[Candidate], *, besides: Claim) -> Non
         weighed = weigh_at(fit, one)
         if weighed is not None:
             left_unnamed(fit, one.claim, weighed)
+
+
+def _curves(fit: Fit) -> int:
+    """Flanks whose own curve stands in the fit."""
+    return sum(one.physics is FREE_FORM for one in fit.model.claims)
 
 
 def likeliest(best: Candidate, weighed: Weighed) -> Candidate:
