@@ -131,7 +131,7 @@ def diagnose(
     left_over = explained(search, comparison, left_over)
     if counted is not None:
         left_over = (*left_over, *located_on(comparison, counted.gear))
-    if (stopped or (unseen is not None and unseen.refused)) and not left_over and not findings:
+    if unseen is not None and unseen.refused and not left_over and not findings:
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
