@@ -9,7 +9,8 @@ from pathlib import Path
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))  # the tests' browser; no package holds it
+# The tests' browser is in no package, so this has to come before the imports below.
+sys.path.insert(0, str(ROOT))
 
 from gearpoly.compare.compare import compare  # noqa: E402
 from gearpoly.diagnose.diagnose import diagnose  # noqa: E402

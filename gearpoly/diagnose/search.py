@@ -9,7 +9,7 @@ from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.unnamed import EVEN, is_weighed, leave_more, left_unnamed, likeliest, weigh_at
+from gearpoly.diagnose.unnamed import is_weighed, leave_more, left_unnamed, likeliest, weigh_at
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
@@ -132,7 +132,7 @@ class Search(Exchange):
         found: list[Candidate] = []
         roads: list[Road] = []
         looked = False
-        while len(self.model.claims) < most and not self.over:
+        while len(self.model.claims) < most and len(refused) <= MOST and not self.over:
             if not looked:
                 self.step(f"looking for what is missing ({len(self.model.claims)} found)")
                 found, self.looked = scan(self.model, self.scenes, self.linear)
@@ -143,16 +143,18 @@ class Search(Exchange):
                 break
             before = self.kept()
             weighed = weigh_at(self, best)
-            if weighed is not None and weighed.posterior.nothing > EVEN:
-                refused.add(best.claim.key)
-                looked = True
-                continue
             if weighed is not None and left_unnamed(self, best.claim, weighed):
                 leave_more(self, found[:SHORTLIST], besides=best.claim)
                 looked = self._unsettled(before)
                 refused |= {best.claim.key} if looked else set()
                 continue
-            best = best if weighed is None else likeliest(best, weighed)
+            first = best.claim.key
+            refused.add(first)
+            chosen = likeliest(best, weighed)
+            looked = True  # where nothing changes, the next best of the same look is tried
+            if chosen is None or chosen.claim.key in refused - {first}:
+                continue
+            best = chosen
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
             if self.taken(best, found, before):
                 roads += [
@@ -160,12 +162,10 @@ class Search(Exchange):
                     for one in ones
                     if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
                 ]
+                refused -= {best.claim.key, first}
                 looked = False
                 continue
             refused.add(best.claim.key)
-            looked = True  # nothing has changed, so the next best of the same look is tried
-            if len(refused) > MOST:
-                break
         return found, roads
 
     def _unsettled(self, before: Kept) -> bool:

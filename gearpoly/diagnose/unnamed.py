@@ -13,7 +13,6 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.scan import Candidate, all_places
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.weigh import Weigh
-from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
 from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import kind_of, order_of, same_place
@@ -26,9 +25,9 @@ EVEN = 0.5
 AT_ONCE = 6
 """Places that are left without a name after one look: as many as cost what another look does."""
 
-CURVES = 4
-"""Flanks that get a curve of their own, which is simulated and written into the fitted file; where more deviate, it is
-no single tooth that is unknown."""
+TEETH = 4
+"""Teeth that are fitted though an unknown cause is likelier to first order. Where more deviate so, it is no single
+tooth that is unknown, and each fit would cost up to 12 processor s (measured on a printed pair)."""
 
 UNNAMED = 24
 """Places that are left without a name in one search: each costs columns, and beyond these `compare` has said what there
@@ -71,22 +70,18 @@ def weigh_at(fit: Weigh, best: Candidate) -> Weighed | None:
 
 def left_unnamed(fit: Weigh, claim: Claim, weighed: Weighed) -> bool:
     """Whether an unknown cause stands in the place of a ``claim`` from now on, where that is likelier than every
-    physics together."""
+    physics together. The first ``TEETH`` teeth are fitted all the same, and weighed against a curve of their flanks at
+    the end, which then stands in the fitted file."""
     surely = weighed.posterior.unknown > CERTAIN and len(fit.model.unnamed) < UNNAMED
-    if not surely or weighed.unknown is None:
+    fitted = claim.place.tooth is not None and _teeth(fit) < TEETH
+    if not surely or fitted or weighed.unknown is None:
         return False
     where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
     fit.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")
     effect = fit.model.change(fit.scenes, claim, claim.values)
     rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
-    forms = free_forms(claim, fit.scenes) if claim.place.tooth is not None and _curves(fit) < CURVES else []
-    seen = not forms and claim.physics is not LOAD_WAVE
-    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=seen)
-    if forms:
-        fit.join(forms)
-        fit.linear = fit.linearised()
-    else:
-        leave(fit, weighed.unknown)
+    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
+    leave(fit, weighed.unknown)
     fit.model.unnamed = (*fit.model.unnamed, place)
     return True
 
@@ -106,14 +101,19 @@ def leave_more(fit: Weigh, found: Sequence[Candidate], *, besides: Claim) -> Non
             left_unnamed(fit, one.claim, weighed)
 
 
-def _curves(fit: Fit) -> int:
-    """Flanks whose own curve stands in the fit."""
-    return sum(one.physics is FREE_FORM for one in fit.model.claims)
+def _teeth(fit: Fit) -> int:
+    """Claims about single teeth that stand in the fit."""
+    return sum(one.place.tooth is not None for one in fit.model.claims)
 
 
-def likeliest(best: Candidate, weighed: Weighed) -> Candidate:
-    """The ``best`` candidate, or what is likelier at its place than it."""
+def likeliest(best: Candidate, weighed: Weighed | None) -> Candidate | None:
+    """The ``best`` candidate, or what is likelier at its place than it; None where nothing is to be fitted there."""
+    if weighed is None:
+        return best
     posterior = weighed.posterior
+    wave = best.claim.place.tooth is None and posterior.unknown > CERTAIN
+    if posterior.nothing > EVEN or wave or not posterior.claims:
+        return None
     claim, chance = posterior.claims[0]
     if claim.key == best.claim.key or chance <= posterior.of(best.claim):
         return best
