@@ -14,7 +14,6 @@ from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.linear import within
 from gearpoly.diagnose.scan import Candidate, _allowed
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.sheets import recounted
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import on_gear
@@ -87,16 +86,6 @@ def plain(sheet: dict[str, object] | None) -> PairFile:
     """The plainest pair file, or with the same measured of all driving teeth."""
     file = pair_file(Z, driving={"inspection": sheet or {}})
     return on_gear(file, 0, inspection=None) if sheet is None else file
-
-
-@pytest.mark.parametrize("sheet", [None, {"tooth_thickness_um": -40.0}], ids=["ideal", "all alike"])
-def test_no_sheet_is_counted_otherwise_where_none_lists_teeth(sheet: dict[str, object] | None) -> None:
-    """A gear with neither grade nor inspection, and two teeth off their place."""
-    physics = catalogue()["tooth_pitch"]
-    claims = [Claim(physics=physics, place=Place(gear=0, tooth=k, flank="drive"), values=(8.0,)) for k in (3, 11)]
-    as_built = SimpleNamespace(gears=[SimpleNamespace(graded=False)] * 2)
-    model = SimpleNamespace(claims=claims, declared=plain(sheet), as_built=as_built)
-    assert recounted(cast(Any, SimpleNamespace(model=model, over=False)), cast(Any, None)) is None
 
 
 def test_a_candidate_far_beyond_its_bounds_is_none() -> None:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
+from gearpoly.diagnose.sheets import Teeth, order_of, reread
+from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import on_gear
-from gearpoly.units import UM
+from gearpoly.recording.recording import Recording
+from gearpoly.units import UM, FloatArray
+from tests.pair_files import pair_file
 from tests.physics_cases import Condition, recorded, rough
 
 Z = 12, 16
@@ -75,3 +82,83 @@ def test_two_teeth_out_of_their_place_stay_two_teeth(tmp_path: Path) -> None:
     diagnosis = found(true, there, tmp_path)
     named = {(one.claim.physics.name, one.claim.place.gear, one.tooth) for one in diagnosis.findings}
     assert named == {("tooth_pitch", 0, 2), ("tooth_pitch", 0, 7)}
+
+
+@pytest.mark.slow
+def test_the_sheet_of_another_gear_names_nothing(tmp_path: Path) -> None:
+    """Twelve steps of 4 um rms, none of them where the sheet has it: the sheet is left out, and told."""
+    true = rough(Z, bends=False)
+    sheet = true.driving.inspection
+    assert sheet is not None
+    others = tuple(np.random.default_rng(77).normal(0.0, 3.0, Z[0]).tolist())
+    known = on_gear(true, 0, inspection=sheet.model_copy(update={"pitch_um": others}))
+    diagnosis = found(known, true, tmp_path)
+    assert not diagnosis.findings
+    assert any("of the driving gear does not fit the gear that was recorded" in one for one in diagnosis.remarks)
+    assert not any("of the driven gear does not fit" in one for one in diagnosis.remarks)
+
+
+@pytest.mark.slow
+def test_a_transmission_error_of_the_opposite_sign_is_told_and_put_right(tmp_path: Path) -> None:
+    true = rough(Z, bends=False)
+    recordings = recorded(true, (Condition(torque_nm=0.0),), np.random.default_rng(2), cycles=3.0)
+    signed = [opposite_te(one) for one in recordings]
+    diagnosis = diagnose(true, signed, path=tmp_path / "pair.toml")
+    assert not diagnosis.findings
+    assert diagnosis.status == "nothing_missing"
+    assert any("only with the opposite sign" in one for one in diagnosis.remarks)
+    assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.05)  # as in the first test
+
+
+def opposite_te(one: Recording) -> Recording:
+    """The recording as a rig writes it that takes the transmission error with the other sign."""
+    assert one.driving_angle_rad is not None
+    assert one.driven_angle_rad is not None
+    theta_1 = one.driving_direction * (one.driving_angle_rad - (one.driving_zero_rad or 0.0))
+    te = one.driven_angle_rad - (one.driven_zero_rad or 0.0) - Z[0] / Z[1] * theta_1
+    return replace(one, driving_angle_rad=None, driving_zero_rad=None, te_rad=-te)
+
+
+def test_nothing_is_reread_where_no_sheet_lists_teeth() -> None:
+    """Nobody inspected the gears, or all teeth have one value: no order of them matters."""
+    for sheet in ({}, {"tooth_thickness_um": -40.0}):
+        model = SimpleNamespace(
+            declared=pair_file(Z, driving={"inspection": sheet}), budget=SimpleNamespace(over=False)
+        )
+        assert reread(cast(Any, model), [], lambda _: None) == []
+
+
+def teeth(off: FloatArray, sheet: FloatArray, *, uncertainty: float = 0.5) -> Teeth:
+    return Teeth(
+        gear=0, off=off, covariance=np.zeros((off.size, off.size)), sheet=sheet, uncertainty=uncertainty,
+        steps=between(off.size),
+    )  # fmt: skip
+
+
+def test_a_sheet_is_doubted_for_half_of_its_steps_only() -> None:
+    """Its own uncertainty, an eccentric gear, or four wrong teeth of 24 say nothing against it; every tooth of another
+    gear does, and so does a sheet of 3 um of whose steps nothing is on the gear."""
+    rng = np.random.default_rng(3)
+    sheet, error = rng.normal(0.0, 3.0, 24), rng.normal(0.0, 0.5, 24)
+    once = 30.0 * np.cos(2.0 * np.pi / 24 * np.arange(24))
+    four = np.where(np.arange(24) % 6 == 2, 15.0, 0.0)
+    assert not teeth(error + once + four, sheet).contradicted
+    assert teeth(rng.normal(0.0, 3.0, 24) - sheet, sheet).contradicted
+    assert teeth(error - sheet, sheet).contradicted
+    # A sheet that is worse than it says, and still tells of the teeth, stays.
+    assert not teeth(3.0 * error, sheet).contradicted
+
+
+def test_what_classes_of_teeth_have_in_common_is_no_step() -> None:
+    """Of 26 on 46 teeth even ones meet even ones for ever: how far odd ones stand off tells nothing."""
+    odd = 5.0 * (np.arange(26) % 2)
+    assert np.max(np.abs(between(26, common=2) @ odd)) < 1e-12
+    assert np.max(np.abs(between(26) @ odd)) > 4.0
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_an_order_is_its_own_inverse_or_goes_back(back: bool) -> None:
+    order = order_of(7, 3, back=back)
+    assert order[0] == 3
+    assert sorted(order) == list(range(7))
+    assert (order[1] - order[0]) % 7 == (6 if back else 1)

@@ -25,6 +25,12 @@ from gearpoly.units import UM, FloatArray, IntArray
 
 TURN = 2.0 * math.pi
 
+SWAPPED = (
+    "want each angle under its own name: the columns of the two shafts are swapped; exchange driving_angle_deg and "
+    "driven_angle_deg in the recording, or the two gears in the pair file"
+)
+"""What to do where the ratio of the travels is the inverse of the pair's."""
+
 MATTERS = 0.25
 """Pitches of a whole recording by which travels miss the ratio from which teeth stand at other angles than they read:
 of less a slope of the transmission error tells all that there is."""
@@ -83,6 +89,8 @@ def put_right(
     these = list(found.values())
     first = recordings[next(iter(found))]
     ratio = these[0].ratio
+    if abs(ratio * pair.ratio - 1.0) <= TEETH_TOLERANCE < abs(ratio / pair.ratio - 1.0):
+        raise InputFileError(first.source, found=_off(ratio, pair) + ", which is its inverse", wish=SWAPPED)
     told = explanations(these, z_1=z_1, z_2=z_2)
     best = decided(told)
     if best is None:

@@ -42,13 +42,17 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
-from gearpoly.diagnose.sheets import recounted
+from gearpoly.diagnose.sheets import as_read, reread
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
+from gearpoly.infer.posterior import TOLD
+from gearpoly.infer.prior import AS_WRONG_KEYS
 from gearpoly.recording.recording import Recording
+from gearpoly.units import FloatArray
 
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
@@ -80,11 +84,15 @@ def diagnose(
     watch, budget = Watch(step, reached), Budget(seconds=within)
     file = with_sheets_stated(file, path=path)
     comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-    model = prepare(file, comparison, path=Path(path))
-    entries = foreign_entries(comparison)
-    model = replace(model, method=method or Method(), strangers=strangers(entries), budget=budget)
-    model.observed = beside_jumps(model.observed, jumps(comparison))
-    waves, preparing = foreign(comparison, model, entries), watch.stage("prepare")
+    model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
+    preparing = watch.stage("prepare")
+    wrong = reread(model, waves, preparing)
+    on_wrong_sheets = [one for sheet in wrong if not sheet.opposite for one in located_on(comparison, sheet.gear)]
+    misread: tuple[str, ...] = ()
+    if wrong:
+        file, recordings, misread = as_read(file, recordings, wrong)
+        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
+        model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
     model, seen = as_seen(model, waves, preparing)
     placed(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
@@ -96,9 +104,6 @@ def diagnose(
     start_linear = search.linear
     begun = without_columns(search.kept())
     looked_at = search.run()
-    counted = recounted(search, begun)
-    if counted is not None:
-        looked_at = counted.looked
     stopped, model.budget = search.over, budget.further
     search.step = watch.stage("rivals")
     refitted = contest(search)
@@ -129,14 +134,12 @@ def diagnose(
         comparison, left_over, unearned, [causes_of(model, one.posterior) for one in unearned], flank_curves(search)
     )
     left_over = explained(search, comparison, left_over)
-    if counted is not None:
-        left_over = (*left_over, *located_on(comparison, counted.gear))
+    left_over = (*left_over, *on_wrong_sheets)
     if unseen is not None and unseen.refused and not left_over and not findings:
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
     scale = compliance_scale(search)
-    recount = () if counted is None else (counted.says,)
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"
@@ -164,14 +167,25 @@ def diagnose(
             *comparison.remarks,
             *seen,
             *_untouched(findings),
-            *recount,
+            *misread,
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
             *_remarks(search, file, built),
+            *_of_the_file(unearned),
         ),
         unseen=unseen,
         seconds=watch.seconds(),
     )
+
+
+def _begun(
+    file: PairFile, comparison: Comparison, path: Path, method: Method, budget: Budget
+) -> tuple[Model, list[FloatArray]]:
+    """The working state before any physics is claimed, and the columns of what no pair makes."""
+    entries = foreign_entries(comparison)
+    model = replace(prepare(file, comparison, path=path), method=method, strangers=strangers(entries), budget=budget)
+    model.observed = beside_jumps(model.observed, jumps(comparison))
+    return model, foreign(comparison, model, entries)
 
 
 def _finding(
@@ -269,6 +283,17 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
                 f"by pitch and slope the {name} gear as it runs fits {shown}, not its declared grade {section.grade}"
             )
     return tuple(out)
+
+
+def _of_the_file(unearned: Sequence[Unearned]) -> Iterator[str]:
+    """Which keys of the pair file may be wrong, where something looks as though they were."""
+    for one in unearned:
+        if one.claim.physics.name in AS_WRONG_KEYS and one.posterior.of(one.claim) > TOLD:
+            name, size = one.claim.physics.name.replace("_", " "), one.claim.values[0]
+            yield (
+                f"a {name} off by {size:.0f} um would explain it, and so would a wrong profile_shift, "
+                "pressure_angle_deg, addendum or centre_distance_mm in the pair file: check these"
+            )
 
 
 def _untouched(findings: Sequence[Finding]) -> Iterator[str]:

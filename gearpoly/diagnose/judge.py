@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.diagnose.absent import misfit_without_mesh
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
 from gearpoly.diagnose.fidelity import FAINT
@@ -17,7 +18,17 @@ from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
-from gearpoly.infer.prior import LEAST_SHARE, share_of_causes, unknown_share
+from gearpoly.infer.prior import (
+    ABSENT,
+    AS_WRONG_KEYS,
+    LEAST_SHARE,
+    PRESENT,
+    WRONG,
+    WRONG_KEY,
+    log_size,
+    share_of_causes,
+    unknown_share,
+)
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 from gearpoly.scene import Scene
@@ -91,9 +102,21 @@ def judge(
         for one, log in found.values()
     ]
     explanations += trial.explanations(without_cause)
+    if claim.physics.mean_tooth:
+        whole = 0.5 * max(gain, without or 0.0) / trial.dispersion
+        behind = 0.5 * (misfit_without_mesh(model, scenes, linear) - linear.system.misfit) / trial.dispersion
+        # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
+        others = sum(one.physics.mean_tooth for one in model.claims) - 1
+        log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
+        explanations.append(Explanation(claim=None, log_evidence=log, weight=ABSENT))
+    share = unknown_share(claim, model.scope)
+    if claim.physics.name in AS_WRONG_KEYS:
+        usual = claim.physics.ordinary[0]
+        likelier = log_size(claim.values[0], WRONG * usual) - log_size(claim.values[0], usual)
+        weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
+        explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations)
-    share = unknown_share(claim, model.scope)
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places))
 
 

@@ -48,7 +48,7 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
         return model, ()
     step("asking how far the teeth deviate")
     fit = Fit.begun(
-        *shortened(_limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=FEW[-1]), step, trial=ROUNDS
+        *shortened(limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=FEW[-1]), step, trial=ROUNDS
     )
     found = {gear: by for gear in unstated if (by := _limits_seen(fit, gear)) > 0.0}
     says = tuple(
@@ -56,7 +56,7 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
         f"{grade_of(by)} do: what such teeth may have is not looked for; state a grade, or inspect it"
         for gear, by in found.items()
     )
-    return (_limited(model, found) if found else model), says
+    return (limited(model, found) if found else model), says
 
 
 def grade_of(by: float) -> int:
@@ -69,7 +69,7 @@ def _is_unstated(model: Model, gear: int) -> bool:
     return section.grade is None and section.limits is None and section.inspection is None
 
 
-def _limited(model: Model, by: dict[int, float]) -> Model:
+def limited(model: Model, by: dict[int, float]) -> Model:
     """The model with limits of so many times those of grade 5 for these gears."""
     gears = nominal_gears(model.declared)
     priors: list[GearPrior] = list(model.as_built.gears)
@@ -90,7 +90,11 @@ def _limits_seen(fit: Fit, gear: int) -> float:
     teeth, at = fit.model.as_built, fit.linear.layout.built
     built, covariance = fit.linear.system.solution[at], fit.linear.system.covariance[at, at]
     seen = [
-        _step(teeth.pitch(built, flank, gear), _block(covariance, teeth.start(flank, gear), teeth.gears[gear].z))
+        _step(
+            teeth.pitch(built, flank, gear),
+            _block(covariance, teeth.start(flank, gear), teeth.gears[gear].z),
+            common=math.gcd(*(one.z for one in teeth.gears)),
+        )
         for flank in teeth.flanks
     ]
     most = max(seen)
@@ -102,14 +106,21 @@ def _block(covariance: FloatArray, start: int, z: int) -> FloatArray:
     return covariance[start : start + z, start : start + z]
 
 
-def _step(pitch: FloatArray, covariance: FloatArray) -> float:
+def _step(pitch: FloatArray, covariance: FloatArray, *, common: int) -> float:
     """Standard deviation in um of the steps between teeth of these index deviations (z,), by their median, what they
-    are known to (z, z) taken off; 0 where that is nearly all of it."""
-    z = pitch.size
-    angle = 2.0 * np.pi / z * np.arange(z)
-    once = np.column_stack((np.ones(z), np.cos(angle), np.sin(angle)))
-    without = np.eye(z) - once @ np.linalg.pinv(once)
-    between = (np.roll(np.eye(z), -1, axis=0) - np.eye(z)) @ without
-    scatter = TO_SIGMA * float(np.median(np.abs(between @ pitch)))
-    doubt = math.sqrt(float(np.median(np.diag(between @ covariance @ between.T))))
+    are known to (z, z) taken off; 0 where that is nearly all of it. ``common`` as in ``between``."""
+    steps = between(pitch.size, common=common)
+    scatter = TO_SIGMA * float(np.median(np.abs(steps @ pitch)))
+    doubt = math.sqrt(float(np.median(np.diag(steps @ covariance @ steps.T))))
     return math.sqrt(scatter**2 - doubt**2) if scatter > SEEN * doubt else 0.0
+
+
+def between(z: int, *, common: int = 1) -> FloatArray:
+    """What makes of index deviations (z,) the steps from tooth to tooth (z,), without what is once per turn, and what
+    every so many teeth have in ``common``: where tooth numbers of both gears have a common divisor, as many classes of
+    teeth meet only each other, and how far these stand apart on either gear nothing tells."""
+    angle = 2.0 * np.pi / z * np.arange(z)
+    classes = (np.arange(z)[:, None] % common == np.arange(common)).astype(np.float64)
+    once = np.column_stack((classes, np.cos(angle), np.sin(angle)))
+    without = np.eye(z) - once @ np.linalg.pinv(once)
+    return np.asarray((np.roll(np.eye(z), -1, axis=0) - np.eye(z)) @ without)

@@ -196,8 +196,16 @@ def _note_stops(recording: Recording, keep: IntArray, stops: BoolArray, done: li
 
 
 def _too_short(recording: Recording, found: str) -> TooShortError:
-    wish = f"want at least {TURNS_LEAST:g} driving turns at speed, angles in deg; record longer"
+    wish = f"want at least {TURNS_LEAST:g} driving turns at speed, angles in deg{_in_rad(recording)}; record longer"
     return TooShortError(recording.source, found=found, wish=wish)
+
+
+def _in_rad(recording: Recording) -> str:
+    """A word about angles that were written in rad and read as deg, where those would be long enough."""
+    angle = recording.driving_angle_rad if recording.driving_angle_rad is not None else recording.driven_angle_rad
+    read = np.empty(0) if angle is None else angle[np.isfinite(angle)]
+    turns = float(np.ptp(read)) / DEG / TURN if read.size else 0.0
+    return f" (were they written in rad, it would be {turns:.3g} turns)" if turns >= TURNS_LEAST else ""
 
 
 def _row(recording: Recording, sample: int) -> str:

@@ -1,0 +1,54 @@
+"""What the simulation foretells of every mesh may not be in the recordings at all: they are of another pair, of another
+column, of a mesh without load. Whatever cancels it all then explains as much as its absence does, and is no name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.scene import Scene
+from gearpoly.units import FloatArray
+
+HARMONICS = 24
+"""Harmonics of the mesh that are taken for what comes with every mesh: of a loaded 18/25, whose mesh has 4 um peak to
+peak, the others have 0.01 um rms."""
+
+TURNS = 3
+"""Orders of both shafts that are told apart from it: eccentric gears make these."""
+
+
+def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear) -> float:
+    """Misfit where nothing of what is simulated alike of every mesh is in the recordings, neither of the declared pair
+    nor of what is claimed of all teeth; all else is fitted again."""
+    layout, system = linear.layout, linear.system
+    places: list[int] = []
+    held = np.zeros(system.size)
+    for claim, at in zip(model.claims, layout.claims, strict=True):
+        if claim.physics.mean_tooth:
+            # Amplitudes count from nothing, shapes from where they are.
+            held[at.start : at.start + claim.physics.amplitudes] = claim.values[: claim.physics.amplitudes]
+            places += range(at.start, at.stop)
+    target = [
+        y - white @ held + noise.whitened(_of_every_mesh(scene))
+        for scene, noise, white, y in zip(scenes, linear.noises, system.white, system.target, strict=True)
+    ]
+    return replace(system, target=target).without(places).misfit
+
+
+def _of_every_mesh(scene: Scene) -> FloatArray:
+    """The part (n,) in mm of the simulated transmission error that comes with every mesh, without its mean."""
+    mesh = scene.samples.theta_2 * scene.gear(1).z
+    turns = [order * angle for angle in (scene.samples.theta_1, scene.samples.theta_2) for order in range(1, TURNS + 1)]
+    waves = [h * mesh for h in range(1, HARMONICS + 1)]
+    columns = np.empty((mesh.size, 2 * (HARMONICS + len(turns)) + 1))
+    columns[:, -1] = 1.0
+    for k, angle in enumerate((*waves, *turns)):
+        columns[:, 2 * k], columns[:, 2 * k + 1] = np.cos(angle), np.sin(angle)
+    size = math.sqrt(mesh.size)
+    sizes = np.linalg.lstsq(columns / size, scene.te / size)[0]
+    return np.asarray(columns[:, : 2 * HARMONICS] @ sizes[: 2 * HARMONICS])
