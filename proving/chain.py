@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from proving.gears import DEG, UM, FloatArray
-from proving.rig import Rig, mesh
+from proving.rig import Rig, meshing
 
 FORCED = 96
 """Points per mesh at which a resonance is forced: steps of the transmission error are rounded by a hundredth of a
@@ -121,7 +121,7 @@ def _rings(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> Floa
     # Free vibration has died to 1e-4 after 9 / (zeta omega) seconds; so long it runs before the recording.
     lead = min(9 / (zeta * omega), 0.5 * path.span[1]) + 5 / mesh_hz
     grid = np.arange(path.span[0] - lead, path.span[1] + 2 / mesh_hz, step)
-    force = mesh(rig, path.angle(grid), torque=condition.torque, flank=condition.flank, span=path.angles).x
+    force = meshing(rig, path.angle(grid), torque=condition.torque, flank=condition.flank, span=path.angles)
     force = force - force.mean()
     denominator = np.array([1.0, 2 * zeta * omega, omega * omega])
     moved = []
@@ -142,7 +142,7 @@ def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = 
     times in s)."""
     time = path.time if at is None else at
     theta_2 = path.theta_2 if at is None else path.angle(at)
-    x = mesh(rig, theta_2, torque=condition.torque, flank=condition.flank, span=path.angles).x
+    x = meshing(rig, theta_2, torque=condition.torque, flank=condition.flank, span=path.angles)
     if rig.resonance is not None:
         x = x + _rings(rig, condition, path, time)
     r_1, r_2 = rig.pair.driving.r_b, rig.pair.driven.r_b

@@ -90,14 +90,11 @@ def table(pair: Pair, index: int, teeth: Teeth, flank: str, ends: FloatArray | N
         out[tooth, _EDGE] = 0.12 * (b - a)
         out[tooth, _ROUGH] += UM * depth
     # The tip circle is turned, not cut with the flank: the corner is where l + d(l) ends there, by a fixed point.
-    for row, end in zip(out, np.full(z, tip) if ends is None else ends, strict=True):
-        row[_TIP] = end
-        for _ in range(8):
-            row[_TIP] = end - deviation(row, row[_TIP])[0]
+    _corners(out, np.full(z, tip) if ends is None else ends)
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def deviation(row: FloatArray, l: float) -> tuple[float, float]:
     """Deviation in mm and its slope over the roll length at roll length l in mm, for one row of `table`."""
     u = (l - row[_START]) * row[_SPAN]
@@ -126,3 +123,12 @@ def deviation(row: FloatArray, l: float) -> tuple[float, float]:
             d -= row[_PIT] * 0.5 * (1 - cos(pi * near / edge))
             s -= row[_PIT] * 0.5 * rising / edge * sin(pi * near / edge)
     return d, s
+
+
+@njit(cache=True)
+def _corners(rows: FloatArray, ends: FloatArray) -> None:
+    """Fill in where each flank ends: l + d(l) is the roll length (mm) of the tip there."""
+    for k in range(ends.size):
+        rows[k, _TIP] = ends[k]
+        for _ in range(8):
+            rows[k, _TIP] = ends[k] - deviation(rows[k], rows[k, _TIP])[0]

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 UM = 1e-3
 """mm per um."""

@@ -19,8 +19,8 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import lsq_linear
 
 from proving.chain import Chain, Condition, Motion, te
-from proving.contact import SLOTS
 from proving.disturbance import Disturbance
+from proving.equilibrium import SLOTS
 from proving.gears import DEG, UM, FloatArray
 from proving.rig import BenchError, Encoder, Rig, mesh
 

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from proving.compliance import compliance
 from proving.effects import Effect, apply
 from proving.gears import UM, FloatArray, Pair
-from proving.rig import Rig, mesh
+from proving.rig import Rig, meshing
 
 POSITIONS = 64
 """Positions over one pitch at which mesh ripple is looked at: enough for the step between one and two pairs."""
@@ -49,7 +49,7 @@ def mean_tooth(rig: Rig) -> Rig:
 def over_a_pitch(rig: Rig, torque: float) -> FloatArray:
     """Transmission error in um of a rig without differences between its teeth, over one pitch, about its mean."""
     theta_2 = np.linspace(0.0, rig.pair.driven.tau, POSITIONS, endpoint=False)
-    x = mesh(rig, theta_2, torque=torque).x / UM
+    x = meshing(rig, theta_2, torque=torque) / UM
     return np.asarray(x - x.mean())
 
 

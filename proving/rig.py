@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from proving.compliance import Compliance, compliance
-from proving.contact import SLOTS, solve
+from proving.contacts import Flanks, Mesh, Positions, contacts, error
 from proving.flanks import Teeth, table
-from proving.gears import DEG, UM, FloatArray, IntArray, Pair
+from proving.gears import DEG, UM, FloatArray, Pair
 
 
 class BenchError(RuntimeError):
@@ -113,24 +113,6 @@ class Rig:
         return replace(self, encoder_1=encoder) if index == 1 else replace(self, encoder_2=encoder)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mesh:
-    """What the teeth do at n positions.
-
-    x in mm; counts: pairs in reach; tooth_1, tooth_2, roll_1, roll_2 (mm), weights (share of a change of the flanks
-    that reaches x), forces (N), deflections (mm): shape (n, SLOTS), zero where no pair is."""
-
-    x: FloatArray
-    counts: IntArray
-    tooth_1: IntArray
-    tooth_2: IntArray
-    roll_1: FloatArray
-    roll_2: FloatArray
-    weights: FloatArray
-    forces: FloatArray
-    deflections: FloatArray
-
-
 @lru_cache(maxsize=32)
 def _law(pair: Pair, law: str, scale: float, youngs_mpa: float) -> Compliance:
     return compliance(pair, law=law, scale=scale, E=youngs_mpa)
@@ -142,6 +124,31 @@ def mesh(
     """Quasi-static contact of the pair at driven angles theta_2 (rad), torque in N.m; wind-up included, no encoders.
 
     span: driven angles at which the recording starts and ends, for what changes from one to the other."""
+    at, of, twist = _posed(rig, theta_2, torque, flank, span)
+    got, failed = contacts(at, of)
+    _found(failed, theta_2.size)
+    return got if twist is None else replace(got, x=got.x + twist)
+
+
+def meshing(
+    rig: Rig, theta_2: FloatArray, *, torque: float, flank: str = "drive", span: tuple[float, float] = (0.0, 1.0)
+) -> FloatArray:
+    """Transmission error (mm) of the same contact alone, at less cost."""
+    at, of, twist = _posed(rig, theta_2, torque, flank, span)
+    x, failed = error(at, of)
+    _found(failed, theta_2.size)
+    return x if twist is None else x + twist
+
+
+def _found(failed: int, n: int) -> None:
+    if failed:
+        raise BenchError(f"no equilibrium at {failed} of {n} positions")
+
+
+def _posed(
+    rig: Rig, theta_2: FloatArray, torque: float, flank: str, span: tuple[float, float]
+) -> tuple[Positions, Flanks, FloatArray | None]:
+    """Positions and flanks as the contact is asked for them, and what the wind-up of the shafts adds (mm)."""
     for extra in rig.extras:
         rig = extra.under(rig, torque)
     pair = rig.pair
@@ -153,37 +160,34 @@ def mesh(
         soft *= extra.softness(theta_2, span)
         ends = [extra.ends(pair, index, ends[index - 1]) for index in (1, 2)]
     law = _law(pair, rig.law, rig.scale, rig.youngs_mpa)
+    (e1, a1), (e2, a2) = rig.eccentric_1, rig.eccentric_2
+    at = Positions(
+        theta_2=np.ascontiguousarray(theta_2, dtype=np.float64), moments=1000 * load, soft=soft,
+        side=1.0 if flank == "drive" else -1.0, z=np.array([pair.driving.z, pair.driven.z]), geo=_geometry(pair),
+        ecc=np.array([UM * e1, a1 * DEG, UM * e2, a2 * DEG]), nodes=np.array([law.l_1, law.c_1, law.l_2, law.c_2]),
+        contact=np.array([law.h_0, law.q, law.h_1, law.h_2]), deflect=rig.deflect, friction=rig.friction,
+        lead=UM * rig.lead,
+    )  # fmt: skip
+    of = Flanks(
+        rows_1=table(pair, 1, rig.teeth_1, flank, ends[0]), rows_2=table(pair, 2, rig.teeth_2, flank, ends[1]),
+        own_1=rig.teeth_1.own, own_2=rig.teeth_2.own,
+    )  # fmt: skip
+    if not rig.windup:
+        return at, of, None
+    sign = -1.0 if flank == "drive" else 1.0
+    return at, of, sign * pair.driven.r_b * rig.windup * 1e-6 * load
+
+
+@lru_cache(maxsize=256)
+def _geometry(pair: Pair) -> FloatArray:
+    """Lengths (mm) and angles (rad) of a pair as `solve` takes them."""
     g, h = pair.driving, pair.driven
-    geo = np.array(
+    return np.array(
         [
             g.r_b, h.r_b, pair.a, pair.alpha_w, pair.l_work(1), pair.l_work(2), g.l_tip, h.l_tip,
-            max(pair.driving.l_form, 0.05 * g.l_tip), pair.thickness_angle(1), pair.thickness_angle(2),
+            max(g.l_form, 0.05 * g.l_tip), pair.thickness_angle(1), pair.thickness_angle(2),
         ]
     )  # fmt: skip
-    (e1, a1), (e2, a2) = rig.eccentric_1, rig.eccentric_2
-    ecc = np.array([UM * e1, a1 * DEG, UM * e2, a2 * DEG])
-    out = Mesh(
-        x=np.empty(n),
-        counts=np.zeros(n, dtype=np.int64),
-        tooth_1=np.zeros((n, SLOTS), dtype=np.int64),
-        tooth_2=np.zeros((n, SLOTS), dtype=np.int64),
-        **{k: np.zeros((n, SLOTS)) for k in ("roll_1", "roll_2", "weights", "forces", "deflections")},
-    )
-    failed = solve(
-        np.ascontiguousarray(theta_2, dtype=np.float64), 1000 * load, soft, 1.0 if flank == "drive" else -1.0,
-        np.array([g.z, h.z]), geo, ecc, table(pair, 1, rig.teeth_1, flank, ends[0]),
-        table(pair, 2, rig.teeth_2, flank, ends[1]),
-        np.array([law.l_1, law.c_1, law.l_2, law.c_2]), rig.teeth_1.own, rig.teeth_2.own,
-        np.array([law.h_0, law.q, law.h_1, law.h_2]), rig.deflect, rig.friction, UM * rig.lead,
-        out.x, out.tooth_1, out.tooth_2, out.roll_1, out.roll_2, out.weights, out.forces, out.deflections, out.counts,
-    )  # fmt: skip
-    failed += int(np.count_nonzero(~np.isfinite(out.x)))
-    if failed:
-        raise BenchError(f"no equilibrium at {failed} of {n} positions")
-    if rig.windup:
-        sign = -1.0 if flank == "drive" else 1.0
-        np.add(out.x, sign * h.r_b * rig.windup * 1e-6 * load, out=out.x)
-    return out
 
 
 def ideal(pair: Pair, E_s: float = 0.0) -> Rig:

@@ -137,33 +137,34 @@ def _nearest(
 
     n = kind.amplitudes
     at, rest = np.array([0.0] * n + list(kind.starts[0])), s
+    whole = least = size(s)
     for shape in kind.starts:
         v = np.array([0.0] * n + list(shape))
         columns = slopes(v, np.zeros_like(s), n)
         trials = [limit.fit(s, columns, low=kind.low[:n], high=kind.high[:n])]
         if n == 1:  # small and large signals may differ much: also the sizes that would be as loud as the effect
-            loud = size(s) / max(size(columns[:, 0]), 1e-9)
+            loud = whole / max(size(columns[:, 0]), 1e-9)
             trials += [np.clip([side * loud], kind.low[:1], kind.high[:1]) for side in (1.0, -1.0)]
         for v[:n] in trials:
             left, much = left_by(v)
-            if much < size(rest):
-                at, rest = v.copy(), left
+            if much < least:
+                at, rest, least = v.copy(), left, much
     if begin is not None:
         left, much = left_by(begin)
-        if much < size(rest):
-            at, rest = begin, left
-    if size(rest) > FAR and size(rest) > UNLIKE * size(s):
+        if much < least:
+            at, rest, least = begin, left, much
+    if least > FAR and least > UNLIKE * whole:
         return at, rest
     for _ in range(ROUNDS):
         J = slopes(at, s - rest, at.size)
         step = limit.fit(rest, J, low=kind.low - at, high=kind.high - at)
-        before = size(rest)
+        before = least
         for part in (1.0, 0.5, 0.2):  # signals bend: a whole step may go too far
             left, much = left_by(at + part * step)
             if much < before:
-                at, rest = at + part * step, left
+                at, rest, least = at + part * step, left, much
                 break
-        if size(rest) > ENOUGH * before:
+        if least > ENOUGH * before:
             break
     return at, rest
 

@@ -13,8 +13,9 @@ from proving.gears import FloatArray
 def share(
     n: int, gaps: FloatArray, lever1: FloatArray, lever2: FloatArray, c: FloatArray, lead: float, moment: float,
     force: FloatArray, weight: FloatArray,
-) -> float:  # fmt: skip
-    """Turn (rad) of the driving gear that lets n pairs carry a moment (N.mm) on the driven one; fills force and weight.
+) -> tuple[float, float]:  # fmt: skip
+    """Turn (rad) of the driving gear that lets n pairs carry a moment (N.mm) on the driven one, and the turn at which
+    the first of them alone would carry it all; fills force and weight.
 
     gaps (mm) are open when positive; c (mm/N) compliance of each pair; lead (mm): gap across the face width, a strip
     that grows with the load carries until the whole width touches.
@@ -26,7 +27,7 @@ def share(
             if gaps[i] / lever1[i] < turn:
                 turn, first = gaps[i] / lever1[i], i
         weight[first] = 1.0
-        return turn
+        return turn, turn
     turn, first = 1e9, 0
     for i in range(n):
         f = moment / lever2[i]
@@ -35,6 +36,7 @@ def share(
             alone = sqrt(2 * f * lead * c[i]) if alone < lead / 2 else alone + lead / 2
         if (gaps[i] + alone) / lever1[i] < turn:
             turn, first = (gaps[i] + alone) / lever1[i], i
+    all_on_one = turn
     for _ in range(60):
         total, slope = -moment, 0.0
         for i in range(n):
@@ -59,7 +61,7 @@ def share(
         whole += weight[i]
     if whole <= 0.0:  # so far apart on the way to the position that what bends is lost in the gap
         force[first], weight[first] = moment / lever2[first], 1.0
-        return turn
+        return turn, all_on_one
     for i in range(n):
         weight[i] /= whole
-    return turn
+    return turn, all_on_one
