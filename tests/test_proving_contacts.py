@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proving import contacts
-from proving.contacts import Flanks
-from proving.drawn import PAIRS, draw, make_pair
-from proving.effects import apply, instance
-from proving.memo import Memo, digest
-from proving.physics import PHYSICS
-from proving.rig import BenchError, Rig, mesh, meshing
-from proving.scenes import campaign, design_torque
+from gearpoly.proving import contacts
+from gearpoly.proving.contacts import Flanks
+from gearpoly.proving.drawn import PAIRS, draw, make_pair
+from gearpoly.proving.effects import apply, instance
+from gearpoly.proving.memo import Memo, digest
+from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.rig import BenchError, Rig, mesh, meshing
+from gearpoly.proving.scenes import campaign, design_torque
 
 N = 400
 """Positions, in 30 turns of the driven gear: each tooth of 25 is met about 40 times."""
