@@ -33,7 +33,7 @@ PARSED = {
     "python -m gearpoly.prove.page": "wants scoreboards of finished runs; tests of the page make some",
     "python -m gearpoly.studies.paper": "ten minutes; its questions have tests of their own",
     "python -m tests.oracles.fem_tooth": "minutes of finite elements; the oracle is run by tests of its own",
-    "python -m proving.samples": "tests of the samples make them again",
+    "python -m gearpoly.proving.samples": "tests of the samples make them again",
     "python examples/": "tests of the examples and of the stories run them",
     "make": "this suite and set-ups",
     "pip install": "changes the environment",

@@ -22,10 +22,10 @@ from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
+from gearpoly.proving.write import write_case
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
-from proving.write import write_case
 from tests.physics_cases import ZEROS, Condition, recorded
 
 Z = 12, 16

@@ -7,9 +7,9 @@ import pytest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
+from gearpoly.proving.case import Case, make
+from gearpoly.proving.entry import Entry
 from gearpoly.recording.read import read_recording
-from proving.case import Case, make
-from proving.entry import Entry
 
 SEED = 3
 """A pair of module 1, the quickest of the first fifteen."""

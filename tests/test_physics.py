@@ -23,11 +23,11 @@ from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.samples import Samples
+from gearpoly.proving.physics import PHYSICS as BENCH
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
 from gearpoly.scene import Scene, stage
 from gearpoly.units import UM, FloatArray
-from proving.physics import PHYSICS as BENCH
 from tests.pair_files import made
 from tests.physics_cases import (
     CAMPAIGNS,

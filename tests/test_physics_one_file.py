@@ -22,9 +22,9 @@ from gearpoly.physics.base import MADE, READ, Physics
 from gearpoly.physics.page import table, unsearched
 from gearpoly.physics.place import Place
 from gearpoly.prove.truth import SIZES
+from gearpoly.proving.physics import PHYSICS as BENCH
 from gearpoly.study.keys import known_keys
 from gearpoly.units import UM
-from proving.physics import PHYSICS as BENCH
 from tests.pair_files import pair_file
 
 ROOT = Path(__file__).parents[1]

@@ -22,7 +22,7 @@ from gearpoly.prove.said import by_class
 from gearpoly.prove.score import NOTHING, CaseScore, score
 from gearpoly.prove.thresholds import read_thresholds
 from gearpoly.prove.truth import Truth, read_truth
-from proving.grounds import GROUNDS
+from gearpoly.proving.grounds import GROUNDS
 from tests.made_prove import PAIR, claim, verdict, write_cases
 
 LIMITS = read_thresholds()

@@ -31,8 +31,8 @@ from gearpoly.prove.diagnoser import How, wrong
 from gearpoly.prove.drawn import draw_sizes
 from gearpoly.prove.page import board_text, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
+from gearpoly.proving.ground import plan
 from gearpoly.study import progress
-from proving.ground import plan
 from tests import made_process
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
 

@@ -8,10 +8,10 @@ from math import cos, pi, radians, sin, sqrt, tan
 import numpy as np
 import pytest
 
-from proving.drawn import PAIRS, draw, limits, make_pair
-from proving.flanks import Teeth, deviation, table
-from proving.gears import UM, FloatArray, Pair, inv
-from proving.rig import BenchError, Rig, ideal, mesh
+from gearpoly.proving.drawn import PAIRS, draw, limits, make_pair
+from gearpoly.proving.flanks import Teeth, deviation, table
+from gearpoly.proving.gears import UM, FloatArray, Pair, inv
+from gearpoly.proving.rig import BenchError, Rig, ideal, mesh
 
 PAIR = make_pair("18/25 m2")
 Z_1, Z_2 = 18, 25

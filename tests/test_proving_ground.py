@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from proving.case import limit_of, make, numbered
-from proving.chain import Chain, Condition, motion, te
-from proving.disturbance import Disturbance
-from proving.drawn import PAIRS, make_pair
-from proving.effects import CATALOGUE, Effect, apply, instance, truth
-from proving.entry import Entry
-from proving.gears import UM
-from proving.ground import (
+from gearpoly.proving.case import limit_of, make, numbered
+from gearpoly.proving.chain import Chain, Condition, motion, te
+from gearpoly.proving.disturbance import Disturbance
+from gearpoly.proving.drawn import PAIRS, make_pair
+from gearpoly.proving.effects import CATALOGUE, Effect, apply, instance, truth
+from gearpoly.proving.entry import Entry
+from gearpoly.proving.gears import UM
+from gearpoly.proving.ground import (
     BESIDE,
     CONCEALED,
     COUNTS,
@@ -33,10 +33,10 @@ from proving.ground import (
     counts,
     plan,
 )
-from proving.limit import Limit, sights
-from proving.recipes import recipe
-from proving.rig import ideal
-from proving.write import seal, write_case
+from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.recipes import recipe
+from gearpoly.proving.rig import ideal
+from gearpoly.proving.write import seal, write_case
 
 PAIR = make_pair("18/25 m2")
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import gearpoly
-from proving.drawn import PAIRS, draw, make_pair
-from proving.flanks import Teeth
-from proving.gears import UM
-from proving.rig import Rig, mesh
+from gearpoly.proving.drawn import PAIRS, draw, make_pair
+from gearpoly.proving.flanks import Teeth
+from gearpoly.proving.gears import UM
+from gearpoly.proving.rig import Rig, mesh
 
 CASES: dict[str, dict[str, Any]] = {
     "drawn teeth": {},

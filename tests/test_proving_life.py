@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from proving.chain import Chain, Condition, motion, te
-from proving.drawn import make_pair
-from proving.effects import Effect, apply
-from proving.entry import Entry
-from proving.gears import DEG, UM
-from proving.grounds import GROUNDS
-from proving.life import coarse, ground
-from proving.life.base import LifeCase
-from proving.life.even import even_angles
-from proving.life.outside import LATER
-from proving.life.wander import covariance, folded
-from proving.life.wrong_file import SAYS
-from proving.physics import CATALOGUE, PHYSICS
-from proving.rig import Rig, ideal, mesh
-from proving.unknown import log_evidence
+from gearpoly.proving.chain import Chain, Condition, motion, te
+from gearpoly.proving.drawn import make_pair
+from gearpoly.proving.effects import Effect, apply
+from gearpoly.proving.entry import Entry
+from gearpoly.proving.gears import DEG, UM
+from gearpoly.proving.grounds import GROUNDS
+from gearpoly.proving.life import coarse, ground
+from gearpoly.proving.life.base import LifeCase
+from gearpoly.proving.life.even import even_angles
+from gearpoly.proving.life.outside import LATER
+from gearpoly.proving.life.wander import covariance, folded
+from gearpoly.proving.life.wrong_file import SAYS
+from gearpoly.proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.rig import Rig, ideal, mesh
+from gearpoly.proving.unknown import log_evidence
 
 PAIR = make_pair("18/25 m2")
 
@@ -383,8 +383,8 @@ def test_an_eccentricity_is_hardly_told_from_a_wave_and_a_pitch_wave_is() -> Non
     nothing of its own but its second order."""
     chain = Chain(noise_um=0.3)
     condition = Condition(torque=0.0, turns=25.0, per_mesh=12)
-    from proving.limit import Limit, sights
-    from proving.unknown import unknown
+    from gearpoly.proving.limit import Limit, sights
+    from gearpoly.proving.unknown import unknown
 
     rig = ideal(PAIR, E_s=-60.0)
     path = motion(rig, condition, np.random.default_rng(1))

@@ -8,13 +8,13 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from proving.case import whitened
-from proving.chain import Chain, Condition, motion
-from proving.disturbance import Disturbance
-from proving.drawn import draw, make_pair
-from proving.effects import Effect, apply, instance
-from proving.limit import Limit, sights
-from proving.rig import Rig, ideal
+from gearpoly.proving.case import whitened
+from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.disturbance import Disturbance
+from gearpoly.proving.drawn import draw, make_pair
+from gearpoly.proving.effects import Effect, apply, instance
+from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.rig import Rig, ideal
 
 PAIR = make_pair("18/25 m2")
 

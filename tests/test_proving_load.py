@@ -8,13 +8,13 @@ from math import log, pi, radians, sqrt
 import numpy as np
 import pytest
 
-from proving.chain import Chain, Condition, motion, noise, te
-from proving.compliance import LAWS, beam, compliance
-from proving.disturbance import Disturbance
-from proving.drawn import make_pair
-from proving.flanks import Teeth
-from proving.gears import UM, FloatArray
-from proving.rig import Encoder, Rig, ideal, mesh
+from gearpoly.proving.chain import Chain, Condition, motion, noise, te
+from gearpoly.proving.compliance import LAWS, beam, compliance
+from gearpoly.proving.disturbance import Disturbance
+from gearpoly.proving.drawn import make_pair
+from gearpoly.proving.flanks import Teeth
+from gearpoly.proving.gears import UM, FloatArray
+from gearpoly.proving.rig import Encoder, Rig, ideal, mesh
 
 PAIR = make_pair("18/25 m2")
 Z_1, Z_2 = 18, 25

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from proving.effects import Effect, apply
-from proving.flanks import Teeth
-from proving.gears import Gear, Pair
-from proving.rig import Encoder, Rig, mesh
+from gearpoly.proving.effects import Effect, apply
+from gearpoly.proving.flanks import Teeth
+from gearpoly.proving.gears import Gear, Pair
+from gearpoly.proving.rig import Encoder, Rig, mesh
 from tests.at_hand import BENCH
 
 pytestmark = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings are not part of this repository")

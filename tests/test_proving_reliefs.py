@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proving.compliance import LAWS
-from proving.drawn import PAIRS, draw, make_pair
-from proving.effects import apply
-from proving.ground import plan
-from proving.recipes import recipe
-from proving.reliefs import cancelling, mean_tooth, over_a_pitch, sag, spanning
-from proving.rig import Rig, ideal
-from proving.scenes import design_torque
+from gearpoly.proving.compliance import LAWS
+from gearpoly.proving.drawn import PAIRS, draw, make_pair
+from gearpoly.proving.effects import apply
+from gearpoly.proving.ground import plan
+from gearpoly.proving.recipes import recipe
+from gearpoly.proving.reliefs import cancelling, mean_tooth, over_a_pitch, sag, spanning
+from gearpoly.proving.rig import Rig, ideal
+from gearpoly.proving.scenes import design_torque
 
 
 @pytest.mark.parametrize("name", PAIRS)

@@ -10,15 +10,15 @@ from math import radians, sin, sqrt
 import numpy as np
 import pytest
 
-from proving.chain import Chain, Condition, motion
-from proving.drawn import draw, make_pair
-from proving.effects import Effect, apply
-from proving.gears import Pair
-from proving.limit import Limit, sights
-from proving.physics import PHYSICS
-from proving.physics.base import Beside
-from proving.rig import Rig
-from proving.rivals import _nearest, rivals, whitened
+from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.drawn import draw, make_pair
+from gearpoly.proving.effects import Effect, apply
+from gearpoly.proving.gears import Pair
+from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.physics.base import Beside
+from gearpoly.proving.rig import Rig
+from gearpoly.proving.rivals import _nearest, rivals, whitened
 
 PAIR = make_pair("18/25 m2")
 TORQUE = 60.0

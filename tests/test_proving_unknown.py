@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from proving.chain import Chain, Condition, motion
-from proving.drawn import make_pair
-from proving.effects import Effect
-from proving.grounds import GROUNDS
-from proving.limit import Limit, sights
-from proving.physics import CATALOGUE, PHYSICS
-from proving.rig import Rig, ideal
-from proving.unknown import HARMONICS, PLACES, free_columns, freedoms, nearest, unknown
+from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.drawn import make_pair
+from gearpoly.proving.effects import Effect
+from gearpoly.proving.grounds import GROUNDS
+from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.rig import Rig, ideal
+from gearpoly.proving.unknown import HARMONICS, PLACES, free_columns, freedoms, nearest, unknown
 
 PAIR = make_pair("18/25 m2")
 DRIVE = Condition(torque=0.0, turns=25.0)
@@ -62,7 +62,7 @@ def test_an_eccentric_gear_is_told_from_a_free_wave_by_the_other_flank_only() ->
     assert unknown(rig, limit_of(rig, DRIVE), off)["log_odds"] < 0.5  # its second order is 1 um / 17 mm of the first
     limit = limit_of(rig, DRIVE, COAST)
     both = unknown(rig, limit, off)
-    from proving.rivals import whitened
+    from gearpoly.proving.rivals import whitened
 
     q = limit.size_of(whitened(rig, limit, off)) ** 2
 

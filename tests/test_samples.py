@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from proving.samples import COUNT, SAMPLES, files
+from gearpoly.proving.samples import COUNT, SAMPLES, files
 from tests.at_hand import ROOT, SHIPPED, recordings, truths
 from tests.made_command import Command
 

@@ -244,7 +244,7 @@ def test_a_healthy_pair_leaves_its_noise(gearpoly_command: Command, tmp_path: Pa
 
 
 # Left by wrong conventions, um: signs reversed, numbers reversed, off by one, driven slopes reversed.
-# The bench's are those of its own page; ours were found with the kernel of `proving`, which shares no code.
+# The bench's are those of its own page; ours were found with the kernel of `gearpoly.proving`, which shares no code.
 WRONG = {"control_inspected": (9.7, 9.0, 2.0, 1.2), "healthy": (12.88, 10.53, 2.48, 0.613)}
 
 

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
+from gearpoly.proving.case import make
+from gearpoly.proving.entry import Entry
 from gearpoly.recording.read import read_recording
 from gearpoly.units import UM
-from proving.case import make
-from proving.entry import Entry
 
 FloatArray = npt.NDArray[np.float64]
 

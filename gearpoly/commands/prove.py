@@ -42,8 +42,8 @@ def prove(
     from gearpoly.prove.real import prove_real, real_json
     from gearpoly.prove.run import prove_folder, prove_ground
     from gearpoly.prove.show import print_board, print_real
+    from gearpoly.proving.grounds import BENCH, GROUNDS
     from gearpoly.report.terminal import Terminal
-    from proving.grounds import BENCH, GROUNDS
 
     if json is not None:
         check_target(json)

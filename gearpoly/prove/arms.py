@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gearpoly.prove.diagnoser import How
-from proving.entry import Entry
+from gearpoly.proving.entry import Entry
 
 PLAIN = "plain"
 """The arm of the proof itself."""

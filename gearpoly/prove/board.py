@@ -14,7 +14,7 @@ from gearpoly.prove.said import by_class, by_length, length, time_of
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.wanted import unsaid
-from proving.grounds import CONCEALED
+from gearpoly.proving.grounds import CONCEALED
 
 
 def board_json(proof: Proof) -> dict[str, Any]:

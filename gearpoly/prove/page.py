@@ -50,9 +50,9 @@ def page(boards: Sequence[dict[str, Any]], *, figures: Sequence[str] = (), relia
         "",
         f"Made from scoreboards alone: {cases}; gearpoly {versions}. Nothing on this page is written by hand.",
         "",
-        "A bench of its own (`proving/`) makes recordings of pairs in which something is concealed; it shares no code "
-        "with the simulator. Truths are written apart, hashed before anything is scored, and opened by the scorer "
-        "only. What counts as right stands in `proving/thresholds.toml`. "
+        "A bench of its own (`gearpoly/proving/`) makes recordings of pairs in which something is concealed; it shares "
+        "no code with the simulator. Truths are written apart, hashed before anything is scored, and opened by the "
+        "scorer only. What counts as right stands in `gearpoly/proving/thresholds.toml`. "
         "[What each row means](prove.md#what-is-counted).",
         "",
         "## Goals and figures",

@@ -12,7 +12,7 @@ from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import Item, Truth
 from gearpoly.prove.wanted import place_of
-from proving.physics import PHYSICS
+from gearpoly.proving.physics import PHYSICS
 
 Entry = dict[str, Any]
 

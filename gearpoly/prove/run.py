@@ -11,7 +11,7 @@ import numpy
 import scipy
 
 import gearpoly
-import proving
+import gearpoly.proving
 from gearpoly.errors import InputFileError
 from gearpoly.files.output import write_text
 from gearpoly.prove import diagnoser as diagnosers
@@ -24,8 +24,8 @@ from gearpoly.prove.score import CaseScore, score
 from gearpoly.prove.thresholds import Thresholds, read_thresholds
 from gearpoly.prove.truth import read_truth
 from gearpoly.prove.work import Diagnosing, Writing, diagnose, result, seconds, write
-from proving.grounds import BENCH, GROUNDS
-from proving.write import seal
+from gearpoly.proving.grounds import BENCH, GROUNDS
+from gearpoly.proving.write import seal
 
 Say = Callable[[str], None]
 
@@ -52,14 +52,14 @@ def prove_ground(
     seed: int, *, out: Path, quick: bool = False, workers: int = 1, diagnoser: Diagnoser = diagnosers.gearpoly,
     say: Say = print, indices: Sequence[int] | None = None, ground: str = BENCH,
 ) -> Proof:  # fmt: skip
-    """Prove on a ground of ``seed``, one of ``proving.grounds``; finished work in ``out`` is gone on with. ``indices``:
-    some cases only, then without controls.
+    """Prove on a ground of ``seed``, one of ``gearpoly.proving.grounds``; finished work in ``out`` is gone on with.
+    ``indices``: some cases only, then without controls.
 
     Raises ``GearpolyError`` where ``out`` cannot be written or a worker dies.
     """
     entries = GROUNDS[ground].plan(seed, quick=quick)
     chosen = list(range(len(entries))) if indices is None else list(indices)
-    bench = code_of(Path(proving.__file__).parent)
+    bench = code_of(Path(gearpoly.proving.__file__).parent)
     for name in ("cases", "truths", "sealed"):
         made_folder(out / name)
     writing = [
@@ -153,7 +153,7 @@ def _prove(
 
 def code_under_proof(diagnoser: Diagnoser) -> str:
     """Hash of everything that a verdict depends on beside its files."""
-    sources = code_of(Path(gearpoly.__file__).parent, but=("prove",))
+    sources = code_of(Path(gearpoly.__file__).parent, but=("prove", "proving"))
     return f"{sources[:32]}-{diagnoser.__module__}.{diagnoser.__qualname__}-{numpy.__version__}-{scipy.__version__}"
 
 

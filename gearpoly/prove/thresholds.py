@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import proving
+import gearpoly.proving
 
-FILE = Path(proving.__file__).parent / "thresholds.toml"
+FILE = Path(gearpoly.proving.__file__).parent / "thresholds.toml"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Thresholds:
-    """The values of ``proving/thresholds.toml`` (its comments say what each is) with the ``sha256`` of its bytes."""
+    """The values of ``gearpoly/proving/thresholds.toml`` (its comments say what each is) with the ``sha256`` of its
+    bytes."""
 
     tooth: float
     order: float

@@ -13,7 +13,7 @@ from gearpoly.files.traces import read_text
 from gearpoly.physics import catalogue
 from gearpoly.prove.fields import Fields
 from gearpoly.prove.thresholds import Thresholds
-from proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.physics import CATALOGUE, PHYSICS
 
 SIZES = {name: PHYSICS[name].size for name in CATALOGUE} | {one.twin: one.parameters[0] for one in catalogue().values()}
 """The parameter that says how much of it there is, of every physics of the catalogue."""

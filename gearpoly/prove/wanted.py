@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import WRONG_FILE, Item, Truth
-from proving.physics import PHYSICS
+from gearpoly.proving.physics import PHYSICS
 
 ANY = "any"
 

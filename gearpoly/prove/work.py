@@ -77,7 +77,7 @@ class Writing:
 def write(job: Writing) -> None:
     """Write the case; its hash comes last, so that a killed run writes it again. Raises ``InputFileError`` where the
     folder cannot be written to."""
-    from proving.write import write_case
+    from gearpoly.proving.write import write_case
 
     try:
         sha256 = write_case(job.seed, job.index, job.folder, truths=job.truths, quick=job.quick, ground=job.ground)

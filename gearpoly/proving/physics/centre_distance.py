@@ -1,0 +1,33 @@
+"""The axes stand further apart, or closer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gearpoly.proving.gears import UM
+from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.rig import Rig
+
+
+def apply(rig: Rig, effect: Effect) -> Rig:
+    """More of it than the rig has."""
+    return replace(rig, pair=replace(rig.pair, offset=rig.pair.offset + UM * effect.size))
+
+
+def example(site: Site) -> Effect:
+    """3 um either way."""
+    return Effect(physics="centre_distance", size=site.sign * 3.0)
+
+
+PHYSICS = Physics(
+    name="centre_distance",
+    size="offset_um",
+    apply=apply,
+    example=example,
+    cap=100.0,
+    gear=False,
+    shows="flanks",
+    nearby=("step",),
+    rivals=("tooth_thickness", "tooth_thickness'", "shaft_windup", "misalignment"),
+    source="ISO 21771: working pressure angle",
+)

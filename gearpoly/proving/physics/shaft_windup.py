@@ -1,0 +1,40 @@
+"""A shaft twists under torque."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gearpoly.proving.gears import UM
+from gearpoly.proving.physics.base import Beside, Effect, Physics, Site
+from gearpoly.proving.rig import Rig
+
+
+def apply(rig: Rig, effect: Effect) -> Rig:
+    """More of it than the rig has."""
+    return replace(rig, windup=rig.windup + effect.size)
+
+
+def example(site: Site) -> Effect:
+    """1 um at the highest torque."""
+    return Effect(physics="shaft_windup", size=UM / site.pair.driven.r_b / max(site.torque, 1e-6) * 1e6)
+
+
+def twists(beside: Beside) -> bool:
+    """Whether there is a torque."""
+    return bool(beside.torque)
+
+
+PHYSICS = Physics(
+    name="shaft_windup",
+    size="compliance_urad_per_nm",
+    apply=apply,
+    example=example,
+    cap=300.0,
+    gear=False,
+    shows="load",
+    one_sign=True,
+    possible=twists,
+    place="step",
+    rivals=("misalignment", "centre_distance", "tooth_thickness", "tooth_thickness'"),
+    source="Hooke: in step with torque",
+)
