@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from scipy.linalg import solve_toeplitz
 
-from gearpoly.compare.pieces import pieces
+from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import FloatArray, IntArray
 
 AR_ORDER = 24
@@ -35,6 +34,15 @@ def windows(count: int, *, least: int = 12, most: int = 400) -> tuple[IntArray, 
     return low.astype(np.int64), high.astype(np.int64)
 
 
+@compiled
+def _medians(power: FloatArray, low: IntArray, high: IntArray) -> FloatArray:
+    """Medians (q,) of ``power`` (m,) between the places ``low`` and ``high`` (q,)."""
+    out = np.empty(low.size)
+    for k in range(low.size):
+        out[k] = np.median(power[low[k] : high[k]])
+    return out
+
+
 def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Level (m,) of a noise spectrum from its independent lines ``power`` (m,), blind to narrow peaks, and the number
     of lines (m,) each value rests on.
@@ -48,14 +56,7 @@ def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
         np.minimum(m - 1, np.concatenate([np.arange(min(m, 40)), np.geomspace(40, max(m, 41), 160)]).astype(int))
     )
     at = np.unique(np.concatenate([at, np.arange(0, m, 100)]))
-    middle = np.empty(at.size)
-    width = high[at] - low[at]
-    for same in np.unique(width).tolist():
-        here, near = np.flatnonzero(width == same), sliding_window_view(power, same)
-        for some in pieces(here.size, size=256):
-            middle[here[some]] = np.median(near[low[at[here[some]]]], axis=1)
-    middle /= math.log(2.0)
-    middle = np.maximum(middle, 1e-300)
+    middle = np.maximum(_medians(power, low[at], high[at]) / math.log(2.0), 1e-300)
     level = np.exp(np.interp(np.arange(m), at, np.log(middle)))
     for _ in range(2):
         kept = power <= CUT * level
