@@ -157,7 +157,8 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         std_um=std / UM,
         amplitude_um_by_recording=tuple(found[j][0] / UM for j in sorted(found)) if len(found) > 1 else None,
         phase_deg=math.degrees(phase),
-        recordings=tuple(j for j in sorted(found) if found[j][3] > SEEN),
+        # A weak line of a train stands out in none by itself.
+        recordings=tuple(j for j in sorted(found) if found[j][3] > SEEN) or (k,),
         p_value=p_value,
         label=label,
         rivals=rivals,

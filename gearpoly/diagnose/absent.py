@@ -1,5 +1,6 @@
-"""What the simulation foretells of every mesh may not be in the recordings at all: they are of another pair, of another
-column, of a mesh without load. Whatever cancels it all then explains as much as its absence does, and is no name."""
+"""What the simulation foretells of every mesh, or a sheet of every tooth, may not be in the recordings at all: they are
+of another pair or gear, of another column, of a mesh without load. Whatever cancels it all then explains as much as its
+absence does, and is no name."""
 
 from __future__ import annotations
 
@@ -11,12 +12,17 @@ import numpy as np
 
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
+from gearpoly.keys.edit import gear_section
+from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 HARMONICS = 24
 """Harmonics of the mesh that are taken for what comes with every mesh: of a loaded 18/25, whose mesh has 4 um peak to
 peak, the others have 0.01 um rms."""
+
+PITCHES = frozenset({"cumulative_pitch", "tooth_pitch"})
+"""Physics that the sheet of another gear looks like."""
 
 TURNS = 3
 """Orders of both shafts that are told apart from it: eccentric gears make these."""
@@ -38,6 +44,25 @@ def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear) -
         for scene, noise, white, y in zip(scenes, linear.noises, system.white, system.target, strict=True)
     ]
     return replace(system, target=target).without(places).misfit
+
+
+def misfit_without_sheet(model: Model, linear: Linear, gear: int) -> float:
+    """Misfit where nothing of what the sheet of an inspected ``gear`` lists of its pitches is in the recordings, nor
+    any pitch error that is claimed of it: they are of another gear. All else is fitted again."""
+    layout, built = linear.layout, model.as_built
+    places = [
+        place
+        for claim, at in zip(model.claims, layout.claims, strict=True)
+        if claim.physics.name in PITCHES and claim.place.gear == gear
+        for place in range(at.start, at.stop)
+    ]
+    off = np.zeros(built.size)
+    for flank in built.flanks:
+        key = "pitch_coast_um" if flank == "coast" else "pitch_um"
+        built.pitch(off, flank, gear)[:] = -column(gear_section(model.declared, gear), key)
+    prior = linear.system.prior.copy()
+    prior[layout.built] += off
+    return replace(linear.system, prior=prior).without(places).misfit
 
 
 def _of_every_mesh(scene: Scene) -> FloatArray:

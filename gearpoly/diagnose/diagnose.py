@@ -39,6 +39,7 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.remounted import remounted
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
@@ -96,6 +97,7 @@ def diagnose(
     model, seen = as_seen(model, waves, preparing)
     placed(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
+    anew = remounted(model, search.linear, deflection=search.deflection)
     if model.offset:
         comparison = comparison.moved(model.offset)
     if model.turned_by:
@@ -103,7 +105,7 @@ def diagnose(
     search.step = watch.stage("search")
     start_linear = search.linear
     begun = without_columns(search.kept())
-    looked_at = search.run()
+    looked_at = search.run() if anew is None else []
     stopped, model.budget = search.over, budget.further
     search.step = watch.stage("rivals")
     refitted = contest(search)
@@ -135,6 +137,8 @@ def diagnose(
     )
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *on_wrong_sheets)
+    if anew is not None:
+        left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and unseen.refused and not left_over and not findings:
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
@@ -168,6 +172,7 @@ def diagnose(
             *seen,
             *_untouched(findings),
             *misread,
+            *(() if anew is None else (anew.says,)),
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
             *_remarks(search, file, built),

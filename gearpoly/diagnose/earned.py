@@ -139,7 +139,9 @@ def _tooth(claim: Claim) -> tuple[int, int]:
 def _doubted(judged: Judged, unknown: float | None) -> Judged:
     """The same where a curve of no cause was fitted to its end in the stead of all names of a tooth: no column tells
     so well what it would do."""
-    return judged if unknown is None else replace(judged, posterior=judged.posterior.with_unknown(unknown))
+    if unknown is None:
+        return judged
+    return replace(judged, posterior=judged.posterior.with_unknown(max(unknown, judged.in_vain)))
 
 
 def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:

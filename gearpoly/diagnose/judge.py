@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.absent import misfit_without_mesh
+from gearpoly.diagnose.absent import PITCHES, misfit_without_mesh, misfit_without_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
 from gearpoly.diagnose.fidelity import FAINT
@@ -48,10 +48,12 @@ explain about as little of it, and a look-alike has to explain at least ``TWIN``
 
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """A claim with its ``gain`` in misfit and the probabilities at its place."""
+    """A claim with its ``gain`` in misfit and the probabilities at its place; ``in_vain``: that of nothing being there
+    of what the pair file foretells at that place, were no other cause unknown."""
 
     gain: float
     posterior: Posterior
+    in_vain: float = 0.0
 
 
 def judge(
@@ -101,14 +103,15 @@ def judge(
         Explanation(claim=one, log_evidence=log, weight=common.get(one.physics.name, LEAST_SHARE))
         for one, log in found.values()
     ]
-    explanations += trial.explanations(without_cause)
-    if claim.physics.mean_tooth:
-        whole = 0.5 * max(gain, without or 0.0) / trial.dispersion
-        behind = 0.5 * (misfit_without_mesh(model, scenes, linear) - linear.system.misfit) / trial.dispersion
+    known, vain = list(explanations), []
+    if (without_it := _foretold_in_vain(model, scenes, linear, claim)) is not None:
+        misfit, others = without_it
+        whole = 0.5 * max(plain.misfit - linear.system.misfit, without or 0.0) / trial.dispersion
+        behind = 0.5 * (misfit - linear.system.misfit) / trial.dispersion
         # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
-        others = sum(one.physics.mean_tooth for one in model.claims) - 1
         log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
-        explanations.append(Explanation(claim=None, log_evidence=log, weight=ABSENT))
+        vain = [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
+    explanations += [*trial.explanations(without_cause), *vain]
     share = unknown_share(claim, model.scope)
     if claim.physics.name in AS_WRONG_KEYS:
         usual = claim.physics.ordinary[0]
@@ -117,7 +120,20 @@ def judge(
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations)
-    return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places))
+    in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
+    return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
+
+
+def _foretold_in_vain(model: Model, scenes: list[Scene], linear: Linear, claim: Claim) -> tuple[float, int] | None:
+    """Misfit where what is foretold at the place of a ``claim`` is not in the recordings at all, and how many other
+    claims that may cancel it go with this one; None where nothing is foretold."""
+    if claim.physics.mean_tooth:
+        return misfit_without_mesh(model, scenes, linear), sum(one.physics.mean_tooth for one in model.claims) - 1
+    gear = claim.place.gear
+    if claim.physics.name in PITCHES and gear is not None and model.scope.inspected[gear]:
+        alike = [one for one in model.claims if one.physics.name in PITCHES and one.place.gear == gear]
+        return misfit_without_sheet(model, linear, gear), len(alike) - 1
+    return None
 
 
 def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:

@@ -1,0 +1,80 @@
+"""Recordings of one set between which a gear, a coupling or an encoder was mounted anew: what turns once with a shaft
+then differs from one to the other, and so does where the shafts' zeros are. No physics of one set-up does that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.system import gain_of
+from gearpoly.physics.samples import Samples
+from gearpoly.units import UM, FloatArray
+
+SURE = 100.0
+"""Gain in misfit by which waves must differ between recordings of one flank: ten standard deviations."""
+
+PART, OF_DEFLECTION = 0.2, 0.5
+"""Parts of the larger of both waves, and of the mean deflection, that the difference must have: an eccentric gear runs
+a hundredth otherwise under another torque, and a torque that pulses by a tenth bends teeth by a tenth of what it
+does."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remounted:
+    """Recordings ``first`` and ``other`` between which something on the shaft of a ``gear`` (0, 1) was mounted anew:
+    once per turn they differ by ``wave`` in mm."""
+
+    first: int
+    other: int
+    gear: int
+    wave: float
+
+    @property
+    def says(self) -> str:
+        """What the engineer should know."""
+        name = ("driving", "driven")[self.gear]
+        return (
+            f"recordings {self.first} and {self.other} are of the same flank, and differ by a wave of "
+            f"{self.wave / UM:.3g} um once per turn of the {name} shaft: a gear, a coupling or an encoder was mounted "
+            "anew between them, and the stated zeros are not of one mounting; no physics is named of such a set; "
+            "record it without taking anything apart, or diagnose each recording alone"
+        )
+
+
+def remounted(model: Model, linear: Linear, *, deflection: float) -> Remounted | None:
+    """Whether recordings of one flank show waves once per turn that differ as no one mounting does; ``deflection`` in
+    mm, the mean of the loaded teeth. The largest difference."""
+    return max(_differences(model, linear, deflection), key=lambda one: one.wave, default=None)
+
+
+def _differences(model: Model, linear: Linear, deflection: float) -> Iterator[Remounted]:
+    samples = [one.samples for one in model.observed]
+    for flank in ("drive", "coast"):
+        mine = [k for k, one in enumerate(samples) if one.flank == flank]
+        for other in mine[1:]:
+            waves = [np.zeros((one.size, 4)) for one in samples]
+            waves[other] = _once(samples[other])
+            white = [noise.whitened(one) for noise, one in zip(linear.noises, waves, strict=True)]
+            gain, sizes = gain_of(*linear.system.scores(white), np.array([[0, 1], [2, 3]]))
+            gear = int(np.argmax(gain))
+            wave = float(np.hypot(*sizes[gear]))
+            whole = max(_size(linear, samples, k, gear) for k in (mine[0], other))
+            if gain[gear] > SURE and wave > max(PART * whole, OF_DEFLECTION * deflection):
+                yield Remounted(first=mine[0], other=other, gear=gear, wave=wave)
+
+
+def _once(one: Samples) -> FloatArray:
+    """Cosine and sine (n, 4) of one turn of either shaft."""
+    return np.column_stack([wave(angle) for angle in (one.theta_1, one.theta_2) for wave in (np.cos, np.sin)])
+
+
+def _size(linear: Linear, samples: Sequence[Samples], k: int, gear: int) -> float:
+    """Amplitude in mm of what turns once with the shaft of a gear in what the fit leaves of a recording."""
+    columns = np.column_stack((_once(samples[k]), np.ones(samples[k].size)))
+    sizes = np.linalg.lstsq(columns, linear.left()[k])[0]
+    return math.hypot(*sizes[2 * gear : 2 * gear + 2])
