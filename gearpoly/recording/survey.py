@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.lost_motion import LostMotion
@@ -90,6 +89,9 @@ class Seen:
     @property
     def span(self) -> tuple[float, float] | None:
         """Least and largest reading."""
+        low, high = float(self.values.min(initial=np.inf)), float(self.values.max(initial=-np.inf))
+        if np.isfinite(low) and np.isfinite(high):
+            return low, high
         held = self.values[np.isfinite(self.values)]
         return (float(held.min()), float(held.max())) if held.size else None
 
@@ -264,9 +266,11 @@ def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -
     one = continuous(degrees * DEG, position, rows)
     angle = one.angle
     spikes = single_spikes(angle)
-    held = np.flatnonzero(~spikes)
+    held = np.flatnonzero(~spikes) if spikes.any() else np.arange(rows.size)
     plain = angle[held] if held.size < angle.size else angle
-    kept, _ = new_readings(np.arange(rows.size), {"shaft": degrees}, [])
+    repeats = 0
+    if np.any(degrees[1:] == degrees[:-1]):
+        repeats = rows.size - new_readings(np.arange(rows.size), {"shaft": degrees}, [])[0].size
     around = np.flatnonzero(one.wraps)
     jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: ENOUGH + 1]))
     return Turning(
@@ -275,23 +279,29 @@ def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -
         modulus=float(np.median(jumps) + np.median(steps)) if around.size else None,
         stops=_stops(angle, rows),
         reversals=tuple(int(rows[held[k]]) + 1 for k in reversals(plain)),
-        repeats=int(rows.size - kept.size),
+        repeats=repeats,
         spikes=int(rows.size - held.size),
     )
 
 
 def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     """Rows (first, last) between which a shaft stands: below a fiftieth of its usual speed."""
-    moving = np.flatnonzero(angle[1:] != angle[:-1])
-    if not moving.size:
+    moves = angle[1:] != angle[:-1]
+    count = int(np.count_nonzero(moves))
+    if not count:
         return ((int(rows[0]) + 1, int(rows[-1]) + 1),)
     # Samples between two new readings: an encoder that is read slowly does not stand still.
-    hold = angle.size / moving.size
+    hold = angle.size / count
     window = max(STAND_SAMPLES, round(3.0 * hold))
     if angle.size <= window:
         return ()
-    some = moving[:: max(1, moving.size // ENOUGH)]
+    moving = np.flatnonzero(moves) if count < moves.size else np.arange(count)
+    some = moving[:: max(1, count // ENOUGH)]
     usual = float(np.median(np.abs(angle[some + 1] - angle[some]))) / hold
+    if np.all(np.abs(angle[window:] - angle[:-window]) >= STANDS_SHARE * usual * window):
+        return ()  # the commonest case: every window has more way from end to end
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # which takes longer to import than to run
+
     # The reach, not the way from end to end, which is nothing where a shaft turns round.
     size, middle = window + 1, slice((window + 1) // 2, angle.size - window + (window + 1) // 2)
     reach = (maximum_filter1d(angle, size) - minimum_filter1d(angle, size))[middle]

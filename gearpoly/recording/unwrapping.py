@@ -61,30 +61,31 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     ``sample`` (m,) the number of each sample in the recording, rising or falling, so that drop-outs show as gaps.
     """
     step, pause = np.diff(reading), np.diff(position)
-    usual = float(np.median(_thinned(pause)))
+    usual = float(np.median(thinned(pause)))
     ordinary = pause <= GAP_STEPS * usual
     if abs(int(sample[-1]) - int(sample[0])) >= sample.size:  # none is left out elsewhere
         ordinary &= np.abs(np.diff(sample)) == 1
     if not ordinary.any():
         ordinary = np.ones(step.size, dtype=np.bool_)
     whole = bool(ordinary.all())
-    usually = _thinned(step if whole else step[ordinary]), _thinned(pause if whole else pause[ordinary])
+    usually = thinned(step if whole else step[ordinary]), thinned(pause if whole else pause[ordinary])
     expected = _speed(*usually) * pause
-    low, high = np.quantile(_thinned(reading), [0.005, 0.995])
-    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
     off = expected - step
+    low, high = np.quantile(thinned(reading), [0.005, 0.995])
+    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
+    far = np.flatnonzero((off > 0.5 * TURN) | (off < -0.5 * TURN))
     # A reading that is not wrapped tells the way across a gap by itself.
-    far = np.flatnonzero((np.abs(off) > 0.5 * TURN) & (ordinary | wrapped))
+    far = far if wrapped else far[ordinary[far]]
     turns = np.zeros(step.size, dtype=np.int64)
     turns[far] = np.rint(off[far] / TURN)
     angle = reading
-    if np.any(turns):
+    if far.size:
         angle = reading.copy()
-        angle[1:] += TURN * np.cumsum(turns)
+        angle[far[0] + 1 :] += np.repeat(TURN * np.cumsum(turns[far]), np.diff(far, append=step.size))
     return Continuous(angle=angle, wraps=turns, ordinary=ordinary, wrapped=wrapped, expected=expected)
 
 
-def _thinned(values: FloatArray) -> FloatArray:
+def thinned(values: FloatArray) -> FloatArray:
     """Every so-many-th of values (n,), ``ENOUGH`` of them or a few more: as many as a usual one is told from."""
     return values[:: max(1, values.size // ENOUGH)]
 
