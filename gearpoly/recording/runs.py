@@ -29,29 +29,16 @@ from gearpoly.recording.reversals import (
     turned_back,
 )
 from gearpoly.recording.run import Run
+from gearpoly.recording.sense import FEWEST, pauses_between, turns_one_way, without_wraps
 from gearpoly.recording.spikes import single_spikes
-from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
+from gearpoly.recording.unwrapping import TURN
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 SHORT = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""
 
-FEWEST = 8
-"""Samples below which nothing is said of runs."""
-
 NAMED = 4
 """Runs that a message names; the rest is counted."""
-
-FASTEST = 0.99
-"""Part of all steps that are slower than the speed by which a gap is bridged at most."""
-
-
-class _Pauses(NamedTuple):
-    """What lies between neighbouring samples: the ``length`` (m-1,) in s, or in samples, and whether it is an
-    ``ordinary`` one (m-1,), in which a shaft turns by less than half a turn."""
-
-    length: FloatArray
-    ordinary: BoolArray
 
 
 class _Stretch(NamedTuple):
@@ -71,7 +58,7 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
     Raises ``InputFileError`` where the torque points backward all along.
     """
     shafts = _shafts(recording)
-    if _runs_on(recording.time_s, *shafts.values()):
+    if turns_one_way(recording.time_s, *shafts.values()):
         check_torque(recording)
         return (recording,)
     rows = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in shafts.values()]))
@@ -80,11 +67,11 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
     if rows.size < FEWEST or runs_on(read[first]):  # never wrapped, and never turned round
         check_torque(recording)
         return (recording,)
-    pauses = _pauses(recording, rows)
+    pauses = pauses_between(recording.time_s, rows)
     whole: dict[str, FloatArray] = {}
     cuts = np.zeros(rows.size - 1, dtype=np.bool_)
     for name, reading in read.items():
-        angle, unknown = _continuous(reading, pauses)
+        angle, unknown = without_wraps(reading, pauses)
         whole[name] = _direction(recording, name) * angle
         cuts |= unknown
         # The commonest case, without a look at the other shaft.
@@ -156,58 +143,6 @@ def _shafts(recording: Recording) -> dict[str, FloatArray]:
 
 def _direction(recording: Recording, shaft: str) -> int:
     return recording.driving_direction if shaft == "driving" else recording.driven_direction
-
-
-def _runs_on(time: FloatArray | None, leader: FloatArray, *others: FloatArray) -> bool:
-    """Whether nothing is missing, and the ``leader`` (n,) in rad, wrapped or not, turns one way from sample to sample:
-    the commonest case, told from a few looks at millions of numbers."""
-    if leader.size < FEWEST or not all(np.isfinite(one).all() for one in others):
-        return False
-    if time is not None:
-        pause = np.diff(time)
-        if not np.max(pause) <= GAP_STEPS * float(np.median(thinned(pause))):  # nan too
-            return False
-    step = np.diff(leader)
-    falls, wraps = np.count_nonzero(step < 0.0), np.count_nonzero(step < -0.5 * TURN)
-    rises, around = np.count_nonzero(step > 0.0), np.count_nonzero(step > 0.5 * TURN)
-    whole = np.isfinite(leader[0]) and rises + falls + np.count_nonzero(step == 0.0) == step.size
-    return bool(whole and ((falls == wraps and not around) or (rises == around and not wraps)))
-
-
-def _pauses(recording: Recording, rows: IntArray) -> _Pauses:
-    """What lies between the samples at ``rows`` (m,)."""
-    time = recording.time_s
-    position = rows.astype(np.float64)
-    if time is not None:
-        held = time[rows] if rows.size < time.size else time
-        position = np.nan_to_num(held, nan=0.0, posinf=0.0, neginf=0.0) if not np.isfinite(held).all() else held
-    length = np.diff(position)
-    ordinary = length <= GAP_STEPS * float(np.median(thinned(length)))
-    if int(rows[-1]) - int(rows[0]) >= rows.size:  # some were left out between
-        ordinary &= np.diff(rows) == 1
-    return _Pauses(length, ordinary)
-
-
-def _continuous(reading: FloatArray, pauses: _Pauses) -> tuple[FloatArray, BoolArray]:
-    """The angle (m,) in rad without wraps of a ``reading`` (m,) in rad, and the steps (m-1,) across which nobody knows
-    how many turns were made."""
-    length, ordinary = pauses
-    step = np.diff(reading)
-    low, high = np.quantile(thinned(reading), [0.005, 0.995])
-    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
-    far = np.flatnonzero(np.abs(step) > 0.5 * TURN)
-    far = far if wrapped else far[ordinary[far]]
-    step[far] -= TURN * np.rint(step[far] / TURN)
-    cuts = np.zeros(length.size, dtype=np.bool_)
-    if wrapped and ordinary.any() and not ordinary.all():
-        moves = ordinary & (length > 0.0)
-        speed = float(np.quantile(np.abs(step[moves]) / length[moves], FASTEST)) if moves.any() else 0.0
-        cuts = ~ordinary & (speed * length > GAP_TURNS * TURN)
-    angle = np.empty(reading.size)
-    angle[0] = 0.0
-    np.cumsum(step, out=angle[1:])
-    angle += reading[0]
-    return angle, cuts
 
 
 def _stretches(leader: FloatArray, follower: FloatArray, cuts: BoolArray) -> list[_Stretch]:
