@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gearpoly.errors import InputFileError
 from gearpoly.recording import spikes
 from gearpoly.recording.arrow import doubles
 from gearpoly.recording.read import read_recording
@@ -142,7 +143,7 @@ def test_faults_of_large_texts_are_told_as_those_of_small_ones(
     found = []
     for least in (2**22, 0):
         monkeypatch.setattr(parsed, "LARGE_BYTES", least)
-        with pytest.raises(Exception, match=".*") as caught:
+        with pytest.raises(InputFileError) as caught:
             read_recording(file)
         found.append(str(caught.value))
     assert found[0] == found[1] and says in found[0]

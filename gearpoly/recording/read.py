@@ -151,8 +151,6 @@ def read_tables(path: Path, chart: RecordingMap | None = None) -> list[Table]:
 def find_reader(file: Path) -> Reader:
     """The reader whose ending and first bytes both fit; an ending that nobody claims leaves it to the bytes."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
-    if not file.is_file():
-        raise InputFileError(file, found="no ordinary file", wish="want a file on a disk")
     try:
         with file.open("rb") as stream:
             head = stream.read(HEAD_BYTES)
