@@ -18,12 +18,38 @@ from gearpoly.errors import GearpolyError
 from gearpoly.recording.reader import Reader, check_finite
 from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.table import Table
-from tests.cures import commands, designs, formats, guide_logs, maps, pairs, rest, sheets, tables, texts, universal
+from tests.cures import (
+    commands,
+    compared,
+    designs,
+    formats,
+    guide_logs,
+    maps,
+    pairs,
+    rest,
+    sheets,
+    tables,
+    texts,
+    universal,
+)
 from tests.cures.cure import PACKAGE, site
 
 CURES = {
     f"{module.__name__.rpartition('.')[2]}: {case.name} {k}": case
-    for module in (texts, maps, formats, universal, guide_logs, sheets, tables, designs, pairs, commands, rest)
+    for module in (
+        texts,
+        maps,
+        formats,
+        universal,
+        guide_logs,
+        sheets,
+        tables,
+        designs,
+        pairs,
+        commands,
+        compared,
+        rest,
+    )
     for k, case in enumerate(module.CURES)
 }
 
@@ -33,6 +59,8 @@ LOOKED_AT = (
     PACKAGE / "commands" / "read.py",
     PACKAGE / "commands" / "pair.py",
     PACKAGE / "inspected.py",
+    PACKAGE / "compare" / "stated.py",
+    PACKAGE / "compare" / "zeros.py",
 )
 
 INTERNAL = {

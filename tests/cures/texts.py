@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.recording.csv_reader import read_csv
-from tests.cures.cure import BASE, HEAD, RATIO, ROWS, RUN, Cure, foreign, put, rows, text, with_columns
+from tests.cures.cure import BASE, HEAD, RATIO, ROWS, RUN, Cure, by_its_lines, foreign, put, rows, text, with_columns
 
 T, DRIVING, DRIVEN = (RUN[name] for name in ("time_s", "driving_angle_deg", "driven_angle_deg"))
 N = T.size
@@ -107,7 +107,10 @@ OWN = [
         with_columns(driving_b=SWITCHING),
         "# driving_lines = 9\n" + with_columns(driving_angle_deg=None, driving_a=SWITCHING),
     ),
-    text("radians", "or a map with", with_columns(driven_angle_deg=np.radians(DRIVEN)), BASE),
+    text("radians", "want degrees", with_columns(driven_angle_deg=np.radians(DRIVEN)), BASE),
+    by_its_lines(
+        "radians in a map", "or a map with", with_columns(driven_angle_deg=np.radians(DRIVEN)), file="rec.csv"
+    ),
     text("backward torque", "want a torque of 0 or more", with_columns(torque_nm=-RUN["torque_nm"]), BASE),
     text(
         "two errors",
@@ -313,30 +316,23 @@ FOREIGN = [
         ),
         file="log.txt",
     ),
-    text(
+    by_its_lines(
         "decimal doubt",
         'text.decimal = ","',
         ";".join(GERMAN[:3])
         + "\n"
         + "".join(f"{1 + k / 1000:.3f};{2 + k / 1000:.3f};{3 + k / 1000:.3f}\n".replace(".", ",") for k in range(99)),
-        file="log.txt",
-        cured='text.decimal = ","\n',
     ),
     text("no names", "want a line of names above them", LOGGED.split("\n", 1)[1], LOGGED, file="log.txt"),
-    text(
+    by_its_lines(
         "no angle",
-        "columns.driven_angle_deg = { from =",
+        'columns.driven_angle_deg = { from = "Wert"',
         foreign(("Zeit [s]", "Winkel Antrieb [°]", "Wert")),
-        file="log.txt",
-        cured='columns.driven_angle_deg = { from = "Wert", unit = "deg" }\n',
     ),
-    text(
+    by_its_lines(
         "doubtful",
         "columns.driving_angle_deg = { from =",
         foreign(("Zeit [s]", "Winkel 1 [°]", "Winkel 2 [°]")),
-        file="log.txt",
-        cured='columns.driving_angle_deg = { from = "Winkel 1", unit = "deg" }\n'
-        'columns.driven_angle_deg = { from = "Winkel 2", unit = "deg" }\n',
     ),
     text(
         "near the contract",
