@@ -32,6 +32,11 @@ gap is safe for each alone: its prediction would have to be off by more than its
 SPEED_DOUBT = 0.1
 """How far the mean speed in a gap may lie off the usual one, as a share; it bounds the numbers of turns tried."""
 
+TRIED_MOST = 1000.0
+"""Numbers of turns that are tried at most to either side of the predicted one: of so many six fit the ratio by chance
+(2 SAME_FIT out of a turn), and a clock that was set may state a gap of years.
+"""
+
 SAME_FIT = 0.02
 """Fits to the ratio in rad within which the number of turns nearest the prediction is taken. Transmission errors and
 encoder errors stay below, other numbers of turns are off by a tooth of the driven gear or more.
@@ -77,7 +82,7 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     # A reading that is not wrapped tells the way across a gap by itself.
     far = far if wrapped else far[ordinary[far]]
     turns = np.zeros(step.size, dtype=np.int64)
-    turns[far] = np.rint(off[far] / TURN)
+    turns[far] = np.clip(np.rint(off[far] / TURN), -(2.0**53), 2.0**53)  # a clock that was set may state any gap
     angle = reading
     if far.size:
         angle = reading.copy()
@@ -115,7 +120,8 @@ def settle_gaps(first: Continuous, second: Continuous, ratio: float) -> tuple[Fl
     moved = 0
     step_1, step_2 = np.diff(first.angle), np.diff(second.angle)
     for gap in gaps:
-        reach = math.ceil(SPEED_DOUBT * abs(first.expected[gap]) / TURN) + 1 if first.wrapped else 0
+        doubt = np.fmin(SPEED_DOUBT * np.abs(first.expected[gap]) / TURN, TRIED_MOST)
+        reach = math.ceil(doubt) + 1 if first.wrapped else 0
         tried = np.arange(-reach, reach + 1)
         beyond = step_2[gap] - ratio * (step_1[gap] + TURN * tried)
         back = -np.rint(beyond / TURN) if second.wrapped else np.zeros(tried.size)

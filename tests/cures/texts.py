@@ -94,6 +94,12 @@ OWN = [
         with_columns(torque_nm=np.full(N, np.nan)),
         with_columns(torque_nm=None),
     ),
+    text(
+        "huge angle",
+        "leave that reading out (an empty cell or nan)",
+        BASE.replace(ROWS[3], "0.03,1e300,1.0,2.0"),
+        BASE.replace(ROWS[3], "0.03,,1.0,2.0"),
+    ),
     text("incomplete", "want both driving_angle_deg and driven_angle_deg", with_columns(driven_angle_deg=None), BASE),
     text(
         "index alone",
