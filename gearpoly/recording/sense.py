@@ -9,11 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 FEWEST = 8
 """Samples below which nothing is said of runs."""
+
+BLOCK = 2**15
+"""Samples that are looked at in one go: what is made of them stays in the processor's own memory (256 kB)."""
 
 FASTEST = 0.99
 """Part of all steps that are slower than the speed by which a gap is bridged at most."""
@@ -29,18 +32,27 @@ class Pauses(NamedTuple):
 
 def turns_one_way(time: FloatArray | None, leader: FloatArray, *others: FloatArray) -> bool:
     """Whether nothing is missing, and the ``leader`` (n,) in rad, wrapped or not, turns one way from sample to sample:
-    the commonest case, told from a few looks at millions of numbers."""
+    the commonest case, told from one look at millions of numbers."""
     if leader.size < FEWEST or not all(np.isfinite(one).all() for one in others):
         return False
+    longest = np.inf
     if time is not None:
-        pause = np.diff(time)
-        if not np.max(pause) <= GAP_STEPS * float(np.median(thinned(pause))):  # nan too
+        some = np.arange(0, time.size - 1, max(1, time.size // ENOUGH))
+        longest = GAP_STEPS * float(np.median(time[some + 1] - time[some]))
+    forward = backward = True
+    for at in range(0, leader.size - 1, BLOCK):
+        if time is not None and not np.max(np.diff(time[at : at + BLOCK + 1])) <= longest:  # nan too
             return False
-    step = np.diff(leader)
-    falls, wraps = np.count_nonzero(step < 0.0), np.count_nonzero(step < -0.5 * TURN)
-    rises, around = np.count_nonzero(step > 0.0), np.count_nonzero(step > 0.5 * TURN)
-    whole = np.isfinite(leader[0]) and rises + falls + np.count_nonzero(step == 0.0) == step.size
-    return bool(whole and ((falls == wraps and not around) or (rises == around and not wraps)))
+        step = np.diff(leader[at : at + BLOCK + 1])
+        wraps = np.count_nonzero(np.abs(step) > 0.5 * TURN)
+        forward = forward and np.count_nonzero((step >= 0.0) & (step <= 0.5 * TURN)) + wraps == step.size
+        backward = backward and np.count_nonzero((step <= 0.0) & (step >= -0.5 * TURN)) + wraps == step.size
+        if wraps:
+            forward = forward and not np.any(step > 0.5 * TURN)
+            backward = backward and not np.any(step < -0.5 * TURN)
+        if not forward and not backward:
+            return False
+    return True
 
 
 def pauses_between(time: FloatArray | None, rows: IntArray) -> Pauses:

@@ -37,7 +37,7 @@ SAMPLE_CELLS = 20_000
 CHUNK_CELLS = 20_000
 """Cells that are held as text at a time."""
 
-PLAIN_CELLS = 400_000
+PLAIN_CELLS = 200_000
 """Cells that are read at a time while they are plain numbers; a few MB of text."""
 
 CELL_BYTES = 80
