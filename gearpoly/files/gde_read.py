@@ -109,7 +109,9 @@ def _parsed(file: Path) -> Any:
         return fromstring(data)
     except DefusedXmlException as error:
         found = f"XML that declares entities or fetches others ({type(error).__name__})"
-        raise InputFileError(file, found=found, wish="want plain data without <!DOCTYPE ...>: take it out") from None
+        raise InputFileError(
+            file, found=found, wish="want plain data: nothing of the kind is expanded; take <!DOCTYPE ...> out"
+        ) from None
     except (ParseError, ValueError, LookupError, RecursionError) as error:
         line = getattr(error, "position", (0, 0))[0]
         where = f"line {line}" if line else ""

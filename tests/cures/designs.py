@@ -90,7 +90,7 @@ CURES = [
     edited("cut off", "want the whole REXS model: export it again", "</model>", ""),
     edited(
         "entities",
-        "want plain data without <!DOCTYPE ...>: take it out",
+        "take <!DOCTYPE ...> out",
         '<?xml version="1.0" encoding="UTF-8"?>',
         BOMB,
     ),

@@ -32,7 +32,7 @@ TABLES = [
     tabled("no head", '[columns] "NAME" = "tooth"', "1;2\n3;4\n"),
     tabled(
         "a row missing",
-        "want a row with numbers for each of the 17 teeth",
+        "want a row for each of the 17 teeth",
         rows(lines=TABLE_ROWS[1:]),
         layout=FREE + "teeth = 17\n",
     ),
@@ -83,7 +83,7 @@ TABLES = [
     ),
     tabled(
         "nothing measured",
-        "want a row with numbers for each tooth that was measured",
+        "want a row for each tooth that was measured, with its numbers",
         "tooth,fp left\n" + "".join(f"{n},\n" for n in range(1, 18)),
         FLAT + EVEN,
     ),
@@ -113,7 +113,7 @@ PITCH = HAND[HAND.index("<pitch") : HAND.index("</profile>") + len("</profile>")
 GDE = [
     gde(
         "entities",
-        "want plain data without <!DOCTYPE ...>: take it out",
+        "take <!DOCTYPE ...> out",
         '<?xml version="1.0" encoding="UTF-8"?>',
         BOMB,
     ),
