@@ -49,7 +49,8 @@ def measured(
         try:
             E_s = thickness_from_span(gear, mean, k=by) if key == "span_mm" else thickness_from_pins(gear, mean, D=by)
         except OutOfRangeError as error:
-            raise InputFileError(path, where=f"{which}.inspection.{key}", wish=str(error)) from None
+            wish = f"want {key} and {beside} as measured on this gear"
+            raise InputFileError(path, where=f"{which}.inspection.{key}", found=str(error), wish=wish) from None
         changes |= {"tooth_thickness_um": E_s / UM, key: None, beside: None}
     thickness = changes.get("tooth_thickness_um", sheet.tooth_thickness_um)
     if sheet.single_pitch_coast_um is not None and thickness is not None:

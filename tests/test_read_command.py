@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from gearpoly.recording.read import read_recording
-from gearpoly.recording.survey import Turning, survey
+from gearpoly.recording.survey import survey
+from gearpoly.recording.turning import Turning
 from tests.at_hand import SHARED, SHIPPED
 from tests.made_command import Command
 from tests.made_texts import GERMAN, OWN, FloatArray, own, run, table, written

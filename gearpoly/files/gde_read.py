@@ -109,11 +109,15 @@ def _parsed(file: Path) -> Any:
         return fromstring(data)
     except DefusedXmlException as error:
         found = f"XML that declares entities or fetches others ({type(error).__name__})"
-        raise InputFileError(file, found=found, wish="want plain data: nothing of the kind is expanded") from None
+        raise InputFileError(
+            file, found=found, wish="want plain data: nothing of the kind is expanded; take <!DOCTYPE ...> out"
+        ) from None
     except (ParseError, ValueError, LookupError, RecursionError) as error:
         line = getattr(error, "position", (0, 0))[0]
         where = f"line {line}" if line else ""
-        raise InputFileError(file, where=where, found=f"no XML ({shown(str(error))})", wish="want XML") from None
+        raise InputFileError(
+            file, where=where, found=f"no XML ({shown(str(error))})", wish="want the whole file in XML: export it again"
+        ) from None
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """Recordings as CSV: comment lines with the condition, a header row, numbers.
 
-The numbers go through numpy's own parser. Only where that stops (an empty cell, a word, a short
-row) a slow pass in Python reads them again, which either understands them or names the line.
+The numbers of a large file go through pyarrow's parser, where it is installed, those of others through numpy's. Only
+where that stops (an empty cell, a word, a short row) a slow pass in Python reads them again, which either understands
+them or names the line.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.encoding import wide
 from gearpoly.recording.text.foreign import read_foreign
+from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.writing import Writing
 from gearpoly.units import FloatArray
 
@@ -126,12 +128,16 @@ def read_table(file: Path) -> Table:
         _check_lines(file)
         with file.open(encoding="utf-8-sig") as stream:
             keys, names, head_lines = _read_head(file, stream)
-            values = _read_numbers(file, names, head_lines, stream)
+            with file.open("rb") as whole:
+                size = file.stat().st_size
+                columns = parsed(whole, lines_above=head_lines, columns=len(names), size=size)
+            if columns is None:
+                columns = list(_read_numbers(file, names, head_lines, stream).T)
     except UnicodeDecodeError:
         raise not_utf8(file) from None
     except OSError as error:
         raise unreadable(file, error) from None
-    table = Table(columns={name: values[:, i] for i, name in enumerate(names)}, keys=keys)
+    table = Table(columns=dict(zip(names, columns, strict=True)), keys=keys)
     pass_over(table)
     return table
 

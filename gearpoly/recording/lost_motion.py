@@ -68,6 +68,8 @@ def between(forth: Recording, back: Recording) -> LostMotion | None:
     """The lost motion between two runs whose angles count together; None where they share no angles."""
     curves = [_curve(one) for one in (forth, back)]
     (x, y), (x_back, y_back) = curves
+    if not x.size or not x_back.size:  # no sample of a run holds both
+        return None
     low, high = max(x[0], x_back[0]), min(x[-1], x_back[-1])
     width = 2.0 * math.pi / CELLS
     here = (x > low + ENDS * width) & (x < high - ENDS * width)

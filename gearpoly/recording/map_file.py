@@ -171,7 +171,7 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
             file, where="text.decimal", found="missing beside thousands", wish='want decimal = "," or "."'
         )
     dates = raw.get("dates", "")
-    if dates != "" and dates not in ORDERS:
+    if dates != "" and not (isinstance(dates, str) and dates in ORDERS):
         raise _fault(file, "text.dates", dates, " or ".join(f'"{one}"' for one in ORDERS))
     encoding = raw.get("encoding", "")
     if encoding != "":

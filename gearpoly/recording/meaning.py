@@ -219,6 +219,7 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
     return wrapped_unit(values) if dimension == ANGLE else None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
     """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
     shown_by, net = _begun_again(values)

@@ -9,6 +9,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.files.traces import shorten
+from gearpoly.recording.arrow import doubles
 from gearpoly.recording.reader import (
     Reader,
     check_few,
@@ -73,7 +74,11 @@ def read_table(file: Path) -> Table:
             if not plain[name] and name != "time_s":
                 continue
             # One at a time, so that only one column is held twice.
-            values = np.asarray(source.read(columns=[name], use_threads=True).column(0).to_numpy())
+            held = source.read(columns=[name], use_threads=True).column(0)
+            values = doubles(held)
+            if values is None:
+                values = np.asarray(held.to_numpy())
+            del held
             if name in (*COLUMNS, *PASSED_OVER):
                 table.columns[name] = numbers(file, name, values)
             else:

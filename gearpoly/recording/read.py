@@ -7,12 +7,12 @@ import importlib
 import pkgutil
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gearpoly import recording as package
 from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
-from gearpoly.keys.sections import WormSection
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
@@ -21,6 +21,9 @@ from gearpoly.recording.runs import NAMED, runs_of, usable
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.writing import Writing
+
+if TYPE_CHECKING:
+    from gearpoly.keys.sections import WormSection
 
 HEAD_BYTES = 4096
 """How much of a file is looked at to tell its format; HDF5 may begin as far in as 2048."""
@@ -148,8 +151,6 @@ def read_tables(path: Path, chart: RecordingMap | None = None) -> list[Table]:
 def find_reader(file: Path) -> Reader:
     """The reader whose ending and first bytes both fit; an ending that nobody claims leaves it to the bytes."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
-    if not file.is_file():
-        raise InputFileError(file, found="no ordinary file", wish="want a file on a disk")
     try:
         with file.open("rb") as stream:
             head = stream.read(HEAD_BYTES)

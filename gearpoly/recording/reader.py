@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,6 @@ import numpy.typing as npt
 from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
-from gearpoly.keys.sections import WormSection
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.meaning import contradicting, entry
 from gearpoly.recording.quantities import column_unit
@@ -40,6 +39,9 @@ from gearpoly.recording.recording import (
 from gearpoly.recording.table import AXIS_ERROR, Table
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
+
+if TYPE_CHECKING:  # models of pair files take long to import, and few recordings are guide logs
+    from gearpoly.keys.sections import WormSection
 
 RECORDING_LIMIT_BYTES = 4 * 2**30
 """Largest recording that is read: as a file, and as the memory that reading takes."""

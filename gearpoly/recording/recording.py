@@ -53,6 +53,11 @@ KEYS = (
 LARGEST = 1e300
 """Size from which a number is as good as infinite: a whole number of a file may have more digits than a float."""
 
+ANGLE_LIMIT_DEG = 1e12
+"""Largest angle. Beyond it double precision holds an angle to 1e-4 deg, which is as coarse as encoders read; no shaft
+makes 3e9 turns while it is recorded. Found by hostile files: sums of such angles overflow.
+"""
+
 COUNT_BITS_LIMIT = 53
 """Widest counter; beyond it a count is no longer exact in double precision."""
 
@@ -233,6 +238,15 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
         raise InputFileError(file, where=where, found=f"{key} = {shown_value(value)}", wish=f"want {want}")
 
 
+def _check_angles(file: Path, name: str, values: FloatArray) -> None:
+    """Raise ``InputFileError`` with the row where an angle (n,) in deg is none that an encoder counts to."""
+    if max(float(np.fmax.reduce(values)), -float(np.fmin.reduce(values))) <= ANGLE_LIMIT_DEG:
+        return
+    row = int(np.nanargmax(np.abs(values)))
+    wish = f"want an angle of at most {ANGLE_LIMIT_DEG:g} deg; leave that reading out (an empty cell or nan)"
+    raise InputFileError(file, where=f"column {name}, row {row + 1}", found=f"{values[row]:g} deg", wish=wish)
+
+
 def recording_from_columns(
     file: Path,
     columns: Mapping[str, FloatArray],
@@ -251,6 +265,8 @@ def recording_from_columns(
         if np.isnan(values[0]) and np.isnan(values).all():
             wish = "want numbers in it, or no such column"
             raise InputFileError(file, where=f"column {name}", found="not one number", wish=wish)
+        if name in ANGLE_COLUMNS:
+            _check_angles(file, name, values)
 
     def scaled(name: str, unit: float) -> FloatArray | None:
         return _taken_over(columns[name], unit) if name in columns else None

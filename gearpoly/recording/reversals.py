@@ -25,6 +25,21 @@ REVERSALS_LIMIT = 200
 """Reversals that are looked for; each takes a pass over the rest."""
 
 
+def runs_on(angle: FloatArray) -> bool:
+    """Whether readings (n,) never come back."""
+    return bool(np.all(angle[1:] >= angle[:-1]) or np.all(angle[1:] <= angle[:-1]))
+
+
+def turned_back(angle: FloatArray) -> float:
+    """How far in rad a shaft with continuous readings (n,) in rad comes back at most from the farthest one before, in
+    the sense in which that is less: 0 where it never does."""
+    if runs_on(angle):
+        return 0.0
+    ahead = float(np.max(np.maximum.accumulate(angle) - angle))
+    behind = float(np.max(angle - np.minimum.accumulate(angle)))
+    return min(ahead, behind)
+
+
 def backward_limit(angle: FloatArray) -> float:
     """How far in rad the readings (n,) in rad of a shaft may come back without a reversal: ``BACKWARD_LIMIT``, or what
     their noise and the steps of a coarse encoder make."""
@@ -39,9 +54,11 @@ def backward_limit(angle: FloatArray) -> float:
 def reversals(angle: FloatArray, limit: float | None = None) -> list[int]:
     """Samples at which a shaft with continuous readings (n,) in rad turns round for more than ``limit`` in rad (None:
     its own ``backward_limit``): the farthest readings, at most ``REVERSALS_LIMIT`` of them."""
+    if not angle.size or turned_back(angle) <= (BACKWARD_LIMIT if limit is None else limit):
+        return []  # the commonest case, without a look at noise
     limit = backward_limit(angle) if limit is None else limit
     out: list[int] = []
-    far = np.flatnonzero(np.abs(angle - angle[0]) > limit) if angle.size else np.empty(0, dtype=np.int64)
+    far = np.flatnonzero(np.abs(angle - angle[0]) > limit)
     if not far.size:
         return out
     begin, way = 0, float(np.sign(angle[far[0]] - angle[0]))

@@ -20,23 +20,25 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.clean import TURNS_LEAST
 from gearpoly.recording.lost_motion import LostMotion, between
 from gearpoly.recording.recording import SHAFTS, Flank, Recording
-from gearpoly.recording.reversals import BACKWARD_LIMIT, REVERSALS_LIMIT, backward_limit, reversals
+from gearpoly.recording.reversals import (
+    BACKWARD_LIMIT,
+    REVERSALS_LIMIT,
+    backward_limit,
+    reversals,
+    runs_on,
+    turned_back,
+)
 from gearpoly.recording.run import Run
+from gearpoly.recording.sense import FEWEST, pauses_between, turns_one_way, without_wraps
 from gearpoly.recording.spikes import single_spikes
-from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN
+from gearpoly.recording.unwrapping import TURN
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 SHORT = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""
 
-FEWEST = 8
-"""Samples below which nothing is said of runs."""
-
 NAMED = 4
 """Runs that a message names; the rest is counted."""
-
-FASTEST = 0.99
-"""Part of all steps that are slower than the speed by which a gap is bridged at most."""
 
 
 class _Stretch(NamedTuple):
@@ -56,14 +58,27 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
     Raises ``InputFileError`` where the torque points backward all along.
     """
     shafts = _shafts(recording)
-    good = np.logical_and.reduce([np.isfinite(one) for one in shafts.values()])
-    rows = np.flatnonzero(good)
-    steps = np.diff(next(iter(shafts.values()))[rows])
-    if rows.size < FEWEST or np.all(steps >= 0.0) or np.all(steps <= 0.0):  # never wrapped, and never turned round
+    if turns_one_way(recording.time_s, *shafts.values()):
         check_torque(recording)
         return (recording,)
-    whole, cuts = _continuous(recording, {name: one[rows] for name, one in shafts.items()}, rows)
-    stretches = _stretches(next(iter(whole.values())), next(reversed(whole.values())), cuts)
+    rows = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in shafts.values()]))
+    read = {name: one if rows.size == one.size else one[rows] for name, one in shafts.items()}
+    first = next(iter(read))
+    if rows.size < FEWEST or runs_on(read[first]):  # never wrapped, and never turned round
+        check_torque(recording)
+        return (recording,)
+    pauses = pauses_between(recording.time_s, rows)
+    whole: dict[str, FloatArray] = {}
+    cuts = np.zeros(rows.size - 1, dtype=np.bool_)
+    for name, reading in read.items():
+        angle, unknown = without_wraps(reading, pauses)
+        whole[name] = _direction(recording, name) * angle
+        cuts |= unknown
+        # The commonest case, without a look at the other shaft.
+        if name == first and pauses.ordinary.all() and turned_back(angle) <= BACKWARD_LIMIT:
+            check_torque(recording)
+            return (recording,)
+    stretches = _stretches(whole[first], next(reversed(whole.values())), cuts)
     if len({one.sense for one in stretches}) < 2:
         check_torque(recording)
         return (recording,)
@@ -130,39 +145,12 @@ def _direction(recording: Recording, shaft: str) -> int:
     return recording.driving_direction if shaft == "driving" else recording.driven_direction
 
 
-def _continuous(
-    recording: Recording, read: dict[str, FloatArray], rows: IntArray
-) -> tuple[dict[str, FloatArray], BoolArray]:
-    """Both angles (m,) in rad, forward positive and without wraps, and the steps (m-1,) across which nobody knows how
-    many turns were made."""
-    time = recording.time_s
-    position = rows.astype(np.float64) if time is None else np.where(np.isfinite(time[rows]), time[rows], 0.0)
-    pause = np.diff(position)
-    ordinary = (np.diff(rows) == 1) & (pause <= GAP_STEPS * float(np.median(pause)))
-    cuts = np.zeros(pause.size, dtype=np.bool_)
-    whole = {}
-    for name, reading in read.items():
-        step = np.diff(reading)
-        low, high = np.quantile(reading, [0.005, 0.995])
-        wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
-        near = step - TURN * np.rint(step / TURN)
-        step = np.where(ordinary | wrapped, near, step)
-        if wrapped and ordinary.any():
-            moves = ordinary & (pause > 0.0)
-            speed = float(np.quantile(np.abs(step[moves]) / pause[moves], FASTEST)) if moves.any() else 0.0
-            cuts |= ~ordinary & (speed * pause > GAP_TURNS * TURN)
-        whole[name] = _direction(recording, name) * (reading[0] + np.concatenate(([0.0], np.cumsum(step))))
-    return whole, cuts
-
-
 def _stretches(leader: FloatArray, follower: FloatArray, cuts: BoolArray) -> list[_Stretch]:
     """Runs in one direction, by the shaft that turns round first; each begins and ends where the other has turned so
     far that the lost motion is taken up."""
     edges = [0, *(np.flatnonzero(cuts) + 1).tolist(), leader.size]
-    ahead = float(np.max(np.maximum.accumulate(leader) - leader))
-    behind = float(np.max(leader - np.minimum.accumulate(leader)))
-    if len(edges) == 2 and min(ahead, behind) <= BACKWARD_LIMIT:
-        return []  # the commonest case, without a look at noise and spikes
+    if len(edges) == 2 and turned_back(leader) <= BACKWARD_LIMIT:
+        return []  # without a look at noise and spikes
     limit, taken = backward_limit(leader), backward_limit(follower)
     out: list[_Stretch] = []
     for block, (begin, end) in enumerate(itertools.pairwise(edges)):

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.lost_motion import LostMotion
@@ -21,22 +20,13 @@ from gearpoly.recording.quantities import Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, Recording
-from gearpoly.recording.repeats import new_readings
-from gearpoly.recording.reversals import reversals
 from gearpoly.recording.run import Run
 from gearpoly.recording.runs import is_long, lost_motions, runs_of, says, usable
-from gearpoly.recording.spikes import single_spikes
-from gearpoly.recording.steady import STANDS_SHARE
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
-from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, continuous
-from gearpoly.units import DEG, FloatArray, IntArray
-
-STAND_SAMPLES = 12
-"""Least samples of a stop: an encoder that is read slowly repeats its value for fewer."""
-
-FEWEST = 8
-"""Samples below which nothing is said of rates and turns."""
+from gearpoly.recording.turning import FEWEST, Turning, turning_of
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS
+from gearpoly.units import FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,21 +40,6 @@ class Clock:
     seconds: float
     gaps: tuple[tuple[int, float], ...]
     backs: tuple[int, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Turning:
-    """How a shaft turns: ``turns`` from the lowest to the highest angle, ``wraps``, and the ``modulus`` in the file's
-    own unit where readings begin again; ``stops`` as rows (first, last), ``reversals`` as rows, ``repeats`` of the
-    reading before and single ``spikes`` as counts."""
-
-    turns: float
-    wraps: int
-    modulus: float | None
-    stops: tuple[tuple[int, int], ...]
-    reversals: tuple[int, ...]
-    repeats: int
-    spikes: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,6 +65,9 @@ class Seen:
     @property
     def span(self) -> tuple[float, float] | None:
         """Least and largest reading."""
+        low, high = float(self.values.min(initial=np.inf)), float(self.values.max(initial=-np.inf))
+        if np.isfinite(low) and np.isfinite(high):
+            return low, high
         held = self.values[np.isfinite(self.values)]
         return (float(held.min()), float(held.max())) if held.size else None
 
@@ -230,7 +208,7 @@ def _seen(
     if column in ANGLE_COLUMNS and (given or known is not None):
         degrees = out.columns[column] if given else one.values * (known.size if known is not None else 1.0)
         timed = time if time is not None and time.size == degrees.size else None
-        turning = _turning(degrees, one.values, timed)
+        turning = turning_of(degrees, one.values, timed)
     return Seen(
         name=name, unit=unit, values=one.values, column=column, sure=bool(given), why=why, turning=turning, known=known
     )
@@ -249,54 +227,4 @@ def _clock(time: FloatArray) -> Clock:
         seconds=float(time[rows[-1]] - time[rows[0]]) if rows.size else 0.0,
         gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
         backs=tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0)),
-    )
-
-
-@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
-def _turning(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -> Turning | None:
-    """How a shaft with readings (n,) in deg, which are ``values`` in the file, turns."""
-    rows = np.flatnonzero(np.isfinite(degrees) & (np.isfinite(time) if time is not None else True))
-    if rows.size < FEWEST:
-        return None
-    if rows.size < degrees.size:  # else there is nothing to leave out, and millions of numbers to copy
-        degrees, values, time = degrees[rows], values[rows], time if time is None else time[rows]
-    position = time if time is not None and not np.any(time[1:] < time[:-1]) else rows.astype(np.float64)
-    one = continuous(degrees * DEG, position, rows)
-    angle = one.angle
-    spikes = single_spikes(angle)
-    held = np.flatnonzero(~spikes)
-    plain = angle[held] if held.size < angle.size else angle
-    kept, _ = new_readings(np.arange(rows.size), {"shaft": degrees}, [])
-    around = np.flatnonzero(one.wraps)
-    jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: ENOUGH + 1]))
-    return Turning(
-        turns=float(np.ptp(plain)) / (360.0 * DEG),
-        wraps=around.size,
-        modulus=float(np.median(jumps) + np.median(steps)) if around.size else None,
-        stops=_stops(angle, rows),
-        reversals=tuple(int(rows[held[k]]) + 1 for k in reversals(plain)),
-        repeats=int(rows.size - kept.size),
-        spikes=int(rows.size - held.size),
-    )
-
-
-def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
-    """Rows (first, last) between which a shaft stands: below a fiftieth of its usual speed."""
-    moving = np.flatnonzero(angle[1:] != angle[:-1])
-    if not moving.size:
-        return ((int(rows[0]) + 1, int(rows[-1]) + 1),)
-    # Samples between two new readings: an encoder that is read slowly does not stand still.
-    hold = angle.size / moving.size
-    window = max(STAND_SAMPLES, round(3.0 * hold))
-    if angle.size <= window:
-        return ()
-    some = moving[:: max(1, moving.size // ENOUGH)]
-    usual = float(np.median(np.abs(angle[some + 1] - angle[some]))) / hold
-    # The reach, not the way from end to end, which is nothing where a shaft turns round.
-    size, middle = window + 1, slice((window + 1) // 2, angle.size - window + (window + 1) // 2)
-    reach = (maximum_filter1d(angle, size) - minimum_filter1d(angle, size))[middle]
-    still = reach < STANDS_SHARE * usual * window
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int8), [0]])))
-    return tuple(
-        (int(rows[a]) + 1, int(rows[b - 1 + window]) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)
     )

@@ -177,7 +177,8 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
         if not needed:
             there = shorten(", ".join(one.channel for one in meant), width=200)
             lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
-            first = next((one.channel for one in meant if one.channel not in out.columns), "name")
+            free = [one for one in meant if one.channel not in out.taken_from.values()]
+            first = min(free, key=lambda one: bool(one.dimension)).channel if free else "name"
             wanted = next(name for name in ANGLE_COLUMNS if name not in out.columns)
             ask = (entry(wanted, first, None),)
             if all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):

@@ -32,6 +32,11 @@ gap is safe for each alone: its prediction would have to be off by more than its
 SPEED_DOUBT = 0.1
 """How far the mean speed in a gap may lie off the usual one, as a share; it bounds the numbers of turns tried."""
 
+TRIED_MOST = 1000.0
+"""Numbers of turns that are tried at most to either side of the predicted one: of so many six fit the ratio by chance
+(2 SAME_FIT out of a turn), and a clock that was set may state a gap of years.
+"""
+
 SAME_FIT = 0.02
 """Fits to the ratio in rad within which the number of turns nearest the prediction is taken. Transmission errors and
 encoder errors stay below, other numbers of turns are off by a tooth of the driven gear or more.
@@ -61,30 +66,31 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     ``sample`` (m,) the number of each sample in the recording, rising or falling, so that drop-outs show as gaps.
     """
     step, pause = np.diff(reading), np.diff(position)
-    usual = float(np.median(_thinned(pause)))
+    usual = float(np.median(thinned(pause)))
     ordinary = pause <= GAP_STEPS * usual
     if abs(int(sample[-1]) - int(sample[0])) >= sample.size:  # none is left out elsewhere
         ordinary &= np.abs(np.diff(sample)) == 1
     if not ordinary.any():
         ordinary = np.ones(step.size, dtype=np.bool_)
     whole = bool(ordinary.all())
-    usually = _thinned(step if whole else step[ordinary]), _thinned(pause if whole else pause[ordinary])
+    usually = thinned(step if whole else step[ordinary]), thinned(pause if whole else pause[ordinary])
     expected = _speed(*usually) * pause
-    low, high = np.quantile(_thinned(reading), [0.005, 0.995])
-    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
     off = expected - step
+    low, high = np.quantile(thinned(reading), [0.005, 0.995])
+    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
+    far = np.flatnonzero((off > 0.5 * TURN) | (off < -0.5 * TURN))
     # A reading that is not wrapped tells the way across a gap by itself.
-    far = np.flatnonzero((np.abs(off) > 0.5 * TURN) & (ordinary | wrapped))
+    far = far if wrapped else far[ordinary[far]]
     turns = np.zeros(step.size, dtype=np.int64)
-    turns[far] = np.rint(off[far] / TURN)
+    turns[far] = np.clip(np.rint(off[far] / TURN), -(2.0**53), 2.0**53)  # a clock that was set may state any gap
     angle = reading
-    if np.any(turns):
+    if far.size:
         angle = reading.copy()
-        angle[1:] += TURN * np.cumsum(turns)
+        angle[far[0] + 1 :] += np.repeat(TURN * np.cumsum(turns[far]), np.diff(far, append=step.size))
     return Continuous(angle=angle, wraps=turns, ordinary=ordinary, wrapped=wrapped, expected=expected)
 
 
-def _thinned(values: FloatArray) -> FloatArray:
+def thinned(values: FloatArray) -> FloatArray:
     """Every so-many-th of values (n,), ``ENOUGH`` of them or a few more: as many as a usual one is told from."""
     return values[:: max(1, values.size // ENOUGH)]
 
@@ -114,7 +120,8 @@ def settle_gaps(first: Continuous, second: Continuous, ratio: float) -> tuple[Fl
     moved = 0
     step_1, step_2 = np.diff(first.angle), np.diff(second.angle)
     for gap in gaps:
-        reach = math.ceil(SPEED_DOUBT * abs(first.expected[gap]) / TURN) + 1 if first.wrapped else 0
+        doubt = np.fmin(SPEED_DOUBT * np.abs(first.expected[gap]) / TURN, TRIED_MOST)
+        reach = math.ceil(doubt) + 1 if first.wrapped else 0
         tried = np.arange(-reach, reach + 1)
         beyond = step_2[gap] - ratio * (step_1[gap] + TURN * tried)
         back = -np.rint(beyond / TURN) if second.wrapped else np.zeros(tried.size)

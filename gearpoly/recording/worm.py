@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.mounts import SIDEREAL_DAY_S
-from gearpoly.keys.sections import WormSection
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
+
+if TYPE_CHECKING:
+    from gearpoly.keys.sections import WormSection
 
 ARCSEC_PER_DEG = 3600.0
 

@@ -16,7 +16,8 @@ from gearpoly.errors import shown
 from gearpoly.files.traces import shorten
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.quantities import column_unit
-from gearpoly.recording.survey import Clock, RunSeen, Seen, Survey, Turning
+from gearpoly.recording.survey import Clock, RunSeen, Seen, Survey
+from gearpoly.recording.turning import Turning
 from gearpoly.report.terminal import Terminal
 from gearpoly.units import ARCMIN, UM
 

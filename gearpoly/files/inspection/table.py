@@ -62,7 +62,8 @@ def read_table(file: Path, layout: SheetMap, *, known: Mapping[str, float], coun
     z = int(known.get("teeth", len(teeth)))
     first = layout.first_tooth if layout.first_tooth is not None else (teeth[0] if teeth else 1)
     if not teeth or first not in (0, 1) or teeth != list(range(first, first + z)) or not 5 <= z <= 10_000:
-        wish = f"want a row for each of the {z} teeth, numbered from 0 or 1"
+        each = f"of the {z} teeth" if teeth else "tooth that was measured, with its numbers"
+        wish = f"want a row for each {each}, numbered from 0 or 1"
         raise InputFileError(file, found=f"rows of {len(teeth)} teeth" if teeth else "no rows of teeth", wish=wish)
     return _gear(file, values, z, first, known, says, count or layout.count)
 
@@ -251,8 +252,6 @@ def _gear(
             shapes[f"{key}_um"] = sides
     if arcs:
         says.append("f_p is taken as the pitch from tooth n - 1 to n, positive = too large; F_p as its running sum")
-    if not (arcs or shapes or ("tooth_thickness", "left") in rows):
-        raise InputFileError(file, found="nothing measured", wish="want columns of pitch, profile or thickness")
     return MeasuredGear(
         file=file,
         name=shown(file.stem, width=NAME_SHOWN),

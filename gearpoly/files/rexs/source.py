@@ -66,7 +66,7 @@ def read_model(path: Path | str) -> Model:
     try:
         return _from_json(file, text) if text.startswith(b"{") else _from_xml(file, data)
     except RecursionError:
-        raise InputFileError(file, found="blocks nested too deep", wish="want a REXS model") from None
+        raise InputFileError(file, found="blocks nested too deep", wish="want a REXS model: export it again") from None
 
 
 def _unpacked(file: Path) -> bytes:
@@ -107,12 +107,14 @@ def _from_xml(file: Path, data: bytes) -> Model:
         root = fromstring(data, forbid_dtd=True)
     except DefusedXmlException as error:
         found = f"XML that declares entities or fetches others ({type(error).__name__})"
-        raise InputFileError(file, found=found, wish="want plain data: nothing of the kind is expanded") from None
+        raise InputFileError(
+            file, found=found, wish="want plain data: nothing of the kind is expanded; take <!DOCTYPE ...> out"
+        ) from None
     except (ParseError, ValueError, LookupError) as error:
         line = getattr(error, "position", (0, 0))[0]
         where = f"line {line}" if line else ""
         raise InputFileError(
-            file, where=where, found=f"no XML ({shown(str(error))})", wish="want a REXS model"
+            file, where=where, found=f"no XML ({shown(str(error))})", wish="want the whole REXS model: export it again"
         ) from None
     if _tag(root) != "model":
         raise InputFileError(file, found=f"<{shown(_tag(root))}>", wish="want a REXS file, which begins with <model>")
@@ -153,7 +155,9 @@ def _from_json(file: Path, text: bytes) -> Model:
     try:
         top = json.loads(text.decode("utf-8"), parse_constant=no_number)
     except ValueError as error:  # UnicodeDecodeError and JSONDecodeError too
-        raise InputFileError(file, found=f"no JSON ({shown(str(error))})", wish="want a REXS model in UTF-8") from None
+        raise InputFileError(
+            file, found=f"no JSON ({shown(str(error))})", wish="want the whole REXS model in UTF-8: export it again"
+        ) from None
     model = top.get("model") if isinstance(top, dict) else None
     if not isinstance(model, dict):
         raise InputFileError(file, found='no "model"', wish='want a REXS file, {"model": {...}}')

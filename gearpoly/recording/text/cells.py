@@ -140,7 +140,9 @@ def marks_proved(columns: Sequence[Sequence[str]], *, separator: str, quoted: bo
 
 def _said(cell: str) -> list[tuple[str, str]]:
     """What one cell proves of its marks: pairs of a mark and ``decimal`` or ``thousands``."""
-    number = re.split("[eE]", cell.strip().lstrip("+-\u2212"))[0]
+    number = cell.strip().lstrip("+-\u2212")
+    if not number.isascii() or "e" in number or "E" in number:
+        number = re.split("[eE]", number)[0]
     dots, commas = number.count("."), number.count(",")
     if dots and commas:
         last = "." if number.rfind(".") > number.rfind(",") else ","
@@ -152,8 +154,7 @@ def _said(cell: str) -> list[tuple[str, str]]:
         return [(mark, "thousands")]
     before, after = number.split(mark)
     lead = before.lstrip("0") != before or not before
-    blank = any(one in before for one in BLANKS + APOSTROPHES)
-    if len(after) != 3 or lead or blank or len(before) > 3:
+    if len(after) != 3 or lead or len(before) > 3 or any(one in before for one in BLANKS + APOSTROPHES):
         return [(mark, "decimal")]
     return []
 

@@ -6,6 +6,7 @@ of a map that settles it.
 
 from __future__ import annotations
 
+import io
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks
 from gearpoly.recording.text.encoding import decoded
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
 from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -34,6 +36,9 @@ SAMPLE_CELLS = 20_000
 
 CHUNK_CELLS = 20_000
 """Cells that are held as text at a time."""
+
+PLAIN_CELLS = 200_000
+"""Cells that are read at a time while they are plain numbers; a few MB of text."""
 
 CELL_BYTES = 80
 """Memory of one cell as text, beside its line."""
@@ -122,19 +127,24 @@ class _Part:
     def _filled(self, numbers: Iterable[int]) -> Iterator[int]:
         return (k for k in numbers if self.lines[k].strip())
 
-    def plain(self, first: int, end: int, marks: Marks) -> FloatArray | None:
-        """The table (n, columns) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
+    def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
+        """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
         ``None`` where they are to be read cell by cell."""
         text = self.lines.joined(first, end)
         if self.separator == " " or (marks.thousands and marks.thousands in text):
             return None
+        width = len(self.block.names)
+        data, size = io.BytesIO(text.encode("utf-8", "replace")), self.file.stat().st_size
+        found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
+        if found is not None and all(one.size == end - first and np.isfinite(one).all() for one in found):
+            return found
         rows = text.replace(marks.decimal, ".").split("\n")
         try:
             table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
         except ValueError:
             return None
-        good = table.shape == (end - first, len(self.block.names)) and bool(np.isfinite(table).all())
-        return np.asarray(table) if good else None
+        good = table.shape == (end - first, width) and bool(np.isfinite(table).all())
+        return list(table.T) if good else None
 
     def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
         """The cells of some rows, column by column."""
@@ -175,17 +185,22 @@ def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[in
     texts: dict[int, list[str]] = {k: [] for k in stamped}
     first, end = part.bounds
     read = {k: np.empty(end - first) for k in range(len(part.block.names)) if k not in texts}
-    chunk = max(1, CHUNK_CELLS // len(part.block.names))
+    width = len(part.block.names)
+    pieces = _cut(first, end, (CHUNK_CELLS if texts else PLAIN_CELLS) // width, large=not texts)
     wish = f'want a finite number with the decimal mark "{marks.decimal}" ({marks.why}), or an empty cell'
     count = 0
-    for begin in range(first, end, chunk):
-        table = part.plain(begin, min(begin + chunk, end), marks) if not texts else None
-        if table is not None:
+    while pieces:
+        begin, stop, large = pieces.pop()
+        columns = part.plain(begin, stop, marks) if not texts else None
+        if columns is not None:
             for k, held in read.items():
-                held[count : count + len(table)] = table[:, k]
-            count += len(table)
+                held[count : count + stop - begin] = columns[k]
+            count += stop - begin
             continue
-        rows = part.rows(begin, min(begin + chunk, end))
+        if large:
+            pieces += _cut(begin, stop, CHUNK_CELLS // width, large=False)
+            continue
+        rows = part.rows(begin, stop)
         if not rows:
             continue
         cells = part.cells(rows)
@@ -198,6 +213,11 @@ def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[in
                 raise part.bad(k, rows[bad.at], cells[k][bad.at], wish) from None
         count += len(rows)
     return {k: held[:count] for k, held in read.items()}, texts
+
+
+def _cut(first: int, end: int, size: int, *, large: bool) -> list[tuple[int, int, bool]]:
+    """Lines in pieces (first, end, ``large``) of a ``size``, the last piece first."""
+    return [(begin, min(begin + max(1, size), end), large) for begin in range(first, end, max(1, size))][::-1]
 
 
 def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,11 @@ class Lines(Sequence[str]):
         self._text = text
         parts = []
         for begin in range(0, len(text), PIECE):
-            codes = np.frombuffer(text[begin : begin + PIECE].encode("utf-32-le", "surrogatepass"), dtype="<u4")
+            piece = text[begin : begin + PIECE]
+            if piece.isascii():
+                codes: npt.NDArray[Any] = np.frombuffer(piece.encode("ascii"), dtype=np.uint8)
+            else:
+                codes = np.frombuffer(piece.encode("utf-32-le", "surrogatepass"), dtype="<u4")
             parts.append(begin + np.flatnonzero(codes == ord("\n")))
         ends = [*parts, np.array([len(text)])]
         self._ends: IntArray = np.concatenate(ends).astype(np.int64)
@@ -66,27 +71,32 @@ def are_rows(text: str, separator: str, width: int) -> bool:
     with; dates of digits too. Whether they are numbers is told where they are read."""
     if separator == " " or not text.isascii():
         return False
-    codes = np.frombuffer(f"{text}\n".encode("ascii"), dtype=np.uint8)
-    kind = _kinds(separator)[codes]
-    if not kind.all():
+    kinds = f"{text}\n".encode("ascii").translate(_kinds(separator))
+    if b"\0" in kinds:
         return False
+    kind = np.frombuffer(kinds, dtype=np.uint8)
     digits: BoolArray = kind == 1
-    powers = np.flatnonzero(kind == 3)
-    if powers.size and not (powers[0] > 0 and digits[powers - 1].all()):  # a word that begins with an E
-        return False
+    if b"\3" in kinds:
+        powers = np.flatnonzero(kind == 3)
+        if not (powers[0] > 0 and digits[powers - 1].all()):  # a word that begins with an E
+            return False
     ends = np.flatnonzero(kind >= 4)
     if ends.size % width:
         return False
     marks = kind[ends].reshape(-1, width)
     if not ((marks[:, :-1] == 4).all() and (marks[:, -1] == 5).all()):
         return False
+    if ends.size and ends[0] > 0 and digits[ends - 1].all():  # nearly all numbers end in a digit
+        return True
     return bool((np.diff(np.cumsum(digits, dtype=np.int64)[ends], prepend=0) > 0).all())
 
 
-def _kinds(separator: str) -> npt.NDArray[np.uint8]:
+@functools.cache
+def _kinds(separator: str) -> bytes:
     """For each byte: 1 of a digit, 2 of what else numbers have, 3 of a power, 4 what parts cells, 5 a line's end, 0 of
     all others."""
-    kinds = np.zeros(256, dtype=np.uint8)
+    kinds = bytearray(256)
     for marks, kind in ((_DIGITS, 1), (_SIGNS, 2), (_POWERS, 3), (separator.encode(), 4), (b"\n", 5)):
-        kinds[list(marks)] = kind
-    return kinds
+        for mark in marks:
+            kinds[mark] = kind
+    return bytes(kinds)

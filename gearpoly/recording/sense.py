@@ -1,0 +1,90 @@
+"""Which way a shaft turns: told quickly where it turns one way, and its angle without wraps for a look at the rest.
+
+Derived here. Between neighbouring samples a shaft moves less than half a turn, so a larger step is a wrap.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+FEWEST = 8
+"""Samples below which nothing is said of runs."""
+
+BLOCK = 2**15
+"""Samples that are looked at in one go: what is made of them stays in the processor's own memory (256 kB)."""
+
+FASTEST = 0.99
+"""Part of all steps that are slower than the speed by which a gap is bridged at most."""
+
+
+class Pauses(NamedTuple):
+    """What lies between neighbouring samples: the ``length`` (m-1,) in s, or in samples, and whether it is an
+    ``ordinary`` one (m-1,), in which a shaft turns by less than half a turn."""
+
+    length: FloatArray
+    ordinary: BoolArray
+
+
+def turns_one_way(time: FloatArray | None, leader: FloatArray, *others: FloatArray) -> bool:
+    """Whether nothing is missing, and the ``leader`` (n,) in rad, wrapped or not, turns one way from sample to sample:
+    the commonest case, told from one look at millions of numbers."""
+    if leader.size < FEWEST or not all(np.isfinite(one).all() for one in others):
+        return False
+    longest = np.inf
+    if time is not None:
+        some = np.arange(0, time.size - 1, max(1, time.size // ENOUGH))
+        longest = GAP_STEPS * float(np.median(time[some + 1] - time[some]))
+    forward = backward = True
+    for at in range(0, leader.size - 1, BLOCK):
+        if time is not None and not np.max(np.diff(time[at : at + BLOCK + 1])) <= longest:  # nan too
+            return False
+        step = np.diff(leader[at : at + BLOCK + 1])
+        wraps = np.count_nonzero(np.abs(step) > 0.5 * TURN)
+        forward = forward and np.count_nonzero((step >= 0.0) & (step <= 0.5 * TURN)) + wraps == step.size
+        backward = backward and np.count_nonzero((step <= 0.0) & (step >= -0.5 * TURN)) + wraps == step.size
+        if wraps:
+            forward = forward and not np.any(step > 0.5 * TURN)
+            backward = backward and not np.any(step < -0.5 * TURN)
+        if not forward and not backward:
+            return False
+    return True
+
+
+def pauses_between(time: FloatArray | None, rows: IntArray) -> Pauses:
+    """What lies between the samples at ``rows`` (m,) of a recording with ``time`` (n,) in s, or with none."""
+    position = rows.astype(np.float64)
+    if time is not None:
+        held = time[rows] if rows.size < time.size else time
+        position = np.nan_to_num(held, nan=0.0, posinf=0.0, neginf=0.0) if not np.isfinite(held).all() else held
+    length = np.diff(position)
+    ordinary = length <= GAP_STEPS * float(np.median(thinned(length)))
+    if int(rows[-1]) - int(rows[0]) >= rows.size:  # some were left out between
+        ordinary &= np.diff(rows) == 1
+    return Pauses(length, ordinary)
+
+
+def without_wraps(reading: FloatArray, pauses: Pauses) -> tuple[FloatArray, BoolArray]:
+    """The angle (m,) in rad without wraps of a ``reading`` (m,) in rad, and the steps (m-1,) across which nobody knows
+    how many turns were made."""
+    length, ordinary = pauses
+    step = np.diff(reading)
+    low, high = np.quantile(thinned(reading), [0.005, 0.995])
+    wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
+    far = np.flatnonzero(np.abs(step) > 0.5 * TURN)
+    far = far if wrapped else far[ordinary[far]]
+    step[far] -= TURN * np.rint(step[far] / TURN)
+    cuts = np.zeros(length.size, dtype=np.bool_)
+    if wrapped and ordinary.any() and not ordinary.all():
+        moves = ordinary & (length > 0.0)
+        speed = float(np.quantile(np.abs(step[moves]) / length[moves], FASTEST)) if moves.any() else 0.0
+        cuts = ~ordinary & (speed * length > GAP_TURNS * TURN)
+    angle = np.empty(reading.size)
+    angle[0] = 0.0
+    np.cumsum(step, out=angle[1:])
+    angle += reading[0]
+    return angle, cuts
