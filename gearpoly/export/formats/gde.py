@@ -12,7 +12,6 @@ from gearpoly.files.gde_inspection import FLANKS, TURNS
 from gearpoly.units import DEG, UM
 
 ENDINGS = (".gde",)
-SAYS = "an inspection file (XML after VDI/VDE 2610)"
 CURVES = ("lines",)
 
 

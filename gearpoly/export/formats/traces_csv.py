@@ -10,7 +10,6 @@ from gearpoly.files.traces import TRACE_COLUMNS
 from gearpoly.units import UM
 
 ENDINGS = (".traces.csv",)
-SAYS = "profile traces of one gear"
 CURVES = ("lines",)
 
 
