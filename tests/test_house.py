@@ -18,7 +18,7 @@ PACKAGE = ROOT / "gearpoly"
 # is known of a pair, what was measured, how both compare, why they differ, how that is shown, and what a user calls.
 ORDER = (
     "errors threads units",
-    "plugins",
+    "page plugins",
     "keys",
     "gear",
     "mesh",
