@@ -38,7 +38,9 @@ def test_data_do_not_end_their_script() -> None:
 
 def test_modules_come_after_what_they_import_and_once() -> None:
     files = {
-        "a/x.js": '// X.\n\nimport { y } from "./y.js";\nimport {\n  z,\n} from "../b/z.js";\nexport const x = y + z;\n',
+        "a/x.js": (
+            '// X.\n\nimport { y } from "./y.js";\nimport {\n  z,\n} from "../b/z.js";\nexport const x = y + z;\n'
+        ),
         "a/y.js": 'import { z } from "../b/z.js";\nexport function y() { return z; }\n',
         "b/z.js": "export const z = 1; // import nothing\n",
     }
