@@ -11,6 +11,8 @@ from gearpoly.recording.read import read_recording
 from proving.case import Case, make
 from proving.entry import Entry
 
+pytestmark = pytest.mark.slow
+
 SEED = 3
 """A pair of module 1, the quickest of the first fifteen."""
 
