@@ -135,6 +135,7 @@ def recorded(bench: Path) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_a_brought_physics_is_diagnosed_from_a_file_that_a_brought_reader_reads(
     site: Path, bench: Path, recorded: Path
 ) -> None:
