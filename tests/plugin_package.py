@@ -14,7 +14,8 @@ PAGE = Path(__file__).parents[1] / "docs" / "howto" / "own_package.md"
 
 def files_of_the_page() -> dict[str, str]:
     """The files that the page shows, by their paths in the package, and the empty one that it speaks of."""
-    return {"gearpoly_rig/__init__.py": ""} | dict(re.findall(r"^`([\w./]+)`\n\n```\w+\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL))
+    shown = re.findall(r"^`([\w./]+)`\n\n```\w+\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    return {"gearpoly_rig/__init__.py": "", **dict(shown)}
 
 
 def install(folder: Path, name: str, modules: dict[str, str], points: str, *, version: str = "1.0") -> Path:

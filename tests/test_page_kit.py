@@ -84,7 +84,6 @@ def test_pages_name_nothing_outside_and_forbid_it() -> None:
     assert "default-src 'none'" in part("page/kit/page.html")
 
 
-@pytest.mark.slow
 def test_a_type_checker_finds_nothing_in_the_scripts() -> None:
     """TypeScript reads them as JavaScript with types in comments; a name that is not imported is an error, too."""
     found = shutil.which("tsc")
