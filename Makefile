@@ -7,7 +7,7 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow knowledge fuzz lint docs bench paper proof clean
+.PHONY: run test test-slow knowledge noise fuzz lint docs bench paper proof clean
 
 # What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
 PAIR := data/pairs/ottewill_18_18.toml
@@ -35,6 +35,10 @@ test-slow: $(VENV)/.test
 # What the rules of the diagnosis know, held against whole verdicts (docs/rules.md).
 knowledge: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) tests/knowledge tests/knowledge_compare
+
+# Pure noise beside pair files of all kinds: no physics may be named in any.
+noise: $(VENV)/.test
+	GEARPOLY_NOISE=200 $(BIN)/pytest -n $(JOBS) tests/knowledge/test_pure_noise.py
 
 # Inputs of each fuzzer; the table of what became of them ends the run (docs/explanation/reliability.md).
 FUZZ ?= 550

@@ -33,6 +33,10 @@ def _version(wanted: bool) -> None:
         from gearpoly import __version__
 
         print(f"gearpoly {__version__}")
+        from gearpoly.plugins import installed
+
+        for one in installed():
+            print(f"with {one.package} {one.version}: {one.name} of {one.group}")
         raise typer.Exit
 
 

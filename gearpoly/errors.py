@@ -92,6 +92,10 @@ class MissingExtraError(GearpolyError, ImportError):
     """An optional package is not installed; the message says which extra brings it."""
 
 
+class PluginError(GearpolyError):
+    """What another installed package brings does not load, is no physics, reader or exporter, or failed at its work."""
+
+
 class SelfCheckError(Exception):
     """Two ways to the same answer disagree, so one of them is at fault: a bug that no user can cure."""
 

@@ -98,6 +98,7 @@ def test_compare_locates_a_knock_and_names_no_wave() -> None:
     assert [one.label for one in found] == ["burst"]
 
 
+@pytest.mark.slow
 def test_a_wave_that_swells_is_one_wave_of_its_size() -> None:
     """Order 0.61 grows from nothing to 4 um: two in the mean. What one steady wave leaves stands beside it, line after
     line on either side and ever smaller, so a few are found; none is larger than what was made."""

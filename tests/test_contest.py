@@ -50,6 +50,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     return Fit.begun(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
 
 
+@pytest.mark.slow
 def test_gears_do_not_bulge_where_they_lean(begun: Fit) -> None:
     """True gears of this pair have no crowning; three standard deviations of it hardly any gear of the grade has."""
     built, values = begun.model.as_built, begun.model.built
@@ -57,6 +58,7 @@ def test_gears_do_not_bulge_where_they_lean(begun: Fit) -> None:
         assert abs(built.crowning(values, "drive", gear)) < 3.0 * built.gears[gear].crowning
 
 
+@pytest.mark.slow
 def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
     """Teeth as built lean already as far as they may: with a slope claimed on top of that the pair would run otherwise
     than it was recorded, while a claim that they give way to changes little."""
@@ -78,6 +80,7 @@ def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
     assert misfits["on top"] > misfits["joined"] + 1000.0
 
 
+@pytest.mark.slow
 def test_places_are_counted_whatever_is_claimed_already(begun: Fit) -> None:
     """Or a claim would have to beat fewer of its like when it is asked for again."""
     found, before = scan(begun.model, begun.scenes, begun.linear)

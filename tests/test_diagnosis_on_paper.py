@@ -37,11 +37,18 @@ def boxes(data: bytes) -> list[tuple[float, float]]:
     return [(float(w), float(h)) for w, h in found]
 
 
-def test_the_report_is_a4_and_the_same_twice(diagnosis: Diagnosis, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def pdf(diagnosis: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of it."""
     pytest.importorskip("reportlab")
-    for name in ("one.pdf", "two.pdf"):
-        diagnosis_pdf.write_pdf(diagnosis, tmp_path / name)
-    data = (tmp_path / "one.pdf").read_bytes()
+    target = tmp_path_factory.mktemp("report") / "one.pdf"
+    diagnosis_pdf.write_pdf(diagnosis, target)
+    return target
+
+
+def test_the_report_is_a4_and_the_same_twice(diagnosis: Diagnosis, pdf: Path, tmp_path: Path) -> None:
+    diagnosis_pdf.write_pdf(diagnosis, tmp_path / "two.pdf")
+    data = pdf.read_bytes()
     assert data == (tmp_path / "two.pdf").read_bytes()
     assert data.startswith(b"%PDF") and data.rstrip().endswith(b"%%EOF")
     sizes = boxes(data)
@@ -51,12 +58,10 @@ def test_the_report_is_a4_and_the_same_twice(diagnosis: Diagnosis, tmp_path: Pat
     assert [one.name for one in tmp_path.iterdir() if one.name.startswith(".")] == []
 
 
-def test_names_that_look_like_markup_are_words(diagnosis: Diagnosis, tmp_path: Path) -> None:
+def test_names_that_look_like_markup_are_words(diagnosis: Diagnosis, pdf: Path) -> None:
     """The pair's name and its recordings hold tags; a report that took them for its own would fail."""
-    pytest.importorskip("reportlab")
     pypdf = pytest.importorskip("pypdf")
-    diagnosis_pdf.write_pdf(diagnosis, tmp_path / "one.pdf")
-    words = " ".join(one.extract_text() for one in pypdf.PdfReader(tmp_path / "one.pdf").pages)
+    words = " ".join(one.extract_text() for one in pypdf.PdfReader(pdf).pages)
     assert '<b>bench & "pair"</b>' in words and "<img src=x>" in words
     for one in diagnosis.findings:
         assert one.claim.physics.equation.split(" = ")[0] in words

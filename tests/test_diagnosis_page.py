@@ -17,7 +17,7 @@ from gearpoly.compare.entries import chance_words
 from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
-from gearpoly.report.diagnosis_page import filled, page
+from gearpoly.report.diagnosis_page import page
 from gearpoly.report.diagnosis_report import how_sure, verdict_json
 from gearpoly.report.diagnosis_words import MINUS, chance, measured, number, parameter, typeset
 from gearpoly.units import DEG, UM, FloatArray
@@ -106,12 +106,6 @@ def test_names_from_files_stay_text(text: str, tree: Any) -> None:
         True,
         True,
     ]
-
-
-def test_a_piece_that_looks_like_a_placeholder_is_left_alone() -> None:
-    assert filled("{{A}} and {{B}} {{", {"A": "{{B}}", "B": "b"}) == "{{B}} and b {{"
-    with pytest.raises(KeyError):
-        filled("{{C}}", {})
 
 
 def test_the_verdict_and_its_figures_are_the_diagnosis(diagnosis: Diagnosis, tree: Any) -> None:

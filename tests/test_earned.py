@@ -35,6 +35,7 @@ def claim(name: str, **place: Any) -> Claim:
     return Claim(physics=catalogue()[name], place=Place(**place), values=())
 
 
+@pytest.mark.slow
 def test_probabilities_of_a_name_its_look_alikes_and_the_unknown_add_up_to_one() -> None:
     (one,) = shipped("encoder_off_centre")["missing"]
     assert one["physics"] == "encoder_eccentricity"

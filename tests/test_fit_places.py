@@ -70,7 +70,8 @@ def later(one: Recording, pitches: float) -> Recording:
     return replace(one, driving_zero_rad=ZEROS[0] - pitch * Z[1] / Z[0], driven_zero_rad=ZEROS[1] + pitch)
 
 
-@pytest.mark.parametrize("pitches", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("pitches", [0.0, 0.3])
 def test_unloaded_teeth_that_nobody_inspected_leave_only_noise(pitches: float, tmp_path: Path) -> None:
     """Each step of the fit moves all hand-overs, and the declared curve is flat: nothing says where a pitch begins but
     the teeth, of which nothing is known. 3 % of the noise are three standard errors of its 3840 samples."""
@@ -244,6 +245,7 @@ def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> Non
     np.testing.assert_array_equal(model.built, rested)
 
 
+@pytest.mark.slow
 def test_the_opening_of_a_long_recording_is_whole_cycles(tmp_path: Path) -> None:
     """Places are tried on as many samples as are enough; whole cycles, and the noise, stay what they are."""
     true, known = made_gears(np.random.default_rng(7))

@@ -67,6 +67,7 @@ def test_farther_back_nothing_changes(lagging: dict[float, Recording]) -> None:
     assert np.max(np.abs(near - far)) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_tooth_out_of_the_mesh_is_named_with_its_least_size(lagging: dict[float, Recording], tmp_path: Path) -> None:
     """Its size no longer changes anything, so to first order nothing is lost without it; only the whole tells."""
     diagnosis = found(lagging[-24.0], tmp_path)

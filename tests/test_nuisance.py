@@ -56,6 +56,7 @@ def test_nothing_varies_without_load_or_eccentricity(off_um: float, torque_nm: f
     assert columns_beside(scenes_of(tmp_path, off_um=off_um, torque_nm=torque_nm)) == 0
 
 
+@pytest.mark.slow
 def test_laws_are_compared_where_some_would_bend_the_teeth_too_far(tmp_path: Path) -> None:
     """A twentieth below the bending at which theirs is no longer small, by the declared law: softer ones bend them too
     far as they are. Made to give as much in the mean they need not, and one that differs little stays where it is at a

@@ -11,6 +11,8 @@ from gearpoly.proving.case import Case, make
 from gearpoly.proving.entry import Entry
 from gearpoly.recording.read import read_recording
 
+pytestmark = pytest.mark.slow
+
 SEED = 3
 """A pair of module 1, the quickest of the first fifteen."""
 

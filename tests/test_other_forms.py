@@ -85,7 +85,8 @@ def test_the_shape_of_a_relief_is_told(shape: str, tmp_path: Path) -> None:
     assert replace(held, place=replace(held.place, form=None)).key == held.key
 
 
-@pytest.mark.parametrize("shape", ["linear", pytest.param("parabolic", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["linear", "parabolic"])
 def test_where_forms_fit_alike_errors_hold_both(shape: str, tmp_path: Path) -> None:
     """3 um over 0.5 mm in 1 um of noise: enough to name, too little to tell the forms, of which each finds a length of
     its own; the truth lies within twice what is stated, and the exponent is in doubt too."""

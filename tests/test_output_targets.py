@@ -62,7 +62,7 @@ def run(*arguments: str, stdout: IO[str] | int = subprocess.PIPE) -> subprocess.
 @pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="no device here that is always full")
 def test_standard_output_that_fails_is_one_message() -> None:
     with Path("/dev/full").open("w") as full:
-        done = run("simulate", str(PAIR), "--points-per-mesh", "4", "--csv", "-", stdout=full)
+        done = run("simulate", str(PAIR), "--points-per-mesh", "4", "--turns", "0.2", "--csv", "-", stdout=full)
     assert done.returncode == 2
     assert done.stderr.startswith("gearpoly: standard output: ")
     assert "Traceback" not in done.stderr

@@ -115,9 +115,8 @@ def test_a_pit_whose_fit_rests_beside_it_is_found_once_its_edges_are_moved(tmp_p
     assert search.linear.system.beyond < 0.03 * search.linear.system.samples
 
 
-@pytest.mark.parametrize(
-    "pit", [(20.8, 17.755, 18.07, 0.02), pytest.param((16.0, 17.684, 18.068, 0.02), marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("pit", [(20.8, 17.755, 18.07, 0.02), (16.0, 17.684, 18.068, 0.02)])
 def test_a_pit_over_which_other_teeth_carry_is_named_with_its_least_size(pit: Values, tmp_path: Path) -> None:
     """Unloaded, in two hunting cycles: teeth lose touch over the pit's bottom, so the next micrometre of its depth is
     hardly seen, and half of the recording leads a straight line from its edges astray; all that it does is seen well.

@@ -175,7 +175,9 @@ def gone(pid: int) -> bool:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="looks for processes in /proc")
-@pytest.mark.parametrize("how", ["a worker is killed", "the command is interrupted"])
+@pytest.mark.parametrize(
+    "how", ["a worker is killed", pytest.param("the command is interrupted", marks=pytest.mark.slow)]
+)
 def test_workers_that_die_leave_what_is_finished(
     begun: subprocess.Popen[str], bench: Path, tmp_path: Path, how: str
 ) -> None:
@@ -293,6 +295,7 @@ def test_a_ground_that_cannot_be_written_is_refused(tmp_path: Path, workers: int
         prove_ground(6, out=tmp_path, workers=workers, quick=True, indices=few, diagnoser=silent, say=quiet)
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_ground(tmp_path: Path) -> None:
     few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:2]
     how: dict[str, Any] = {"quick": True, "indices": few, "diagnoser": silent, "say": quiet}

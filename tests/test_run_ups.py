@@ -55,6 +55,7 @@ def recorded_at(true: PairFile, theta_1: FloatArray, time: FloatArray, rng: np.r
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_what_is_held_out_of_a_run_up_lies_between_what_is_seen(run_up: tuple[PairFile, PairFile, Recording]) -> None:
     """It meets each speed once, so half of it says nothing of a resonance in the other half: every other turn does."""
     known, _, recording = run_up

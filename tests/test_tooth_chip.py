@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,18 @@ import shapely
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from gearpoly import api
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.errors import InputFileError, NoContactError
+from gearpoly.export.design import export_design
+from gearpoly.export.drawing import Request
 from gearpoly.export.outline import Detail, draw_outline
+from gearpoly.files.gde_read import read_gde
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
+from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import Chip, Deviations
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks
@@ -478,3 +484,54 @@ def test_a_study_draws_chipped_gears_as_a_single_run_does(tmp_path: Path) -> Non
         for side in FLANKS:
             np.testing.assert_allclose(getattr(mine, side), getattr(theirs, side), atol=1e-12)
     assert set(other.driving.flanks.chipped) == {TOOTH}
+
+
+@pytest.mark.parametrize("gear", [0, 1])
+def test_traces_of_an_inspection_end_where_the_tip_is_missing(gear: int, tmp_path: Path) -> None:
+    """At the roll length of the corner, sqrt((r_a - h)^2 - r_b^2), to a step of the trace; others reach the tip. The
+    files say so, and with the chip stated beside the traces the same gear is drawn again."""
+    name, height = GEARS[gear], 0.8
+    drawn = api.Pair.of(tomllib.loads(dump_pair(chipped_file(gear, height))))
+    ideal = Gear(z=18 if gear == 0 else 25, m=2.0)
+    corner = math.sqrt((ideal.r_a - height) ** 2 - ideal.r_b**2)
+    csv, gde = tmp_path / "g.traces.csv", tmp_path / "g.gde"
+    drawn.export(csv, which=name)
+    drawn.export(gde, which=name)
+    traces = read_traces(csv, ideal.z)
+    step = float(traces[0].roll_length[1] - traces[0].roll_length[0])
+    for one in traces:
+        end = corner if one.tooth == TOOTH else ideal.l_a
+        assert -1e-9 <= end - one.roll_length[-1] <= step, (one.tooth, one.flank)
+    assert f"# tooth {TOOTH} ends 0.8 mm below its tip circle" in csv.read_text("utf-8")
+    sheet = read_gde(gde)
+    assert sheet.name.endswith(f"tooth {TOOTH + 1} ends 0.8 mm below its tip circle, and its traces end there")
+    ends = {one.tooth: one.roll_length[-1] for one in sheet.profiles}
+    assert min(ends, key=lambda tooth: ends[tooth]) == TOOTH + 1
+
+    raw = tomllib.loads(dump_pair(chipped_file(gear, height)))
+    raw[name]["inspection"] = {"tooth_thickness_um": 0.0, "profile_csv": str(csv)}
+    again = api.Pair.of(raw)
+    both = [(one.driving if gear == 0 else one.driven).polygon for one in (drawn, again)]
+    # Both ends of a trace are rounded numbers of 16 digits; areas of 900 mm^2 then agree to 1e-9.
+    assert both[0].symmetric_difference(both[1]).area < 1e-6
+
+
+def test_traces_end_earlier_where_the_flank_stands_off(tmp_path: Path) -> None:
+    """A flank that stands in by d meets the circle that is left where its involute is d longer."""
+    height, off = 0.8, -40.0
+    raw = tomllib.loads(dump_pair(chipped_file(0, height)))
+    raw["driving"]["inspection"]["pitch_um"] = off
+    drawn = api.Pair.of(raw)
+    ideal, csv = Gear(z=18, m=2.0), tmp_path / "g.traces.csv"
+    drawn.export(csv, which="driving")
+    corner = math.sqrt((ideal.r_a - height) ** 2 - ideal.r_b**2)
+    (one,) = (one for one in read_traces(csv, ideal.z) if (one.tooth, one.flank) == (TOOTH, "drive"))
+    step = float(one.roll_length[1] - one.roll_length[0])
+    assert -1e-9 <= corner - off * UM - one.roll_length[-1] <= step
+
+
+def test_a_design_says_that_a_chip_is_left_out(tmp_path: Path) -> None:
+    file = chipped_file(1, 0.8)
+    assert export_design(file, made(file), tmp_path / "d.rexs", Request()) == [
+        "not part of a design and left out: driving.inspection, driven.inspection, driven.chip"
+    ]

@@ -172,18 +172,6 @@ def test_a_pair_may_have_any_name(tmp_path: Path, name: str) -> None:
     assert html.count("<script") == 2
 
 
-def test_the_page_loads_nothing() -> None:
-    """No address of anything outside, and a policy by which a browser would refuse it."""
-    folder = ROOT / "gearpoly" / "view" / "page"
-    for file in folder.iterdir():
-        text = file.read_text(encoding="utf-8")
-        assert not re.search(r"https?:|//[a-z]+\.[a-z]|@import|fetch\(|XMLHttpRequest|import\(", text), file.name
-    assert "default-src 'none'" in (folder / "template.html").read_text(encoding="utf-8")
-
-
-# --- the command
-
-
 def run(*arguments: str | Path) -> tuple[int, str]:
     """Exit code and message of ``gearpoly view`` as ``main`` would give them."""
     result = CliRunner().invoke(app, ["view", *map(str, arguments)])

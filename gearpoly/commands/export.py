@@ -39,7 +39,8 @@ def export(
     to: Annotated[
         Path,
         typer.Option(
-            help="File to write; its ending says what: svg, dxf, stl, 3mf, step, csv, geojson, wkb, gde, rexs."
+            help="File to write; its ending says what: svg, dxf, stl, 3mf, step, csv, geojson, wkb, gde, rexs, or one "
+            "that an installed package brings."
         ),
     ],
     gear: Annotated[GearChoice, typer.Option(help="Which gears.")] = GearChoice.both,

@@ -16,12 +16,13 @@ from gearpoly.files.rexs.model import Attribute, Component, Model, Relation, Val
 from gearpoly.files.rexs.source import ENDINGS
 from gearpoly.files.rexs.write import write_model
 from gearpoly.gear.gear import Gear
+from gearpoly.physics import catalogue
 from gearpoly.units import DEG, UM
 
 VERSION = "2.0"
 
-LEFT_OUT = ("inspection", "eccentricity", "wear_um", "undulation", "spall", "crack", "encoder")
-"""Keys of a gear that are no design."""
+MEASURED = ("inspection", "form", "encoder")
+"""Keys of a gear that say what was measured; nor is what a physics adds a design, but for its relief."""
 
 
 def is_design_target(target: Path) -> bool:
@@ -48,10 +49,12 @@ def export_design(file: PairFile, assembled: Assembled, target: Path, request: R
 
 def left_out(file: PairFile) -> list[str]:
     """What of a pair file is no part of a REXS design, in words."""
+    brought = {key for one in catalogue().values() if "gear" in one.keys for key in one.keys["gear"].model_fields}
+    keys = [key for key in GearSection.model_fields if key in brought - {"tip_relief"} or key in MEASURED]
     found = [
         f"{name}.{key}"
         for name in NAMES
-        for key in LEFT_OUT
+        for key in keys
         if key in getattr(file, name).model_fields_set and getattr(getattr(file, name), key)
     ]
     words = ", ".join(found)

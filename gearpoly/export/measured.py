@@ -3,6 +3,8 @@ profile."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import numpy as np
 from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Drawing, Placed
 from gearpoly.gear.deviations import Index, Relief, Shape, total
+from gearpoly.mesh.pair import Flank
 from gearpoly.units import FloatArray, read_only
 
 POINTS = 481
@@ -21,9 +24,10 @@ to 0.05 um."""
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:
     """Index deviations of both sides (z,) and profile traces (z, n) at ``roll_length`` (n,), all in mm, teeth in the
-    order of meshing.
+    order of meshing. ``missing`` has the radial heights in mm of tips that have broken off, by their teeth.
 
     Profiles are deviations from the design profile: a tip relief of the design is not in them, as pair files want it.
+    A probe finds nothing where a tip is missing: such a trace ends there, and is NaN beyond.
     """
 
     index_drive: FloatArray
@@ -31,6 +35,22 @@ class Measured:
     roll_length: FloatArray
     drive: FloatArray
     coast: FloatArray
+    missing: Mapping[int, float]
+
+    def trace(self, flank: Flank, tooth: int) -> tuple[list[float], list[float]]:
+        """Roll lengths and deviations in mm of one flank, as far as it is there; none where that is but one point."""
+        row = (self.drive if flank == "drive" else self.coast)[tooth]
+        there = np.isfinite(row)
+        if np.count_nonzero(there) < 2:
+            return [], []
+        return self.roll_length[there].tolist(), row[there].tolist()
+
+    def remarks(self, *, first: int) -> list[str]:
+        """What to say of teeth whose traces end early, as numbers from ``first`` on."""
+        return [
+            f"tooth {tooth + first} ends {height:g} mm below its tip circle, and its traces end there"
+            for tooth, height in sorted(self.missing.items())
+        ]
 
 
 def measure(gear: Placed, *, points: int = POINTS) -> Measured:
@@ -52,9 +72,17 @@ def measure(gear: Placed, *, points: int = POINTS) -> Measured:
         at = total(tuple(s for s in shapes if isinstance(s, Index)), l[None, :1], z=nominal.z, span=span)
         return read_only(at[:, 0])
 
+    missing = gear.deviations.missing_tips
+
     def traces(shapes: tuple[Shape, ...]) -> FloatArray:
+        every = np.broadcast_to(l, (nominal.z, l.size))
         kept = tuple(shape for shape in shapes if not isinstance(shape, Index | Relief))
-        return read_only(total(kept, np.broadcast_to(l, (nominal.z, l.size)), z=nominal.z, span=span))
+        found, off = (total(some, every, z=nominal.z, span=span) for some in (kept, shapes))
+        for tooth, height in missing.items():
+            # The corner is where the flank, with all that it stands off by, meets the circle that is left.
+            corner = math.sqrt((nominal.r_a - height) ** 2 - nominal.r_b**2)
+            found[tooth, l + off[tooth] > corner] = np.nan
+        return read_only(found)
 
     made = gear.deviations
     return Measured(
@@ -63,6 +91,7 @@ def measure(gear: Placed, *, points: int = POINTS) -> Measured:
         roll_length=read_only(l),
         drive=traces(made.drive),
         coast=traces(made.coast),
+        missing=missing,
     )
 
 

@@ -152,9 +152,9 @@ class Physics:
 
     ``coordinates``: ``amplitudes`` of them are linear and 0 where the physics is absent, the others are shape.
     ``places`` lists where to look. ``write`` puts it into a pair file. ``effect`` is what it adds to the transmission
-    error of a scene, (n,) in mm, to first order; None: simulate the written file. ``report`` turns values and
-    covariance into the contract's parameters; ``says`` into a sentence. ``family`` groups places that stand for one
-    question, of which only the best is kept; ``equation`` is the model in a line for the reader.
+    error of a scene, (n,) in mm, to first order; None: load and shafts of the written file are solved again. ``report``
+    turns values and covariance into the contract's parameters; ``says`` into a sentence; ``equation`` is the model in a
+    line for the reader.
 
     ``rank`` says when it comes in the life of a pair, and so its place among the keys of the pair file and in the
     building of the pair: ``MADE``, ``MOUNTED``, ``WORN``, ``RUN`` or ``READ`` and on. ``keys`` are those that it adds

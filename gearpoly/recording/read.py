@@ -14,6 +14,7 @@ from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.recording.apart import read_apart
+from gearpoly.recording.brought import brought
 from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
@@ -31,10 +32,11 @@ HEAD_BYTES = 4096
 
 @functools.cache
 def readers() -> tuple[Reader, ...]:
-    """Every reader of this package, found by its module's name; the fallback stands last."""
+    """Every reader of this package, found by its module's name, and those of installed packages; the fallback stands
+    last."""
     names = [info.name for info in pkgutil.iter_modules(package.__path__) if info.name.endswith("_reader")]
     found = [importlib.import_module(f"{package.__name__}.{name}").READER for name in sorted(names)]
-    return tuple(sorted(found, key=lambda reader: reader.fallback))
+    return tuple(sorted([*found, *brought(found)], key=lambda reader: reader.fallback))
 
 
 def read_recording(

@@ -1,10 +1,10 @@
-"""The findings of a diagnosis as HTML: what, where, how sure, what else, before and after, and what to record next."""
+"""The findings of a diagnosis in words, for its page: what, where, how sure, what else, and what to record next."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from html import escape
+from collections.abc import Sequence
+from typing import Any
 
 from gearpoly.compare.entries import chance_words
 from gearpoly.compare.on_sky import sky_of
@@ -13,7 +13,7 @@ from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
 from gearpoly.report.diagnosis_report import STATUS, how_sure
 from gearpoly.report.diagnosis_sky import finding_words
-from gearpoly.report.diagnosis_words import MINUS, capital, number, parameter, physics_words, typeset
+from gearpoly.report.diagnosis_words import capital, number, parameter, physics_words, typeset
 from gearpoly.units import UM
 
 CHIP = {
@@ -37,94 +37,58 @@ ROLES = {
 """Colour of a bar by what it stands for."""
 
 
-def verdict(diagnosis: Diagnosis) -> str:
-    """Status, verdict and one line per finding."""
+Shown = dict[str, Any]
+"""What a template shows: words, numbers as text, and whether there is anything at all."""
+
+
+def verdict(diagnosis: Diagnosis) -> Shown:
+    """Status, verdict and its figures."""
     sign, word = CHIP[diagnosis.status]
-    parts = [
-        f'<p class="chip {diagnosis.status}"><span aria-hidden="true">{sign}</span> {word}</p>',
-        f'<p class="sentence">{escape(STATUS[diagnosis.status])}</p>',
-    ]
-    if diagnosis.findings:
-        lines = "".join(
-            f'<li><a href="#finding-{n}">{escape(typeset(one.says))}</a> {_open(one)}'
-            f"<small>{_short(one, diagnosis)}</small></li>"
-            for n, one in enumerate(diagnosis.findings, 1)
-        )
-        parts.append(f'<ol class="found">{lines}</ol>')
-    if diagnosis.unexplained:
-        count = len(diagnosis.unexplained)
-        plural = "places are" if count > 1 else "place is"
-        parts.append(f'<p><a href="#unexplained">{count} {plural} located and not explained.</a></p>')
     before, after = (repeatable(rms.unseen, diagnosis.noise) / UM for rms in (diagnosis.before, diagnosis.after))
-    parts.append(
-        f'<dl class="figures"><div><dt>repeatable mismatch before</dt><dd>{number(before, 3)} µm</dd></div>'
-        f"<div><dt>after, on data the fit never saw</dt><dd>{number(after, 3)} µm</dd></div>"
-        f"<div><dt>noise floor</dt><dd>{number(diagnosis.noise / UM, 3)} µm rms</dd></div>"
-        f"<div><dt>rms after over noise</dt><dd>{_over_noise(diagnosis.after, diagnosis.noise)}</dd></div></dl>"
-    )
-    return "\n".join(parts)
+    return {
+        "status": diagnosis.status,
+        "sign": sign,
+        "word": word,
+        "sentence": STATUS[diagnosis.status],
+        "unexplained": len(diagnosis.unexplained),
+        "figures": [
+            ("repeatable mismatch before", f"{number(before, 3)} µm"),
+            ("after, on data the fit never saw", f"{number(after, 3)} µm"),
+            ("noise floor", f"{number(diagnosis.noise / UM, 3)} µm rms"),
+            ("rms after over noise", _over_noise(diagnosis.after, diagnosis.noise)),
+        ],
+    }
 
 
-def _open(one: Finding) -> str:
-    """A word of warning where the tooth that a sentence names has no certain number."""
-    return (
-        ' <span class="open">tooth number open</span> '
-        if one.claim.place.tooth is not None and one.tooth is None
-        else ""
-    )
+def findings(diagnosis: Diagnosis) -> list[Shown]:
+    """What there is to say of each finding, most important first."""
+    return [_finding(n, one, diagnosis) for n, one in enumerate(diagnosis.findings, 1)]
 
 
-def _short(one: Finding, diagnosis: Diagnosis) -> str:
+def _finding(n: int, one: Finding, diagnosis: Diagnosis) -> Shown:
     a, b = (repeatable(rms.unseen, diagnosis.noise) / UM for rms in (one.without, one.with_))
-    rivals = f"; {len(one.rivals)} other reading{'s' if len(one.rivals) > 1 else ''}" if one.rivals else ""
-    words = "repeatable mismatch beside teeth fitted again"
-    return f"{words}: {number(a, 3)} µm without it, {number(b, 3)} µm with it{rivals}"
-
-
-def findings(diagnosis: Diagnosis) -> str:
-    """One article per finding, most important first."""
-    if not diagnosis.findings:
-        return "<p>The evidence makes no missing physics necessary.</p>"
-    return "\n".join(_article(n, one, diagnosis) for n, one in enumerate(diagnosis.findings, 1))
-
-
-def _article(n: int, one: Finding, diagnosis: Diagnosis) -> str:
-    claim = one.claim
-    freedoms = sum(len(each.values) for each in one.claims)
-    sure = (
-        f"<b>{how_sure(one)}</b>. "
-        f"Left out, the misfit (sum of squares over the noise) rises by <b>{number(one.gain, 1)}</b> for {freedoms} "
-        f"free value{'s' if freedoms > 1 else ''}, everything else fitted again. Errors are one standard error."
-    )
-    if one.foretold is not None:
-        sure += f" Foretold by all others, each torque and flank has <b>{number(one.foretold, 1)}</b> less of it."
-    rows = [
-        ("Where", escape(where(one)) + _show(one)),
-        ("Model", f'<span class="equation">{escape(claim.physics.equation)}</span>'),
-        ("Values", values_table(one.parameters)),
-        *_on_the_sky(one, diagnosis),
-        ("How sure", sure),
-        ("What else it could be", rivals(one.rivals)),
-        (
-            "Before and after",
-            rms_table([("without", one.without), ("with", one.with_)], diagnosis)
-            + f"<p><small>{_unseen(diagnosis)}</small></p>",
-        ),
-        ("What would decide", decide(one)),
-    ]
-    body = "".join(f"<div><dt>{name}</dt><dd>{text}</dd></div>" for name, text in rows)
-    name = physics_words(claim.physics.name)
-    return (
-        f'<article class="finding" id="finding-{n}" aria-labelledby="finding-{n}-head">'
-        f'<h3 id="finding-{n}-head"><span class="n">{n}</span> {escape(typeset(one.says))} '
-        f"<code>{escape(name)}</code>{_open(one)}</h3>"
-        f"<dl>{body}</dl></article>"
-    )
-
-
-def _on_the_sky(one: Finding, diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    words = finding_words(one, diagnosis.comparison.located, sky_of(diagnosis.comparison))
-    return [("On the sky", escape(capital(words)))] if words else []
+    located = diagnosis.comparison.located
+    return {
+        "n": n,
+        "says": typeset(one.says),
+        "name": physics_words(one.claim.physics.name),
+        # The tooth that the sentence names may have no certain number.
+        "open": one.claim.place.tooth is not None and one.tooth is None,
+        "without": number(a, 3),
+        "with": number(b, 3),
+        "where": where(one),
+        "place": _place(one),
+        "equation": one.claim.physics.equation,
+        "parameters": values(one.parameters),
+        "sky": capital(finding_words(one, located, sky_of(diagnosis.comparison)) or ""),
+        "sure": how_sure(one),
+        "gain": number(one.gain, 1),
+        "freedoms": sum(len(each.values) for each in one.claims),
+        "foretold": None if one.foretold is None else number(one.foretold, 1),
+        "rivals": [_rival(each) for each in one.rivals],
+        "rms": rms_rows([("without", one.without), ("with", one.with_)], diagnosis),
+        "decide": _decide(one),
+    }
 
 
 def where(one: Finding) -> str:
@@ -151,77 +115,56 @@ def where(one: Finding) -> str:
     return capital(out)
 
 
-def _show(one: Finding) -> str:
-    """A button that leads to where the plots show it: the tooth's mesh, or the order."""
+def _place(one: Finding) -> Shown | None:
+    """Where the plots show it: the tooth's mesh, or the order."""
     place = one.claim.place
     if place.tooth is not None:
-        at = f'data-tooth="{place.tooth}"'
-    elif place.order is not None or one.claim.physics.once_per_turn:
-        at = f'data-order="{place.order or 1}"'
-    else:
-        return ""
-    return f' <button type="button" class="show" data-gear="{place.gear or 0}" {at} hidden>Show in the plots</button>'
+        return {"gear": place.gear or 0, "kind": "tooth", "number": place.tooth}
+    if place.order is not None or one.claim.physics.once_per_turn:
+        return {"gear": place.gear or 0, "kind": "order", "number": place.order or 1}
+    return None
 
 
-def values_table(found: Reported) -> str:
+def values(found: Reported) -> list[tuple[str, str, str]]:
     """Parameters with their standard errors and the keys that the JSON has them under."""
-    rows = []
-    for name, (value, std) in found.items():
-        label, text = parameter(name, value, std)
-        rows.append([escape(label), escape(text), f"<code>{escape(name)}</code>"])
-    return table(("", "value ± standard error", "key"), rows, name="values")
+    return [(*parameter(name, value, std), name) for name, (value, std) in found.items()]
 
 
-def rivals(found: Sequence[Rival]) -> str:
+def _rival(one: Rival) -> Shown:
     """What the recordings cannot tell a finding from."""
-    if not found:
-        return "Nothing else in the catalogue does the same in these recordings."
-    items = []
-    for one in found:
-        values = ", ".join(" ".join(parameter(name, value, 0.0)) for name, (value, _) in one.parameters.items())
-        items.append(
-            f"<li>{escape(typeset(one.says))} <code>{escape(physics_words(one.claim.physics.name))}</code>"
-            f"{_rival_place(one)}, {chance_words(one.probability)}<br><small>{escape(values)}</small></li>"
-        )
-    return f"<p>These recordings cannot tell it from:</p><ul>{''.join(items)}</ul>"
-
-
-def _rival_place(one: Rival) -> str:
     place = one.claim.place
     words = [] if place.gear_name is None else [place.gear_name]
     if one.tooth is not None:
         words.append(f"tooth {one.tooth}")
     if place.flank is not None and place.flank != "drive":
         words.append(f"{place.flank} flank")
-    return f" <small>({escape(', '.join(words))})</small>" if words else ""
+    return {
+        "says": typeset(one.says),
+        "name": physics_words(one.claim.physics.name),
+        "place": ", ".join(words),
+        "chance": chance_words(one.probability),
+        "parameters": ", ".join(" ".join(parameter(name, value, 0.0)) for name, (value, _) in one.parameters.items()),
+    }
 
 
-def decide(one: Finding) -> str:
+def _decide(one: Finding) -> Shown | None:
     """The recording that would tell a finding from its rivals."""
-    if not one.rivals:
-        return "No further recording is needed to name it."
-    if one.separation is None:
-        return "No recording that was thought of (another torque, flank, speed, encoder fit or sense) would."
-    gap = one.separation
-    return (
-        f"<b>{escape(typeset(gap.recording.says))}</b> Separability would be {number(gap.separability, 2)}, and is "
-        f"{number(gap.now, 2)} now (0: the same signal, 1: nothing in common)."
-    )
+    gap = one.separation if one.rivals else None
+    if gap is None:
+        return None
+    return {
+        "says": typeset(gap.recording.says), "then": number(gap.separability, 2), "now": number(gap.now, 2),
+    }  # fmt: skip
 
 
-def fit(diagnosis: Diagnosis) -> str:
+def fit(diagnosis: Diagnosis) -> Shown:
     """Before and after for the whole model, on data that the fit never saw."""
     rows = [
         ("declared simulation", diagnosis.before),
         ("with as-built teeth", diagnosis.as_built_only),
         ("with what was missing", diagnosis.after),
     ]
-    return (
-        rms_table(rows, diagnosis, seen=True)
-        + f"<p>{_unseen(diagnosis)} The repeatable part is √(rms² {MINUS} noise²): what of the rms no noise makes; "
-        f"below {number(told_from(diagnosis) / UM, 3)} µm it cannot be told from none: the noise is known no better. "
-        "The declared simulation has nothing fitted to it but the place of the zeros.</p>"
-    )
+    return rms_rows(rows, diagnosis, seen=True)
 
 
 def told_from(diagnosis: Diagnosis) -> float:
@@ -235,40 +178,31 @@ def _over_noise(rms: Rms, noise: float) -> str:
     return number(rms.unseen / max(noise, LEAST), 3)
 
 
-def _unseen(diagnosis: Diagnosis) -> str:
-    return f"Unseen by the fit: {escape(diagnosis.held_out_by)}. Noise floor {number(diagnosis.noise / UM, 3)} µm rms."
+def unseen(diagnosis: Diagnosis) -> str:
+    """What the fit never saw, and the noise in it."""
+    return f"Unseen by the fit: {diagnosis.held_out_by}. Noise floor {number(diagnosis.noise / UM, 3)} µm rms."
 
 
-def rms_table(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: bool = False) -> str:
-    """Repeatable mismatch as bars against the noise floor, with the raw figures beside them."""
+def rms_rows(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: bool = False) -> Shown:
+    """Repeatable mismatch as lengths of bars (%) beside the noise floor's, with the raw figures."""
     noise = diagnosis.noise
     parts = [repeatable(rms.unseen, noise) for _, rms in rows]
     longest = max(*parts, noise, LEAST)
-    floor = 100.0 * noise / longest
-    out = []
-    for (name, rms), part in zip(rows, parts, strict=True):
-        bar = (
-            f'<span class="bar" aria-hidden="true"><span class="{ROLES[name]}" '
-            f'style="width:{100.0 * part / longest:.2f}%"></span><i style="left:{floor:.2f}%"></i></span>'
-        )
-        out.append(
-            [
-                escape(name),
-                bar,
-                number(part / UM, 3),
-                number(rms.unseen / UM, 4),
-                _over_noise(rms, noise),
-                *([number(rms.seen / UM, 4)] if seen else []),
-            ]
-        )
-    head = ["", '<span class="floor">┊ noise floor</span>', "repeatable µm", "rms µm", "rms / noise"]
-    return table((*head, *(["rms on fitted data µm"] if seen else [])), out, name="rms")
-
-
-def table(head: Iterable[str], rows: Iterable[Sequence[str]], *, name: str = "") -> str:
-    """A table of ready-made cells; the first of each row is its heading."""
-    top = "".join(f'<th scope="col">{cell}</th>' for cell in head)
-    body = "".join(
-        f'<tr><th scope="row">{row[0]}</th>' + "".join(f"<td>{cell}</td>" for cell in row[1:]) + "</tr>" for row in rows
-    )
-    return f'<div class="wide"><table class="{name}"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
+    return {
+        "head": ["repeatable µm", "rms µm", "rms / noise", *(["rms on fitted data µm"] if seen else [])],
+        "floor": f"{100.0 * noise / longest:.2f}",
+        "rows": [
+            {
+                "name": name,
+                "role": ROLES[name],
+                "width": f"{100.0 * part / longest:.2f}",
+                "cells": [
+                    number(part / UM, 3),
+                    number(rms.unseen / UM, 4),
+                    _over_noise(rms, noise),
+                    *([number(rms.seen / UM, 4)] if seen else []),
+                ],
+            }
+            for (name, rms), part in zip(rows, parts, strict=True)
+        ],
+    }

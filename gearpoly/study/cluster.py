@@ -97,7 +97,7 @@ def _run(
         waiting = [one for one in waiting if one is not future]
         theirs, rows = future.result()
         future.release()
-        mine = {name: plan.versions[name] for name in theirs}
+        mine = plan.versions
         if theirs != mine:
             raise GearpolyError(
                 f"a worker of the cluster has {_words(theirs)}, here are {_words(mine)}; the rows would not be the "

@@ -1,8 +1,8 @@
 """The formats that geometry can leave in: every module here is one, found by its ending without registration.
 
-A module states ``ENDINGS`` (lower case, longest match wins), ``SAYS`` (what it writes, in a few words), ``CURVES`` (how
-it can write curves, the default first) and ``write(drawing, target, curves)``, which gives the chord error that it
-states; heavy imports wait inside ``write``.
+A module states ``ENDINGS`` (lower case, longest match wins), ``CURVES`` (how it can write curves, the default first)
+and ``write(drawing, target, curves)``, which gives the chord error that it states; heavy imports wait inside ``write``.
+Other installed packages bring theirs by entry points of the group ``gearpoly.exporters``.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.export.brought import brought
 from gearpoly.export.drawing import Drawing
+from gearpoly.files.rexs.source import ENDINGS as DESIGNS
 
 
 class Format(Protocol):
-    """What a module of this package holds."""
+    """What a module of this package holds, and what an entry point leads to."""
 
     ENDINGS: tuple[str, ...]
-    SAYS: str
     CURVES: tuple[str, ...]
 
     def write(self, drawing: Drawing, target: Path, curves: str) -> float:
@@ -34,7 +35,8 @@ class Format(Protocol):
 def formats() -> dict[str, Format]:
     """All formats by ending."""
     found = [import_module(f"{__name__}.{one.name}") for one in pkgutil.iter_modules(__path__)]
-    return {ending: cast(Format, module) for module in found for ending in module.ENDINGS}
+    own = {ending: cast(Format, module) for module in found for ending in module.ENDINGS}
+    return own | {ending: cast(Format, kind) for kind in brought({*own, *DESIGNS}) for ending in kind.ENDINGS}
 
 
 def format_for(target: Path) -> Format:

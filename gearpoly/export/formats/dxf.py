@@ -15,7 +15,6 @@ from gearpoly.export.reference import circles, labels, line_of_action, touching
 from gearpoly.units import DEG, UM
 
 ENDINGS = (".dxf",)
-SAYS = "a CAD drawing in layers"
 CURVES = ("lines", "arcs", "splines")
 
 _COLOURS = {"driving": 5, "driven": 30}

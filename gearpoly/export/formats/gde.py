@@ -12,7 +12,6 @@ from gearpoly.files.gde_inspection import FLANKS, TURNS
 from gearpoly.units import DEG, UM
 
 ENDINGS = (".gde",)
-SAYS = "an inspection file (XML after VDI/VDE 2610)"
 CURVES = ("lines",)
 
 
@@ -53,16 +52,20 @@ def as_inspection(gear: Placed, *, title: str, points: int = POINTS) -> GearInsp
             "tooth_thickness_lower": limits.E_sni,
         }
         tolerances = {name: value / UM for name, value in values.items()}
-    rows = {"drive": (found.index_drive, found.drive), "coast": (found.index_coast, found.coast)}
-    roll = tuple(found.roll_length.tolist())
-    pitch: dict[Side, tuple[float, ...]] = {
-        side: tuple((rows[flank][0] / UM).tolist()) for side, flank in FLANKS.items()
-    }
-    profiles = tuple(
-        Profile(tooth=k + 1, flank=side, roll_length=roll, deviation=tuple((rows[flank][1][k] / UM).tolist()))
-        for k in range(nominal.z)
-        for side, flank in FLANKS.items()
-    )
+    index = {"drive": found.index_drive, "coast": found.index_coast}
+    pitch: dict[Side, tuple[float, ...]] = {side: tuple((index[flank] / UM).tolist()) for side, flank in FLANKS.items()}
+    profiles = []
+    for k in range(nominal.z):
+        for side, flank in FLANKS.items():
+            roll, deviation = found.trace(flank, k)
+            if roll:
+                microns = tuple(d / UM for d in deviation)
+                profiles.append(Profile(tooth=k + 1, flank=side, roll_length=tuple(roll), deviation=microns))
     return GearInspection(
-        name=title, geometry=geometry, tolerances=tolerances, count=TURNS[which], pitch=pitch, profiles=profiles
+        name="; ".join([title, *found.remarks(first=1)]),
+        geometry=geometry,
+        tolerances=tolerances,
+        count=TURNS[which],
+        pitch=pitch,
+        profiles=tuple(profiles),
     )

@@ -8,7 +8,6 @@ from pathlib import Path
 from gearpoly.export.drawing import Drawing
 
 ENDINGS = (".geojson",)
-SAYS = "polygons for GIS and Shapely tools, in mm"
 CURVES = ("lines",)
 
 

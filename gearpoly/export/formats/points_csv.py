@@ -8,7 +8,6 @@ from pathlib import Path
 from gearpoly.export.drawing import Drawing
 
 ENDINGS = (".csv",)
-SAYS = "a table of all vertices"
 CURVES = ("lines",)
 
 HEADER = "gear,ring,tooth,part,side,x_mm,y_mm"

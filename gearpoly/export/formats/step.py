@@ -16,7 +16,6 @@ from gearpoly.export.outline import Part
 from gearpoly.units import UM
 
 ENDINGS = (".step", ".stp")
-SAYS = "CAD solids with splined flanks"
 CURVES = ("splines", "lines")
 
 

@@ -12,7 +12,6 @@ from gearpoly.export.drawing import Drawing, rounded_up
 from gearpoly.units import UM
 
 ENDINGS = (".stl",)
-SAYS = "solids as triangles, in mm"
 CURVES = ("lines",)
 
 HEADER = 80

@@ -13,7 +13,6 @@ from gearpoly.export.reference import circles, labels, line_of_action, touching
 from gearpoly.units import FloatArray
 
 ENDINGS = (".svg",)
-SAYS = "a drawing at true size, in layers"
 CURVES = ("lines",)
 
 # Okabe and Ito's palette keeps its contrasts for all common kinds of colour blindness.

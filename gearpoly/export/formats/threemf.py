@@ -12,7 +12,6 @@ from gearpoly.export.drawing import Drawing
 from gearpoly.units import FloatArray, IntArray
 
 ENDINGS = (".3mf",)
-SAYS = "solids with units and names"
 CURVES = ("lines",)
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

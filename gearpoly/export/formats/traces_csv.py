@@ -10,7 +10,6 @@ from gearpoly.files.traces import TRACE_COLUMNS
 from gearpoly.units import UM
 
 ENDINGS = (".traces.csv",)
-SAYS = "profile traces of one gear"
 CURVES = ("lines",)
 
 
@@ -24,13 +23,11 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     lines = [
         f"# {drawing.words()}",
         f"# {gear.name} gear: profiles from the design profile; pitch and tooth thickness are not in them",
+        *(f"# {remark}; state it as [[{gear.name}.chip]]" for remark in found.remarks(first=0)),
         ",".join(TRACE_COLUMNS),
     ]
     for tooth in range(gear.mounted.gear.z):
-        for flank, rows in (("drive", found.drive), ("coast", found.coast)):
-            lines += [
-                f"{tooth},{flank},{l!r},{d!r}"
-                for l, d in zip(found.roll_length.tolist(), (rows[tooth] / UM).tolist(), strict=True)
-            ]
+        for flank in ("drive", "coast"):
+            lines += [f"{tooth},{flank},{l!r},{d / UM!r}" for l, d in zip(*found.trace(flank, tooth), strict=True)]
     target.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return drawing.chord_error

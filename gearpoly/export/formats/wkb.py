@@ -11,7 +11,6 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Drawing
 
 ENDINGS = (".wkb",)
-SAYS = "polygons in full double precision"
 CURVES = ("lines",)
 
 

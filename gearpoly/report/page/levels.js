@@ -1,9 +1,12 @@
 // Long curves in levels of detail: each keeps the least and the greatest of every stretch, so that no peak is lost.
 
+import { clamp, TURN, unpack } from "../../page/kit/data.js";
+import { lowerBound } from "../../page/kit/charts.js";
+
 const TWO = 2; // values of one level under one of the next
 const FEW = 512; // values that need no further level
 
-class Curve {
+export class Curve {
   // low, high: arrays of one length; high null where each value stands for itself.
   constructor(pack) {
     const low = unpack(pack.low);
@@ -50,7 +53,7 @@ class Curve {
 }
 
 // Places that increase: a straight line and what is left of it.
-function placesOf(pack) {
+export function placesOf(pack) {
   const rest = unpack(pack.rest);
   const out = new Float64Array(rest.length);
   const step = rest.length > 1 ? (pack.last - pack.first) / (rest.length - 1) : 0;
@@ -59,13 +62,13 @@ function placesOf(pack) {
 }
 
 // The number of the place next to x.
-function nearest(places, x) {
+export function nearest(places, x) {
   const k = clamp(lowerBound(places, x), 0, places.length - 1);
   return k > 0 && x - places[k - 1] < places[k] - x ? k - 1 : k;
 }
 
 // Draw `curve` over `places` into the plot: a line, or columns from least to greatest where values are denser than pixels.
-function drawCurve(plot, places, curve, style) {
+export function drawCurve(plot, places, curve, style) {
   const first = Math.max(0, lowerBound(places, plot.view.x0) - 1);
   const last = Math.min(places.length, lowerBound(places, plot.view.x1) + 2);
   const level = curve.level(last - first, plot.inner.width);

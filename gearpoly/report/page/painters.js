@@ -1,7 +1,12 @@
 // What each kind of plot paints, and what its read-out says.
 
+import { clamp, signed, TURN } from "../../page/kit/data.js";
+import { lowerBound, roomy } from "../../page/kit/charts.js";
+import { drawCurve, nearest } from "./levels.js";
+import { colour, Plot, ROOM } from "./plot.js";
+
 // Curves over a common x. curves: [{name, label, colour, curve, dash, width}], places of x.
-function curvePlot(figure, { title, xLabel, yLabel, least, source, readX, log = false }) {
+export function curvePlot(figure, { title, xLabel, yLabel, least, source, readX, log = false }) {
   const shown = new Map(); // name: whether it is drawn
   const visible = () => source().curves.filter((one) => shown.get(one.name) ?? true);
   const extentIn = (x0, x1) => {
@@ -98,7 +103,7 @@ const wholeTicks = (low, high, count) => {
 };
 
 // A map of teeth (rows) by mesh phase (cells). source() -> {values, rows, cells, top, std, marked}.
-function mapPlot(figure, { title, yLabel, rows, source }) {
+export function mapPlot(figure, { title, yLabel, rows, source }) {
   const cellAt = (x, y) => {
     const { cells } = source();
     return [clamp(Math.floor((x + 0.5) * cells), 0, cells - 1), clamp(Math.round(y ?? 0), 0, rows - 1)];
@@ -155,7 +160,7 @@ function mapPlot(figure, { title, yLabel, rows, source }) {
 }
 
 // A value with its standard error per tooth. source: {values, stds, marked}.
-function teethPlot(figure, { title, yLabel, paint, source }) {
+export function teethPlot(figure, { title, yLabel, paint, source }) {
   const all = source;
   const size = all.values.length;
   const extentIn = (x0, x1) => {

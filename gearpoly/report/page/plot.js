@@ -1,14 +1,20 @@
 // One zoomable plot: a canvas with axes, a view in its own units, and a read-out at the crosshair.
 
-const ROOM = { left: 62, right: 12, top: 10, bottom: 38 };
+import { clamp, TURN } from "../../page/kit/data.js";
+import { Chart, ticks, tickText } from "../../page/kit/charts.js";
+import { hands } from "./hands.js";
 
-class Plot {
+export const ROOM = { left: 62, right: 12, top: 10, bottom: 38 };
+
+export class Plot {
   // options: title (for screen readers), home() -> [x0, x1, y0, y1], least [dx, dy] of the closest view,
   // paint(plot), read(plot, x, y) -> {text, x} or null, xLabel, yLabel, xTicks, yTicks, log, both (zoom of both axes),
   // step(plot, x, sign) -> the next place of the read-out.
   constructor(figure, options) {
     this.figure = figure;
     this.options = options;
+    this.room = ROOM;
+    this.rekey = () => this.refresh(); // where the key of its colours changes with them
     this.bench = figure.appendChild(document.createElement("div"));
     this.bench.className = "bench";
     const canvas = figure.appendChild(document.createElement("canvas"));
@@ -195,8 +201,10 @@ function decades(low, high) {
 const powerText = (v) => (v >= 1e-3 && v < 1e5 ? tickText(v) : v.toExponential(0).replace("-", "\u2212"));
 
 let colours = null;
-function colour(name) {
+export function colour(name) {
   colours ??= new Map();
   if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue(name).trim());
   return colours.get(name);
 }
+
+export function forgetColours() { colours = null; }

@@ -1,6 +1,11 @@
 // The page's plots, the recording that they show, and what scripts and tests may ask.
 
-const element = (id) => document.getElementById(id);
+import { DATA, modulo, signed, unpack } from "../../page/kit/data.js";
+import { element, themes } from "../../page/kit/dom.js";
+import { Curve, placesOf } from "./levels.js";
+import { colour, forgetColours, ROOM } from "./plot.js";
+import { curvePlot, mapPlot, teethPlot } from "./painters.js";
+
 const [z1, z2] = DATA.z;
 const open = DATA.numbered.map((told) => (told ? "" : " (numbering open)"));
 const made = new Map(); // what has been unpacked, by recording
@@ -209,28 +214,22 @@ function showPlace({ gear, tooth, order }) {
   te.point(x, null);
   element("plot-te").scrollIntoView({ block: "start" });
 }
-for (const button of document.querySelectorAll("button.show")) {
+for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll("button.show"))) {
   button.hidden = false;
-  button.addEventListener("click", () => showPlace(button.dataset));
+  button.addEventListener("click", () => showPlace(/** @type {any} */ (button.dataset)));
 }
 
 function repaint() {
-  colours = null;
+  forgetColours();
   for (const one of everyPlot) one.refresh();
 }
-element("theme").addEventListener("change", () => {
-  const theme = element("theme").value;
-  if (theme === "auto") delete document.documentElement.dataset.theme;
-  else document.documentElement.dataset.theme = theme;
-  repaint();
-});
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+themes(repaint);
 // Paper is white: plots are drawn in the light look, and in the chosen one again afterwards.
 let themeBefore;
 window.addEventListener("beforeprint", () => {
   themeBefore = document.documentElement.dataset.theme;
   document.documentElement.dataset.theme = "light";
-  colours = null;
+  forgetColours();
   for (const one of everyPlot) one.draw(); // now: no frame comes before the print
 });
 window.addEventListener("afterprint", () => {
@@ -240,4 +239,4 @@ window.addEventListener("afterprint", () => {
 });
 choose(0);
 
-window.gearpoly = { data: DATA, plots, recording, choose };
+Object.assign(window, { gearpoly: { data: DATA, plots, recording, choose } });

@@ -1,14 +1,20 @@
 // What is done: turning, moving, following, choosing, magnifying.
 
-function say(text) { element("live").textContent = text; }
+import { clamp, DEG, modulo, TURN, UM } from "../../page/kit/data.js";
+import { lowerBound } from "../../page/kit/charts.js";
+import { element } from "../../page/kit/dom.js";
+import { Panels } from "./panels.js";
+import { camera, drawn, driven, driving, pair, recording, redraw, view, whenShown } from "./show.js";
 
-function turnTo(theta_2) {
+export function say(text) { element("live").textContent = text; }
+
+export function turnTo(theta_2) {
   view.theta_2 = modulo(theta_2, pair.cycle);
   redraw();
 }
 
 // Zoom about a place on the stage; a followed contact stays where it is when the place is the centre.
-function zoomAt(px, py, factor) {
+export function zoomAt(px, py, factor) {
   const before = camera.world(px, py);
   camera.scale = camera.limit(camera.scale * factor, widestView());
   const after = camera.world(px, py);
@@ -17,7 +23,7 @@ function zoomAt(px, py, factor) {
 
 function widestView() { return 2.6 * (driving.r_a + driven.r_a + pair.a); }
 
-function move(dx, dy) {
+export function move(dx, dy) {
   if (view.follow) view.offset = [view.offset[0] + dx, view.offset[1] + dy];
   else {
     const slack = widestView();
@@ -27,7 +33,7 @@ function move(dx, dy) {
   redraw();
 }
 
-function followContact(which) {
+export function followContact(which) {
   view.follow = which;
   view.offset = [0, 0];
   element("follow").setAttribute("aria-pressed", String(Boolean(which)));
@@ -35,12 +41,12 @@ function followContact(which) {
 }
 
 // `across` mm on the narrower side of the view.
-function zoomTo(across) {
+export function zoomTo(across) {
   camera.scale = camera.limit(Math.min(camera.width, camera.height) / across, widestView());
   redraw();
 }
 
-function showWhole() {
+export function showWhole() {
   followContact(null);
   const wide = driving.r_a + pair.a + driven.r_a, high = 2 * Math.max(driving.r_a, driven.r_a);
   const bar = Math.min(46, 0.2 * camera.height); // px that the buttons cover
@@ -50,7 +56,8 @@ function showWhole() {
   redraw();
 }
 
-const PRESETS = [
+/** @type {[string, () => void][]} */
+export const PRESETS = [
   ["gears", showWhole],
   ["mesh", () => { followContact(null); camera.x = driving.r; camera.y = 0; zoomTo(6.5 * driving.m); }],
   ["tooth", () => { if (!view.follow) followContact("first"); view.offset = [0, 0]; zoomTo(1.6 * driving.m); }],
@@ -58,14 +65,14 @@ const PRESETS = [
   ["nano", () => { if (!view.follow) followContact("first"); view.offset = [0, 0]; zoomTo(10e-6); }],
 ];
 
-function select(gear, tooth) {
+export function select(gear, tooth) {
   view.selected = { gear, tooth };
   panels.tooth(pair.gears[gear], tooth);
   say(`${pair.gears[gear].name} tooth ${tooth} chosen`);
   redraw();
 }
 
-function jump(theta_2) {
+export function jump(theta_2) {
   view.playing = false;
   playing();
   turnTo(theta_2);
@@ -73,7 +80,7 @@ function jump(theta_2) {
 }
 
 // Driven angle of a notable place of the curves.
-function notable(what) {
+export function notable(what) {
   const values = {
     least: () => pair.curve.map((v) => -v),
     greatest: () => pair.curve,
@@ -114,7 +121,7 @@ function goTo(entry) {
 }
 
 // The tooth under a place on the stage: { gear, tooth }, or null beside both gears.
-function toothAt(px, py) {
+export function toothAt(px, py) {
   const [x, y] = camera.world(px, py);
   const turns = [drawn.theta_1, -view.theta_2];
   let body = null;
@@ -139,13 +146,13 @@ function toothAt(px, py) {
   return body;
 }
 
-function playing() {
+export function playing() {
   const button = element("play");
   button.setAttribute("aria-pressed", String(view.playing));
   button.textContent = view.playing ? "Pause" : "Play";
 }
 
-function magnify(K) {
+export function magnify(K) {
   view.magnify = K;
   element("magnify-value").textContent = `\u00d7${K < 10 ? Number(K.toFixed(1)) : Math.round(K)}`;
   element("magnify").setAttribute("aria-valuetext", `${K.toFixed(1)} times`);
@@ -163,4 +170,8 @@ const panels = new Panels(pair, recording, {
   },
   jump,
   place: goTo,
+});
+whenShown((state, lead) => {
+  panels.now(state);
+  panels.contacts(state, lead);
 });

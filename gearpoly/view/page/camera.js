@@ -1,9 +1,11 @@
 // Where the view stands and how large it shows. Positions are subtracted from its centre in float64 before anything is
 // scaled, so that a view 10 nm wide is as still as one of the whole gear.
 
+import { clamp } from "../../page/kit/data.js";
+
 const NARROWEST = 5e-6; // mm across the view: 5 nm, below which float64 coordinates of a gear run out
 
-class Camera {
+export class Camera {
   constructor() {
     this.x = 0;
     this.y = 0;
@@ -34,7 +36,7 @@ class Camera {
 
 // A polygon in px as flat coordinates cut to a box, in float64: a canvas keeps float32 only, in which far vertices of a
 // closely seen flank would make it tremble.
-function clipPolygon(points, box) {
+export function clipPolygon(points, box) {
   let input = points;
   for (let side = 0; side < 4; side++) {
     const axis = side >> 1;
@@ -64,7 +66,7 @@ function clipPolygon(points, box) {
 }
 
 // The part of a segment in px that lies in a box, or null (Liang-Barsky).
-function clipSegment(ax, ay, bx, by, box) {
+export function clipSegment(ax, ay, bx, by, box) {
   let low = 0, high = 1;
   const dx = bx - ax, dy = by - ay;
   for (const [p, q] of [[-dx, ax - box[0]], [dx, box[1] - ax], [-dy, ay - box[2]], [dy, box[3] - ay]]) {

@@ -5,7 +5,7 @@
 //
 // For the coast flank everything is mirrored in the line of centres (s = -1), as in the simulation.
 
-const best = { sine: 0, cosine: 1, mine: 0, mate: 0, turning: true, x: 0, y: 0 };
+export const best = { sine: 0, cosine: 1, mine: 0, mate: 0, turning: true, x: 0, y: 0 };
 
 // Weighs one vertex (x, y) against the edge A-B of the other face at the vertex's radius; side +1: the vertex turns.
 function weigh(x, y, q, place, ax, ay, a2, bx, by, b2, placeA, placeB, side) {
@@ -37,7 +37,7 @@ function weigh(x, y, q, place, ax, ay, a2, bx, by, b2, placeA, placeB, side) {
 // Fills `best` with the first touch of turning face i of A on fixed face j of B; false where no radius is common.
 // `at`: turning axis in the fixed frame, then cosine and sine from that frame into the turning one. `each`, where
 // given, hears the radius and the rotation at every stride-th vertex of B.
-function closing(A, i, B, j, s, at, each, stride) {
+export function closing(A, i, B, j, s, at, each, stride) {
   const [ox, oy, wx, wy] = at;
   const a = A.xy;
   const b = B.xy;
@@ -106,7 +106,7 @@ function tangent(faces, tooth, place, s) {
 
 // Whether flank or a tip corner touches, and the unit normal in the turning frame: `spin` is the angle from the fixed
 // frame into it.
-function describeTouch(A, i, B, j, s, touch, spin) {
+export function describeTouch(A, i, B, j, s, touch, spin) {
   const mine = tangent(A, i, touch.mine, s);
   const raw = tangent(B, j, touch.mate, s);
   const [c, d] = [Math.cos(spin), Math.sin(spin)];

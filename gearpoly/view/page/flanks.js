@@ -1,7 +1,10 @@
 // Gaps along the flanks, and the deviations of a tooth.
 
+import { TURN } from "../../page/kit/data.js";
+import { Chart, extent, lowerBound, roomy, ticks, tickText } from "../../page/kit/charts.js";
+
 // Gaps along the flanks of the near pairs, and both sides' deviations of the selected tooth.
-class FlankCharts {
+export class FlankCharts {
   constructor(gaps, tooth, pair) {
     this.gaps = new Chart(gaps);
     this.tooth = new Chart(tooth);

@@ -1,9 +1,14 @@
 // One gear as drawn: an ideal flank, and each tooth's deviation from it. All teeth share one grid of radii; a tooth
 // whose tip is missing is drawn on as many of its own, and is whole on the common one.
 
-class Gear {
+import { modulo, TURN, UM, unpack } from "../../page/kit/data.js";
+
+export class Gear {
   constructor(raw) {
     Object.assign(this, raw);
+    this.z = raw.z;
+    this.r_b = raw.r_b;
+    this.root = raw.root;
     this.tau = TURN / raw.z;
     this.lines = unpack(raw.centre_lines);
     this.radius = unpack(raw.radius);

@@ -1,80 +1,49 @@
 // Hands and keys: pointers on the canvases, keys everywhere, and the controls.
 
-function pointers() {
+import { DEG } from "../../page/kit/data.js";
+import { element, themes } from "../../page/kit/dom.js";
+import { keys, pointers, wheel } from "../../page/kit/pointers.js";
+import { AROUND } from "./strips.js";
+import { camera, followed, pair, recolour, recording, redraw, state, strips, view } from "./show.js";
+import {
+  followContact, jump, magnify, move, notable, playing, PRESETS, say, select, showWhole, toothAt, turnTo, zoomAt,
+} from "./act.js";
+
+export function stageHands() {
   const canvas = element("stage");
-  const down = new Map();
-  let travelled = 0;
-  const local = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    down.set(event.pointerId, local(event));
-    if (down.size === 1) travelled = 0;
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!down.has(event.pointerId)) return;
-    const before = [...down.values()].map((at) => at.slice());
-    const [was, is] = [down.get(event.pointerId), local(event)];
-    travelled += Math.hypot(is[0] - was[0], is[1] - was[1]);
-    down.set(event.pointerId, is);
-    if (down.size === 1) {
-      if (travelled > 3) move((was[0] - is[0]) / camera.scale, (is[1] - was[1]) / camera.scale);
-      return;
-    }
-    const after = [...down.values()];
-    const middle = (points) => [0.5 * (points[0][0] + points[1][0]), 0.5 * (points[0][1] + points[1][1])];
-    const apart = (points) => Math.hypot(points[0][0] - points[1][0], points[0][1] - points[1][1]);
-    const [from, to] = [middle(before), middle(after)];
-    move((from[0] - to[0]) / camera.scale, (to[1] - from[1]) / camera.scale);
-    zoomAt(to[0], to[1], apart(after) / Math.max(1, apart(before)));
-  });
-  const up = (event) => {
-    if (!down.delete(event.pointerId) || event.type !== "pointerup") return;
-    if (down.size === 0 && travelled <= 5) {
-      const hit = toothAt(...local(event));
+  pointers(canvas, {
+    drag: (from, to, factor, begin) => {
+      // What may still be a click on a tooth moves nothing.
+      if (factor === 1 && Math.hypot(to[0] - begin[0], to[1] - begin[1]) <= 3) return;
+      move((from[0] - to[0]) / camera.scale, (to[1] - from[1]) / camera.scale);
+      if (factor !== 1) zoomAt(to[0], to[1], factor);
+    },
+    tap: (at) => {
+      const hit = toothAt(at[0], at[1]);
       if (hit) select(hit.gear, hit.tooth);
-    }
-  };
-  canvas.addEventListener("pointerup", up);
-  canvas.addEventListener("pointercancel", up);
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const lines = event.deltaMode === 1 ? 16 : 1;
-    const [px, py] = local(event);
+    },
+  });
+  wheel(canvas, (at, factor) => {
     // A followed contact is what one zooms in on.
-    const at = view.follow ? [0.5 * camera.width, 0.5 * camera.height] : [px, py];
-    zoomAt(at[0], at[1], Math.exp(-0.0022 * clamp(event.deltaY * lines, -400, 400)));
-  }, { passive: false });
-  for (const chart of [strips.whole, strips.near]) {
-    let start = null;
-    chart.canvas.addEventListener("pointerdown", (event) => {
-      chart.canvas.setPointerCapture(event.pointerId);
-      const x = event.clientX - chart.canvas.getBoundingClientRect().left;
-      start = { x, theta_2: view.theta_2 };
-      if (chart === strips.whole) turnTo(strips.angleAt(chart, x, view.theta_2));
-    });
-    chart.canvas.addEventListener("pointermove", (event) => {
-      if (!start) return;
-      const x = event.clientX - chart.canvas.getBoundingClientRect().left;
-      if (chart === strips.whole) turnTo(Math.min(strips.angleAt(chart, x, 0), pair.cycle - 1e-9));
-      else {
-        // The curve goes with the hand.
-        const span = chart.width - strips.left - strips.right;
-        turnTo(start.theta_2 - ((x - start.x) / span) * 2 * AROUND * pair.tau);
-        start.moved = start.moved || Math.abs(x - start.x) > 3;
-      }
-    });
-    const end = (event) => {
-      if (start && !start.moved && chart === strips.near && event.type === "pointerup") {
-        turnTo(strips.angleAt(chart, start.x, start.theta_2));
-      }
-      start = null;
-    };
-    chart.canvas.addEventListener("pointerup", end);
-    chart.canvas.addEventListener("pointercancel", end);
-  }
+    const [px, py] = view.follow ? [0.5 * camera.width, 0.5 * camera.height] : at;
+    zoomAt(px, py, 1 / factor);
+  });
+}
+
+export function stripHands() {
+  const { whole, near } = strips;
+  const goTo = (at) => turnTo(Math.min(strips.angleAt(whole, at[0], 0), pair.cycle - 1e-9));
+  pointers(whole.canvas, { down: goTo, drag: (from, to) => goTo(to) });
+  // The curve goes with the hand.
+  let start = 0;
+  pointers(near.canvas, {
+    down: () => { start = view.theta_2; },
+    drag: (from, to, factor, begin) => {
+      const span = near.width - strips.left - strips.right;
+      turnTo(start - ((to[0] - begin[0]) / span) * 2 * AROUND * pair.tau);
+    },
+    tap: (at) => turnTo(strips.angleAt(near, at[0], start)),
+  });
 }
 
 const KEYS = {
@@ -100,34 +69,29 @@ function nextPair() {
   say(`following driving tooth ${one.driving} on driven tooth ${one.driven}`);
 }
 
-function controls() {
-  document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+export function controls() {
+  keys(document, (event) => {
     const { target } = event;
-    if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type === "number")) return;
-    if (element("help").open) return;
-    const digit = "12345".indexOf(event.key);
-    if (digit >= 0 && event.key.length === 1) PRESETS[digit][1]();
-    else if (event.key in KEYS) KEYS[event.key]();
-    else if (target === element("stage") && event.key.startsWith("Arrow")) {
-      const step = (event.shiftKey ? 160 : 40) / camera.scale;
-      const [dx, dy] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-      move(dx * step, dy * step);
-    } else return;
-    event.preventDefault();
+    if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type === "number")) return undefined;
+    if (element("help").open) return undefined;
+    const digit = event.key.length === 1 ? "12345".indexOf(event.key) : -1;
+    if (digit >= 0) return PRESETS[digit][1];
+    if (event.key in KEYS) return KEYS[event.key];
+    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (target !== element("stage") || !way) return undefined;
+    const step = (event.shiftKey ? 160 : 40) / camera.scale;
+    return () => move(way[0] * step, way[1] * step);
   });
   const cycle = element("cycle");
   cycle.max = String(pair.cycle / DEG);
   cycle.step = "any";
   cycle.addEventListener("input", () => turnTo(Math.min(cycle.valueAsNumber * DEG, pair.cycle * (1 - 1e-12))));
   // Browsers step an "any" slider by whole units; a sample is what one wants.
-  cycle.addEventListener("keydown", (event) => {
+  keys(cycle, (event) => {
     const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
     const meshes = { PageDown: -1, PageUp: 1 }[event.key];
-    if (steps) turnTo(view.theta_2 + steps * (event.shiftKey ? 0.01 : 1) * pair.step);
-    else if (meshes) turnTo(view.theta_2 + meshes * pair.tau);
-    else return;
-    event.preventDefault();
+    if (steps) return () => turnTo(view.theta_2 + steps * (event.shiftKey ? 0.01 : 1) * pair.step);
+    return meshes ? () => turnTo(view.theta_2 + meshes * pair.tau) : undefined;
   });
   const fine = element("fine");
   fine.addEventListener("input", () => {
@@ -143,7 +107,7 @@ function controls() {
     playing();
     redraw();
   });
-  element("speed").addEventListener("change", (event) => { view.speed = Number(event.target.value); });
+  element("speed").addEventListener("change", () => { view.speed = Number(element("speed").value); });
   element("follow").addEventListener("click", () => followContact(view.follow ? null : "first"));
   PRESETS.forEach(([name, act]) => element(`zoom-${name}`).addEventListener("click", act));
   for (const name of Object.keys(view.show)) {
@@ -161,25 +125,19 @@ function controls() {
   slider.addEventListener("input", () => magnify(Math.max(1, most) ** slider.valueAsNumber));
   element("crossing").textContent = Number.isFinite(pair.widest) && pair.widest < 1100
     ? `teeth would cross at \u00d7${Math.floor(pair.widest)}` : "";
-  element("gap-range").addEventListener("change", (event) => {
-    view.gapRange = Number(event.target.value);
+  element("gap-range").addEventListener("change", () => {
+    view.gapRange = Number(element("gap-range").value);
     redraw();
   });
-  if (recording) element("goto").querySelector("[value=mismatch]").hidden = false;
-  element("goto").addEventListener("change", (event) => {
-    jump(notable(event.target.value));
-    event.target.value = "";
+  const places = element("goto");
+  if (recording) places.querySelector("[value=mismatch]").hidden = false;
+  places.addEventListener("change", () => {
+    jump(notable(places.value));
+    places.value = "";
   });
   element("help-open").addEventListener("click", () => element("help").showModal());
-  element("theme").addEventListener("change", (event) => {
-    const { value } = event.target;
-    if (value === "auto") delete document.documentElement.dataset.theme;
-    else document.documentElement.dataset.theme = value;
-    colours = readColours();
-    redraw();
-  });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    colours = readColours();
+  themes(() => {
+    recolour();
     redraw();
   });
   new ResizeObserver(redraw).observe(element("stage"));

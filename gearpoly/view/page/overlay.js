@@ -1,8 +1,10 @@
 // What is drawn upon the gears: contacts with normals and forces, gaps, the line of action, circles, numbers, a scale.
 
+import { clamp, lengthText, TURN } from "../../page/kit/data.js";
+
 const ARROW = 54; // px of a contact normal, and of a whole torque's force
 
-class Overlay {
+export class Overlay {
   constructor(camera, picture, pair) {
     this.camera = camera;
     this.picture = picture;
@@ -42,7 +44,9 @@ class Overlay {
     // Path of contact: between both tip circles.
     const roll = (gear) => Math.sqrt(gear.r_a * gear.r_a - gear.r_b * gear.r_b);
     const path = [ends[1] - roll(driven), ends[0] + roll(driving)];
-    for (const [[low, high], width, dash] of [[ends, 1, [7, 5]], [path, 2.2, []]]) {
+    /** @type {[number[], number, number[]][]} */
+    const lines = [[ends, 1, [7, 5]], [path, 2.2, []]];
+    for (const [[low, high], width, dash] of lines) {
       const [p, q] = [at(low), at(high)];
       context.beginPath();
       this.picture.line(context, [...p, ...q]);

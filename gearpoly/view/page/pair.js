@@ -1,9 +1,13 @@
 // The pair at one driven angle: which teeth touch, where, along which normal, and how far the others are.
 
+import { modulo, UM, unpack } from "../../page/kit/data.js";
+import { Gear } from "./gear.js";
+import { best, closing, describeTouch } from "./contact.js";
+
 const NEAR_UM = 400; // pairs further apart than this along the line of action are not worth a row
 const PASSED = 0.25; // driving pitches; a pair that would have closed so much earlier has left contact
 
-class Pair {
+export class Pair {
   constructor(data) {
     this.data = data;
     this.gears = data.gears.map((raw) => new Gear(raw));

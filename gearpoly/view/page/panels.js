@@ -1,6 +1,7 @@
 // Words and numbers beside the picture.
 
-const element = (id) => document.getElementById(id);
+import { DEG, modulo, signed, UM } from "../../page/kit/data.js";
+import { element } from "../../page/kit/dom.js";
 
 function make(tag, text, attributes = {}) {
   const node = document.createElement(tag);
@@ -13,7 +14,7 @@ function degrees(rad, digits) {
   return `${signed(rad / DEG, digits)}\u00b0`;
 }
 
-class Panels {
+export class Panels {
   constructor(pair, recording, act) {
     this.pair = pair;
     this.recording = recording;

@@ -1,10 +1,13 @@
 // The gears themselves: filled polygons of the teeth in view, as many vertices as the screen can tell apart.
 
+import { clamp, modulo, TURN, UM } from "../../page/kit/data.js";
+import { clipPolygon, clipSegment } from "./camera.js";
+
 const MARGIN = 0.05; // mm beyond the view within which every vertex is looked at; coarser chords bend in by less
 const COARSE = 0.25; // mm between vertices further outside
 const FAR = 16000; // px; beyond, a path is cut to the view before the canvas rounds it to float32
 
-class Picture {
+export class Picture {
   constructor(camera) {
     this.camera = camera;
   }
@@ -115,6 +118,7 @@ class Picture {
     context.beginPath();
     const outlines = [];
     for (const t of teeth) {
+      /** @type {number[] & {count?: number}} */
       const outline = [];
       const r_tip = gear.tipOf(t);
       const mine = gear.chipped.has(t) ? this.ladder(gear, axis, gear.radiiOf(t)) : indices;

@@ -1,8 +1,19 @@
 // What is seen: the pair at the chosen angle, drawn and put into words.
 
+import { DATA, DEG, lengthText, modulo, signed, UM, unpack } from "../../page/kit/data.js";
+import { Chart, lowerBound } from "../../page/kit/charts.js";
+import { element } from "../../page/kit/dom.js";
+import { Pair } from "./pair.js";
+import { Camera } from "./camera.js";
+import { Picture } from "./picture.js";
+import { Overlay } from "./overlay.js";
+import { Strips } from "./strips.js";
+import { FlankCharts } from "./flanks.js";
+
 class Recording {
   constructor(raw, pair) {
     Object.assign(this, raw);
+    this.mean_um = raw.mean_um;
     this.pair = pair;
     this.theta_2 = unpack(raw.theta_2);
     this.recorded = unpack(raw.recorded_um);
@@ -22,17 +33,17 @@ class Recording {
   }
 }
 
-const pair = new Pair(DATA);
-const recording = DATA.recording ? new Recording(DATA.recording, pair) : null;
-const camera = new Camera();
+export const pair = new Pair(DATA);
+export const recording = DATA.recording ? new Recording(DATA.recording, pair) : null;
+export const camera = new Camera();
 const picture = new Picture(camera);
 const overlay = new Overlay(camera, picture, pair);
-const stage = new Chart(element("stage"));
-const strips = new Strips(element("whole"), element("near"), pair, recording);
+export const stage = new Chart(element("stage"));
+export const strips = new Strips(element("whole"), element("near"), pair, recording);
 const charts = new FlankCharts(element("gaps"), element("tooth-chart"), pair);
-const [driving, driven] = pair.gears;
+export const [driving, driven] = pair.gears;
 
-const view = {
+export const view = {
   theta_2: DATA.at,
   magnify: 1,
   follow: null, // null: the view stands; else { driving, driven, mesh } or "first"
@@ -43,8 +54,8 @@ const view = {
   show: { ideal: false, normals: true, numbers: true, circles: true, action: true, coast: false, load: true },
   gapRange: 20,
 };
-let state = null; // the true pair at view.theta_2
-let drawn = null; // the same, or the exaggerated or unloaded pair
+export let state = null; // the true pair at view.theta_2
+export let drawn = null; // the same, or the exaggerated or unloaded pair
 let dirty = true;
 let colours = null;
 
@@ -60,6 +71,8 @@ function readColours() {
   };
 }
 
+export function recolour() { colours = readColours(); }
+
 function solve() {
   state = pair.solve(view.theta_2);
   if (!state) return;
@@ -74,7 +87,7 @@ function solve() {
   }
 }
 
-function followed(solution) {
+export function followed(solution) {
   if (!view.follow || !solution) return null;
   if (view.follow === "first") return solution.contacts[0];
   return solution.contacts.find((one) => one.driving === view.follow.driving && one.driven === view.follow.driven)
@@ -140,9 +153,12 @@ function draw(all) {
   }
 }
 
+const told = []; // what else puts the state into words
+
+export function whenShown(act) { told.push(act); }
+
 function words() {
-  panels.now(state);
-  panels.contacts(state, followed(state));
+  for (const act of told) act(state, followed(state));
   const cycle = element("cycle"), fine = element("fine"), angle = element("angle");
   const text = `${(view.theta_2 / DEG).toFixed(4)} degrees`;
   if (document.activeElement !== cycle || view.playing || Math.abs(cycle.valueAsNumber * DEG - view.theta_2) > 1e-9) {
@@ -163,7 +179,7 @@ function words() {
 let last = 0;
 let moving = false; // the frame before was drawn too
 let owed = false; // curves and words lag the picture
-function frame(now) {
+export function frame(now) {
   const elapsed = Math.min(0.1, (now - last) / 1000);
   last = now;
   if (view.playing) {
@@ -182,7 +198,7 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
-function refresh(all = true) {
+export function refresh(all = true) {
   solve();
   element("lost").hidden = Boolean(state);
   if (!state) return;
@@ -190,4 +206,4 @@ function refresh(all = true) {
   if (all) words();
 }
 
-function redraw() { dirty = true; }
+export function redraw() { dirty = true; }

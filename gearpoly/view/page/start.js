@@ -1,5 +1,11 @@
 // The page starts, compares its kernel with the simulation, and offers itself to scripts and tests.
 
+import { DATA, DEG, modulo } from "../../page/kit/data.js";
+import { element } from "../../page/kit/dom.js";
+import { camera, drawn, frame, pair, recolour, recording, refresh, stage, state, view } from "./show.js";
+import { followContact, magnify, playing, select, showWhole, toothAt, turnTo, zoomTo } from "./act.js";
+import { controls, stageHands, stripHands } from "./hands.js";
+
 // Frames per second while the gears turn and everything is drawn: `seconds` of it, `step` pitches a frame.
 function measure(seconds, step = 0.01) {
   return new Promise((resolve) => {
@@ -27,8 +33,9 @@ function measure(seconds, step = 0.01) {
 
 document.body.classList.toggle("recording", Boolean(recording));
 controls();
-pointers();
-colours = readColours();
+stageHands();
+stripHands();
+recolour();
 stage.fit();
 camera.width = stage.width;
 camera.height = stage.height;
@@ -47,7 +54,7 @@ if (!(checked.te_um < 0.01 && checked.point_um < 0.1)) {
 }
 requestAnimationFrame(frame);
 
-window.gearpoly = {
+const gearpoly = {
   data: DATA,
   checked,
   // Everything about the pair at a driven angle in deg, without turning the picture.
@@ -66,3 +73,4 @@ window.gearpoly = {
   recording,
   pair,
 };
+Object.assign(window, { gearpoly });

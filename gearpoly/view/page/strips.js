@@ -1,9 +1,13 @@
 // TE over the hunting cycle and around the cursor, and the mismatch of a recording below.
 
-const AROUND = 2.5; // pitches on either side of the cursor in the near strip
+import { clamp, modulo, TURN } from "../../page/kit/data.js";
+import { Chart, extent, lowerBound, roomy, ticks, tickText } from "../../page/kit/charts.js";
+import { element } from "../../page/kit/dom.js";
+
+export const AROUND = 2.5; // pitches on either side of the cursor in the near strip
 
 // The whole cycle and the stretch around the cursor, TE above and mismatch below where there is a recording.
-class Strips {
+export class Strips {
   constructor(whole, near, pair, recording) {
     this.whole = new Chart(whole);
     this.near = new Chart(near);

@@ -1,6 +1,6 @@
 // What all curves are drawn with.
 
-class Chart {
+export class Chart {
   constructor(canvas) {
     this.canvas = canvas;
     // Opaque canvases are put on the page without blending.
@@ -39,7 +39,7 @@ class Chart {
 }
 
 // Round values that divide a range into a few steps.
-function ticks(low, high, count) {
+export function ticks(low, high, count) {
   const raw = (high - low) / Math.max(1, count);
   if (!(raw > 0)) return [low];
   const power = 10 ** Math.floor(Math.log10(raw));
@@ -49,9 +49,9 @@ function ticks(low, high, count) {
   return out;
 }
 
-const tickText = (v) => (v < 0 ? "\u2212" : "") + String(Number(Math.abs(v).toPrecision(6)));
+export const tickText = (v) => (v < 0 ? "\u2212" : "") + String(Number(Math.abs(v).toPrecision(6)));
 
-function extent(values) {
+export function extent(values) {
   let low = Infinity, high = -Infinity;
   for (let k = 0; k < values.length; k++) {
     if (values[k] < low) low = values[k];
@@ -61,12 +61,13 @@ function extent(values) {
 }
 
 // A range with room around it, never empty.
-function roomy([low, high]) {
+/** @param {number[]} range */
+export function roomy([low, high]) {
   const room = Math.max(0.08 * (high - low), 0.02);
   return [low - room, high + room];
 }
 
-function lowerBound(values, wish) {
+export function lowerBound(values, wish) {
   let low = 0, high = values.length;
   while (low < high) {
     const middle = (low + high) >> 1;

@@ -4,29 +4,29 @@ const KINDS = {
   f8: Float64Array, f4: Float32Array, u4: Uint32Array, u2: Uint16Array, u1: Uint8Array, i1: Int8Array,
 };
 
-function unpack(pack) {
+export function unpack(pack) {
   const text = atob(pack.base64);
   const bytes = new Uint8Array(text.length);
   for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
   return new KINDS[pack.kind](bytes.buffer);
 }
 
-const DATA = JSON.parse(document.getElementById("data").textContent);
-const DEG = Math.PI / 180;
-const UM = 1e-3; // mm per um
-const TURN = 2 * Math.PI;
+export const DATA = JSON.parse(document.getElementById("data").textContent);
+export const DEG = Math.PI / 180;
+export const UM = 1e-3; // mm per um
+export const TURN = 2 * Math.PI;
 
-const modulo = (x, n) => ((x % n) + n) % n;
-const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
+export const modulo = (x, n) => ((x % n) + n) % n;
+export const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 
 // The number as text with a true minus sign, so that columns and screen readers agree on it.
-function signed(x, digits) {
+export function signed(x, digits) {
   const text = Math.abs(x).toFixed(digits);
   return (x < 0 && Number(text) !== 0 ? "\u2212" : "") + text;
 }
 
 // A length given in mm, in the unit that suits its size.
-function lengthText(mm) {
+export function lengthText(mm) {
   const round = (x) => String(Number(x.toPrecision(3)));
   if (mm >= 1) return `${round(mm)} mm`;
   if (mm >= 1e-3) return `${round(mm / UM)} \u00b5m`;
