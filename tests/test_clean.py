@@ -300,11 +300,22 @@ def test_a_trembling_reading_is_kept_and_a_reversal_is_not() -> None:
     assert f"time_s {t[12_000]:.6g}" in error.where
 
 
+def test_angles_in_rad_are_told_where_they_would_be_long_enough() -> None:
+    """44 turns written in rad and read as degrees are 0.77 turns."""
+    t, theta = steady(44.0)
+    error = refusal(recording(math.radians(1.0) * theta, math.radians(1.0) * error_of(theta), t))
+    assert "0.77 driving turns" in error.found
+    assert "were they written in rad, it would be 44 turns" in error.wish
+
+
 def test_fewer_than_two_turns() -> None:
     t, theta = steady(1.9)
     assert "1.90 driving turns" in refusal(recording(theta, error_of(theta), t)).found
     t, theta, _ = ramped(3.6, 1.5, 1.5, 0.2)
     assert "driving turns" in refusal(recording(theta, error_of(theta), t)).found
+    assert (
+        "were they written in rad, it would be" not in refusal(recording(0.01 * theta, 0.01 * error_of(theta), t)).wish
+    )
     few = recording(theta[:5], theta[:5], t[:5])
     assert "5 samples" in refusal(few).found
     gone = recording(theta, np.full(theta.size, math.nan), t)

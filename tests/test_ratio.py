@@ -223,3 +223,21 @@ def test_other_teeth_of_a_ratio() -> None:
     assert other_teeth(0.703125, 1e-6)[:2] == [(45, 64), (90, 128)]
     assert (18, 25) in other_teeth(0.72, 1e-6)
     assert other_teeth(math.pi / 3.0, 1e-8) == []
+
+
+def test_swapped_columns_are_told_as_such(rig: Rig) -> None:
+    """The travels have 16/12 for 12/16; no pair of teeth is suggested for what a line of the header mends."""
+    one = rig.recording
+    swapped = replace(
+        one,
+        driving_angle_rad=one.driven_angle_rad,
+        driven_angle_rad=one.driving_angle_rad,
+        driving_direction=one.driven_direction,
+        driven_direction=one.driving_direction,
+        driving_zero_rad=None,
+        driven_zero_rad=None,
+    )
+    with pytest.raises(InputFileError) as caught:
+        compare(rig.file, [swapped], path=rig.path)
+    assert "which is its inverse" in str(caught.value)
+    assert "exchange driving_angle_deg and driven_angle_deg" in str(caught.value)

@@ -56,16 +56,22 @@ def _differences(model: Model, linear: Linear, deflection: float) -> Iterator[Re
     samples = [one.samples for one in model.observed]
     for flank in ("drive", "coast"):
         mine = [k for k, one in enumerate(samples) if one.flank == flank]
+        if len(mine) < 2:
+            continue
+        system = linear.system.with_columns(_white(linear, samples, mine))
         for other in mine[1:]:
-            waves = [np.zeros((one.size, 4)) for one in samples]
-            waves[other] = _once(samples[other])
-            white = [noise.whitened(one) for noise, one in zip(linear.noises, waves, strict=True)]
-            gain, sizes = gain_of(*linear.system.scores(white), np.array([[0, 1], [2, 3]]))
+            gain, sizes = gain_of(*system.scores(_white(linear, samples, [other])), np.array([[0, 1], [2, 3]]))
             gear = int(np.argmax(gain))
             wave = float(np.hypot(*sizes[gear]))
             whole = max(_size(linear, samples, k, gear) for k in (mine[0], other))
             if gain[gear] > SURE and wave > max(PART * whole, OF_DEFLECTION * deflection):
                 yield Remounted(first=mine[0], other=other, gear=gear, wave=wave)
+
+
+def _white(linear: Linear, samples: Sequence[Samples], where: Sequence[int]) -> list[FloatArray]:
+    """White waves (n_k, 4) of one turn of either shaft in some of the recordings, the same in all of these."""
+    waves = [_once(one) if k in where else np.zeros((one.size, 4)) for k, one in enumerate(samples)]
+    return [noise.whitened(one) for noise, one in zip(linear.noises, waves, strict=True)]
 
 
 def _once(one: Samples) -> FloatArray:
