@@ -109,6 +109,8 @@ ALLOWED = {
     ("files/samples.py", "samples", "InputFileError(PACKAGE"): "an installation without its data",
     ("files/samples.py", "copy_samples", "InputFileError(target, found=error.strerror"): "a full disk",
     ("files/streams.py", "*", "_unwritable("): "tests/test_output_targets.py closes standard output",
+    ("recording/brought.py", "*", "plugin.fault("): "a fault of an installed package, not of a file: "
+    "tests/test_plugins.py brings them",
     ("files/traces.py", "read_text", "too_large("): "a file that grows while it is read",
 }
 """Statements that no file in a test can bring: file, function and how what they raise begins, with the reason."""

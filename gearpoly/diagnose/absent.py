@@ -13,6 +13,7 @@ import numpy as np
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.keys.edit import gear_section
+from gearpoly.physics.base import Claim
 from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
@@ -46,16 +47,24 @@ def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear) -
     return replace(system, target=target).without(places).misfit
 
 
-def misfit_without_sheet(model: Model, linear: Linear, gear: int) -> float:
-    """Misfit where nothing of what the sheet of an inspected ``gear`` lists of its pitches is in the recordings, nor
-    any pitch error that is claimed of it: they are of another gear. All else is fitted again."""
-    layout, built = linear.layout, model.as_built
-    places = [
-        place
-        for claim, at in zip(model.claims, layout.claims, strict=True)
-        if claim.physics.name in PITCHES and claim.place.gear == gear
-        for place in range(at.start, at.stop)
+def of_the_sheet(model: Model, claim: Claim) -> list[int]:
+    """Numbers of the claims that may be the likeness of what a sheet lists in vain of the gear of a ``claim``: itself,
+    and all pitch errors of that gear; none where no sheet lists its teeth."""
+    gear = claim.place.gear
+    if gear is None or not model.scope.inspected[gear] or not np.ptp(column(model.scope.section(gear), "pitch_um")):
+        return []
+    return [
+        k
+        for k, one in enumerate(model.claims)
+        if one.key == claim.key or (one.physics.name in PITCHES and one.place.gear == gear)
     ]
+
+
+def misfit_without_sheet(model: Model, linear: Linear, gear: int, claims: Sequence[int]) -> float:
+    """Misfit where nothing of what the sheet of an inspected ``gear`` lists of its pitches is in the recordings, nor
+    these ``claims``: they are of another gear. All else is fitted again."""
+    layout, built = linear.layout, model.as_built
+    places = [place for k in claims for place in layout.places(k)]
     off = np.zeros(built.size)
     for flank in built.flanks:
         key = "pitch_coast_um" if flank == "coast" else "pitch_um"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.absent import PITCHES, misfit_without_mesh, misfit_without_sheet
+from gearpoly.diagnose.absent import misfit_without_mesh, misfit_without_sheet, of_the_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
 from gearpoly.diagnose.fidelity import FAINT
@@ -129,11 +129,10 @@ def _foretold_in_vain(model: Model, scenes: list[Scene], linear: Linear, claim: 
     claims that may cancel it go with this one; None where nothing is foretold."""
     if claim.physics.mean_tooth:
         return misfit_without_mesh(model, scenes, linear), sum(one.physics.mean_tooth for one in model.claims) - 1
-    gear = claim.place.gear
-    if claim.physics.name in PITCHES and gear is not None and model.scope.inspected[gear]:
-        alike = [one for one in model.claims if one.physics.name in PITCHES and one.place.gear == gear]
-        return misfit_without_sheet(model, linear, gear), len(alike) - 1
-    return None
+    gear, alike = claim.place.gear, of_the_sheet(model, claim)
+    if gear is None or not alike:
+        return None
+    return misfit_without_sheet(model, linear, gear, alike), len(alike) - 1
 
 
 def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:

@@ -106,7 +106,7 @@ def _block(covariance: FloatArray, start: int, z: int) -> FloatArray:
     return covariance[start : start + z, start : start + z]
 
 
-def _step(pitch: FloatArray, covariance: FloatArray, *, common: int) -> float:
+def _step(pitch: FloatArray, covariance: FloatArray, *, common: int = 1) -> float:
     """Standard deviation in um of the steps between teeth of these index deviations (z,), by their median, what they
     are known to (z, z) taken off; 0 where that is nearly all of it. ``common`` as in ``between``."""
     steps = between(pitch.size, common=common)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,7 +83,7 @@ def _label(entry: Entry) -> str:
     return " ".join(str(entry[key]) for key in ("physics", "gear", "tooth") if entry.get(key) is not None)
 
 
-def verdict(known: PairFile, recordings: Sequence[Recording]) -> Verdict:
-    """What ``gearpoly diagnose --json`` writes of recordings beside what is known of their pair."""
-    found = verdict_json(diagnose(known, recordings, path=Path("pair.toml")))
+def verdict(known: PairFile, recordings: Sequence[Recording], *, within: float = math.inf) -> Verdict:
+    """What ``gearpoly diagnose --json`` writes of recordings beside what is known of their pair, within so many s."""
+    found = verdict_json(diagnose(known, recordings, path=Path("pair.toml"), within=within))
     return Verdict(json=json.loads(json.dumps(found, allow_nan=False)))
