@@ -18,10 +18,11 @@ from gearpoly.units import UM, FloatArray
 SURE = 100.0
 """Gain in misfit by which waves must differ between recordings of one flank: ten standard deviations."""
 
-PART, OF_DEFLECTION = 0.2, 0.5
-"""Parts of the larger of both waves, and of the mean deflection, that the difference must have: an eccentric gear runs
-a hundredth otherwise under another torque, and a torque that pulses by a tenth bends teeth by a tenth of what it
-does."""
+PART, OF_DEFLECTION, MOST = 0.2, 0.5, 0.5
+"""Parts of the larger of both waves, of the mean deflection, and of the mean square of all that is left of either
+recording, that the difference must have. An eccentric gear runs a hundredth otherwise under another torque, and a
+torque that pulses by a tenth bends teeth by a tenth of what it does. Teeth of which nobody said that they bend share
+otherwise: that makes some of it too, and more at every mesh."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +65,9 @@ def _differences(model: Model, linear: Linear, deflection: float) -> Iterator[Re
             gear = int(np.argmax(gain))
             wave = float(np.hypot(*sizes[gear]))
             whole = max(_size(linear, samples, k, gear) for k in (mine[0], other))
-            if gain[gear] > SURE and wave > max(PART * whole, OF_DEFLECTION * deflection):
+            left = max(float(np.var(linear.left()[k])) for k in (mine[0], other))
+            most = max(PART * whole, OF_DEFLECTION * deflection, math.sqrt(2.0 * MOST * left))
+            if gain[gear] > SURE and wave > most:
                 yield Remounted(first=mine[0], other=other, gear=gear, wave=wave)
 
 

@@ -76,13 +76,25 @@ class Teeth:
     @property
     def contradicted(self) -> bool:
         """Whether half of the steps, or all but four, are off by more than the sheet's uncertainty and the fit leave
-        open, and hardly less than they are without any sheet."""
+        open, and hardly less than they are without any sheet. A gear may have one wave over its teeth that the sheet
+        lacks, and all its steps are then off: where nothing else is, the sheet is right."""
         doubt = float(np.median(np.diag(self.steps @ self.covariance @ self.steps.T)))
         z = self.off.size
         half = min(0.5, (z - WRONG_TEETH - 1.0) / (z - 1.0))
         off = self.within(self.off, half)
         least = FAR * float(ndtri(0.5 * (1.0 + half))) * math.sqrt(2.0 * self.uncertainty**2 + doubt)
-        return off > least and off > OWN * self.within(self.whole, half)
+        if off < max(least, OWN * self.within(self.whole, half)):
+            return False
+        return self.within(_without_wave(self.off), half) > least
+
+
+def _without_wave(values: FloatArray) -> FloatArray:
+    """Deviations (z,) without the wave over the teeth that makes the largest steps."""
+    waves = np.fft.rfft(values)
+    steps = np.abs(waves) * np.sin(np.pi * np.arange(waves.size) / values.size)
+    steps[:2] = 0.0
+    waves[int(np.argmax(steps))] = 0.0
+    return np.asarray(np.fft.irfft(waves, values.size))
 
 
 @dataclass(frozen=True, kw_only=True)
