@@ -29,20 +29,22 @@ TURNS = 3
 """Orders of both shafts that are told apart from it: eccentric gears make these."""
 
 
-def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear) -> float:
+def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear, *, leave: Sequence[int]) -> float:
     """Misfit where nothing of what is simulated alike of every mesh is in the recordings, neither of the declared pair
-    nor of what is claimed of all teeth; all else is fitted again."""
+    nor of what is claimed of all teeth, nor the parameters ``leave``; all else is fitted again."""
     layout, system = linear.layout, linear.system
-    places: list[int] = []
+    places = list(leave)
     held = np.zeros(system.size)
     for claim, at in zip(model.claims, layout.claims, strict=True):
         if claim.physics.mean_tooth:
             # Amplitudes count from nothing, shapes from where they are.
             held[at.start : at.start + claim.physics.amplitudes] = claim.values[: claim.physics.amplitudes]
             places += range(at.start, at.stop)
+    # Teeth as built stay open: what they have settled to do at every mesh counts as theirs.
+    built = [columns[:, layout.built] @ model.built for columns in linear.columns]
     target = [
-        y - white @ held + noise.whitened(_of_every_mesh(scene))
-        for scene, noise, white, y in zip(scenes, linear.noises, system.white, system.target, strict=True)
+        y - white @ held + noise.whitened(_of_every_mesh(scene, scene.te - own))
+        for scene, own, noise, white, y in zip(scenes, built, linear.noises, system.white, system.target, strict=True)
     ]
     return replace(system, target=target).without(places).misfit
 
@@ -60,11 +62,13 @@ def of_the_sheet(model: Model, claim: Claim) -> list[int]:
     ]
 
 
-def misfit_without_sheet(model: Model, linear: Linear, gear: int, claims: Sequence[int]) -> float:
+def misfit_without_sheet(
+    model: Model, linear: Linear, gear: int, claims: Sequence[int], *, leave: Sequence[int]
+) -> float:
     """Misfit where nothing of what the sheet of an inspected ``gear`` lists of its pitches is in the recordings, nor
-    these ``claims``: they are of another gear. All else is fitted again."""
+    these ``claims``, nor the parameters ``leave``: they are of another gear. All else is fitted again."""
     layout, built = linear.layout, model.as_built
-    places = [place for k in claims for place in layout.places(k)]
+    places = [*leave, *(place for k in claims for place in layout.places(k))]
     off = np.zeros(built.size)
     for flank in built.flanks:
         key = "pitch_coast_um" if flank == "coast" else "pitch_um"
@@ -74,8 +78,8 @@ def misfit_without_sheet(model: Model, linear: Linear, gear: int, claims: Sequen
     return replace(linear.system, prior=prior).without(places).misfit
 
 
-def _of_every_mesh(scene: Scene) -> FloatArray:
-    """The part (n,) in mm of the simulated transmission error that comes with every mesh, without its mean."""
+def _of_every_mesh(scene: Scene, te: FloatArray) -> FloatArray:
+    """The part (n,) in mm of a transmission error ``te`` (n,) in mm that comes with every mesh, without its mean."""
     mesh = scene.samples.theta_2 * scene.gear(1).z
     turns = [order * angle for angle in (scene.samples.theta_1, scene.samples.theta_2) for order in range(1, TURNS + 1)]
     waves = [h * mesh for h in range(1, HARMONICS + 1)]
@@ -84,5 +88,5 @@ def _of_every_mesh(scene: Scene) -> FloatArray:
     for k, angle in enumerate((*waves, *turns)):
         columns[:, 2 * k], columns[:, 2 * k + 1] = np.cos(angle), np.sin(angle)
     size = math.sqrt(mesh.size)
-    sizes = np.linalg.lstsq(columns / size, scene.te / size)[0]
+    sizes = np.linalg.lstsq(columns / size, te / size)[0]
     return np.asarray(columns[:, : 2 * HARMONICS] @ sizes[: 2 * HARMONICS])

@@ -82,8 +82,8 @@ def judge(
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
-    if without is not None:
-        mine += 0.5 * max(0.0, without - gain) / trial.dispersion
+    more = max(0.0, (without or 0.0) - (plain.misfit - linear.system.misfit))
+    mine += 0.5 * more / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
         found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.dispersion)
@@ -104,10 +104,11 @@ def judge(
         for one, log in found.values()
     ]
     known, vain = list(explanations), []
-    if (without_it := _foretold_in_vain(model, scenes, linear, claim)) is not None:
+    if (without_it := _foretold_in_vain(model, scenes, linear, claim, trial.dropped)) is not None:
         misfit, others = without_it
-        whole = 0.5 * max(plain.misfit - linear.system.misfit, without or 0.0) / trial.dispersion
-        behind = 0.5 * (misfit - linear.system.misfit) / trial.dispersion
+        with_it = linear.system.without(trial.dropped).misfit
+        whole = 0.5 * (trial.plain.misfit - with_it + more) / trial.dispersion
+        behind = 0.5 * (misfit - with_it) / trial.dispersion
         # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
         log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
         vain = [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
@@ -124,15 +125,18 @@ def judge(
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
 
-def _foretold_in_vain(model: Model, scenes: list[Scene], linear: Linear, claim: Claim) -> tuple[float, int] | None:
-    """Misfit where what is foretold at the place of a ``claim`` is not in the recordings at all, and how many other
-    claims that may cancel it go with this one; None where nothing is foretold."""
+def _foretold_in_vain(
+    model: Model, scenes: list[Scene], linear: Linear, claim: Claim, leave: Sequence[int]
+) -> tuple[float, int] | None:
+    """Misfit where what is foretold at the place of a ``claim`` is not in the recordings at all, nor the parameters
+    ``leave``, and how many other claims that may cancel it go with this one; None where nothing is foretold."""
     if claim.physics.mean_tooth:
-        return misfit_without_mesh(model, scenes, linear), sum(one.physics.mean_tooth for one in model.claims) - 1
+        others = sum(one.physics.mean_tooth for one in model.claims) - 1
+        return misfit_without_mesh(model, scenes, linear, leave=leave), others
     gear, alike = claim.place.gear, of_the_sheet(model, claim)
     if gear is None or not alike:
         return None
-    return misfit_without_sheet(model, linear, gear, alike), len(alike) - 1
+    return misfit_without_sheet(model, linear, gear, alike, leave=leave), len(alike) - 1
 
 
 def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:
