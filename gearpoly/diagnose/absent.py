@@ -19,14 +19,15 @@ from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 HARMONICS = 24
-"""Harmonics of the mesh that are taken for what comes with every mesh: of a loaded 18/25, whose mesh has 4 um peak to
-peak, the others have 0.01 um rms."""
+"""Harmonics of the mesh that are taken for what comes with every mesh: of a smooth 18/25 at 40 N.m, whose mesh has 2.6
+um peak to peak, the others have 0.024 um rms; of a 12/16 with 4.6 um, 0.085 um."""
 
 PITCHES = frozenset({"cumulative_pitch", "tooth_pitch"})
 """Physics that the sheet of another gear looks like."""
 
 TURNS = 3
-"""Orders of both shafts that are told apart from it: eccentric gears make these."""
+"""Orders of both shafts that are told apart from it, so that a part of a turn does not leak into the mesh: eccentric
+gears make the first two. A judgement."""
 
 
 def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear, *, leave: Sequence[int]) -> float:

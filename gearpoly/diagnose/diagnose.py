@@ -137,9 +137,8 @@ def diagnose(
     )
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *on_wrong_sheets)
-    if anew is not None:
-        left_over = comparison.located.entries[:FOREMOST]
-    if unseen is not None and unseen.refused and not left_over and not findings:
+    refused = unseen is not None and unseen.refused and not left_over and not findings
+    if anew is not None or refused:
         left_over = comparison.located.entries[:FOREMOST]
     if unseen is not None and not left_over and not findings:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)

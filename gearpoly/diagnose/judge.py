@@ -103,15 +103,7 @@ def judge(
         Explanation(claim=one, log_evidence=log, weight=common.get(one.physics.name, LEAST_SHARE))
         for one, log in found.values()
     ]
-    known, vain = list(explanations), []
-    if (without_it := _foretold_in_vain(model, scenes, linear, claim, trial.dropped)) is not None:
-        misfit, others = without_it
-        with_it = linear.system.without(trial.dropped).misfit
-        whole = 0.5 * (trial.plain.misfit - with_it + more) / trial.dispersion
-        behind = 0.5 * (misfit - with_it) / trial.dispersion
-        # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
-        log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
-        vain = [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
+    known, vain = list(explanations), _in_vain(model, trial, claim, mine, more)
     explanations += [*trial.explanations(without_cause), *vain]
     share = unknown_share(claim, model.scope)
     if claim.physics.name in AS_WRONG_KEYS:
@@ -125,18 +117,23 @@ def judge(
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
 
-def _foretold_in_vain(
-    model: Model, scenes: list[Scene], linear: Linear, claim: Claim, leave: Sequence[int]
-) -> tuple[float, int] | None:
-    """Misfit where what is foretold at the place of a ``claim`` is not in the recordings at all, nor the parameters
-    ``leave``, and how many other claims that may cancel it go with this one; None where nothing is foretold."""
+def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float) -> list[Explanation]:
+    """That what is foretold at the place of a ``claim`` is not in the recordings at all; nothing where nothing is.
+    ``mine`` is the claim's own log evidence, ``more`` the rise in misfit without it that no straight line tells."""
+    linear, leave, gear = trial.linear, trial.dropped, claim.place.gear
     if claim.physics.mean_tooth:
+        misfit = misfit_without_mesh(model, trial.scenes, linear, leave=leave)
         others = sum(one.physics.mean_tooth for one in model.claims) - 1
-        return misfit_without_mesh(model, scenes, linear, leave=leave), others
-    gear, alike = claim.place.gear, of_the_sheet(model, claim)
-    if gear is None or not alike:
-        return None
-    return misfit_without_sheet(model, linear, gear, alike, leave=leave), len(alike) - 1
+    elif gear is not None and (alike := of_the_sheet(model, claim)):
+        misfit, others = misfit_without_sheet(model, linear, gear, alike, leave=leave), len(alike) - 1
+    else:
+        return []
+    with_it = linear.system.without(leave).misfit
+    whole = 0.5 * (trial.plain.misfit - with_it + more) / trial.dispersion
+    behind = 0.5 * (misfit - with_it) / trial.dispersion
+    # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
+    log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
+    return [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
 
 
 def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:

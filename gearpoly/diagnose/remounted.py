@@ -12,6 +12,7 @@ import numpy as np
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
+from gearpoly.keys.edit import GEARS
 from gearpoly.physics.samples import Samples
 from gearpoly.units import UM, FloatArray
 
@@ -20,9 +21,9 @@ SURE = 100.0
 
 PART, OF_DEFLECTION, MOST = 0.2, 0.5, 0.5
 """Parts of the larger of both waves, of the mean deflection, and of the mean square of all that is left of either
-recording, that the difference must have. An eccentric gear runs a hundredth otherwise under another torque, and a
-torque that pulses by a tenth bends teeth by a tenth of what it does. Teeth of which nobody said that they bend share
-otherwise: that makes some of it too, and more at every mesh."""
+recording, that the difference must have. A judgement, held by tests: an eccentric gear under two torques, a torque that
+pulses by a tenth, and teeth of which nobody said that they bend stay one mounting. Four made mountings had 10.9 to 16.7
+um."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,12 +39,11 @@ class Remounted:
     @property
     def says(self) -> str:
         """What the engineer should know."""
-        name = ("driving", "driven")[self.gear]
         return (
             f"recordings {self.first} and {self.other} are of the same flank, and differ by a wave of "
-            f"{self.wave / UM:.3g} um once per turn of the {name} shaft: a gear, a coupling or an encoder was mounted "
-            "anew between them, and the stated zeros are not of one mounting; no physics is named of such a set; "
-            "record it without taking anything apart, or diagnose each recording alone"
+            f"{self.wave / UM:.3g} um once per turn of the {GEARS[self.gear]} shaft: a gear, a coupling or an encoder "
+            "was mounted anew between them, and the stated zeros are not of one mounting; no physics is named of such "
+            "a set; record it without taking anything apart, or diagnose each recording alone"
         )
 
 
