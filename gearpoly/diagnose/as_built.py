@@ -110,6 +110,25 @@ class AsBuilt:
                 slope[leaning] -= apart[leaning]
         return out
 
+    def as_declared(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
+        """The parameters (m,) with the teeth of these ``gears`` as the pair file has them."""
+        out = values.copy()
+        for flank in self.flanks:
+            for gear in gears:
+                start = self.start(flank, gear)
+                out[start : start + 2 * self.gears[gear].z + 1] = 0.0
+        return out
+
+    def otherwise(self, values: FloatArray, gears: Sequence[int], rng: np.random.Generator) -> FloatArray:
+        """The parameters (m,) with every tooth of these ``gears`` leaning otherwise, by as much as teeth of the grade
+        do."""
+        out = values.copy()
+        for flank in self.flanks:
+            for gear in gears:
+                slope = self.slope(out, flank, gear)
+                slope += self.gears[gear].slope * rng.normal(size=slope.size)
+        return out
+
     def strained(self, values: FloatArray) -> bool:
         """Whether the teeth of a gear lean or bulge together as hardly any gear of its grade does."""
         return any(

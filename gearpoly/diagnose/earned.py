@@ -59,6 +59,8 @@ def earned(
             stands, claim = better
             taken |= {stands.key, claim.key}
             if _take(search, stands, [claim]):
+                # What was believed beside the one may have no place beside the other.
+                search.withdraw()
                 plain.clear()
             continue
         tooth = next((_tooth(one) for one in named if one.place.tooth is not None and _tooth(one) not in doubts), None)

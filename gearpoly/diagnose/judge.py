@@ -68,7 +68,7 @@ def judge(
 ) -> Judged:
     """Weigh claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
     of its kind were looked at; ``without``: by how much the misfit rises where all is fitted to its end without it
-    (None: no more than to first order)."""
+    (None: as much as to first order)."""
     claim = model.claims[k]
     plain, wider = with_and_without(model, scenes, linear, k)
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
@@ -82,7 +82,7 @@ def judge(
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
-    more = max(0.0, (without or 0.0) - (plain.misfit - linear.system.misfit))
+    more = 0.0 if without is None else without - (plain.misfit - linear.system.misfit)
     mine += 0.5 * more / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:

@@ -146,26 +146,30 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
     return graded_prior(section, gears, which)
 
 
-def graded_prior(section: GearSection, gears: tuple[Gear, Gear], which: int, *, by: float = 1.0) -> GearPrior:
-    """What a gear is like that keeps to its limits, or to so many times these."""
+def graded_prior(
+    section: GearSection, gears: tuple[Gear, Gear], which: int, *, by: float = 1.0, others: float = 1.0
+) -> GearPrior:
+    """What a gear is like that keeps to its limits, or to so many times these, ``others`` than that of single pitches
+    to as many times that again."""
     mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
-    slope = by * limits.f_HalphaT / WITHIN / UM
-    cosine = by * math.cos(mine.alpha)  # from the reference circle to the line of action
+    rest = by * others
+    slope = rest * limits.f_HalphaT / WITHIN / UM
+    cosine = math.cos(mine.alpha)  # from the reference circle to the line of action
     return GearPrior(
         z=section.teeth,
-        pitch=chain(section.teeth, single=cosine * limits.f_pT / UM, cumulative=cosine * limits.F_pT / UM),
+        pitch=chain(section.teeth, single=by * cosine * limits.f_pT / UM, cumulative=rest * cosine * limits.F_pT / UM),
         slope=max(slope, IDEAL),
         mean_slope=max(slope, IDEAL),
         # Of what every tooth's form ranges over, half the variance is its own.
-        crowning=max(by * limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
+        crowning=max(rest * limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
         # A gear that passed lies within its limits, all of them.
-        thickness=max(by * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
+        thickness=max(rest * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.
         shared=(0.5, 0.5),
         own=(0.0, 0.0),
         graded=True,
-        single=cosine * limits.f_pT / UM,
+        single=by * cosine * limits.f_pT / UM,
     )
 
 
