@@ -90,14 +90,15 @@ def read_tables(file: Path, writing: Writing, *, mapped: bool = False) -> list[T
 def _check_names(file: Path, table: Table) -> None:
     """Raise ``InputFileError`` where names of a table are nearly the contract's, or all are and do not suffice."""
     known = (*COLUMNS, *PASSED_OVER)
-    others = [name for name in table.others if name not in known]
+    names = [one.leaf or name for name, one in table.others.items()]
+    others = [name for name in names if name not in known]
     for name in others:
         if re.fullmatch(r"column \d+", name):
             raise InputFileError(file, found=f"{name} has no name", wish="want a name for every column")
         if close := nearest(name, known, cutoff=NAME_CUTOFF):
             raise InputFileError(file, found=f'unknown column "{shorten(name)}"', wish=f'the nearest is "{close}"')
     if not others:
-        check_complete(file, "", table.others)
+        check_complete(file, "", names)
 
 
 def _is_own(file: Path) -> bool:
@@ -160,6 +161,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
     ``stream`` at the data.
     """
     keys: dict[str, object] = {}
+    places: dict[str, str] = {}
     number = stated = 0
     while line := stream.readline(LINE_LIMIT):
         number += 1
@@ -174,7 +176,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
         if line.lstrip().startswith("#"):
             stated += "=" in line
             check_few(file, where, stated, "comment lines with =")
-            read_comment(file, where, line.strip()[1:].strip(), keys)
+            read_comment(file, where, line.strip()[1:].strip(), keys, places)
         elif line.strip():
             names = split_row(line)
             check_header(file, where, names, (*COLUMNS, *PASSED_OVER))

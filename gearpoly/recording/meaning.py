@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,7 +56,7 @@ class Meaning:
     ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
     column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
     ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
-    whether words of the name tell it, and not the unit alone.
+    whether words of the name tell it, and not the unit alone; ``twice``, whether another channel is called so too.
     """
 
     channel: str
@@ -66,6 +66,7 @@ class Meaning:
     why: str = ""
     doubt: str = ""
     named: bool = True
+    twice: bool = False
     ask: tuple[str, ...] = ()
 
 
@@ -80,6 +81,7 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
         ask = (entry(column, one.channel, one.unit),)
         found[found.index(one)] = replace(one, column=column, ask=ask)
+    found = _called_twice(channels, found)
     for column in {one.column for one in found if one.column and not one.doubt}:
         rivals = [one for one in found if one.column == column and not one.doubt]
         if len(rivals) > 1:
@@ -89,6 +91,25 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
                 ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
+
+
+def _called_twice(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
+    """What was ``found``, with a doubt of each that may be a column and whose name another one has too."""
+    numbers: dict[str, list[int]] = {}
+    for one in channels.values():
+        if one.number and one.leaf:
+            numbers.setdefault(one.leaf, []).append(one.number)
+    out = []
+    for one in found:
+        held = channels[one.channel]
+        alike = numbers.get(held.leaf, ()) if held.number else ()
+        if one.column and len(alike) > 1:
+            doubt = f'"{shown(held.leaf)}" is the name of columns {" and ".join(map(str, alike))}'
+            doubt += f", and {one.doubt}" if one.doubt else ""
+            ask = one.ask or (entry(one.column, one.channel, one.unit),)
+            one = replace(one, doubt=doubt, twice=True, ask=ask)
+        out.append(one)
+    return out
 
 
 def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:

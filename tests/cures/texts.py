@@ -5,7 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.recording.csv_reader import read_csv
-from tests.cures.cure import BASE, HEAD, RATIO, ROWS, RUN, Cure, by_its_lines, foreign, put, rows, text, with_columns
+from tests.cures.cure import (
+    BASE,
+    HEAD,
+    RATIO,
+    ROWS,
+    RUN,
+    Cure,
+    by_its_lines,
+    foreign,
+    one_of_two,
+    put,
+    rows,
+    text,
+    with_columns,
+)
+from tests.made_texts import own
 
 T, DRIVING, DRIVEN = (RUN[name] for name in ("time_s", "driving_angle_deg", "driven_angle_deg"))
 N = T.size
@@ -33,6 +48,7 @@ SWITCHING = (np.mod(np.floor(WHOLE / 20.0), 2) > 0).astype(float)
 BACK = np.where(np.arange(N) < N // 2, WHOLE, 2.0 * WHOLE[N // 2] - WHOLE)
 BROKEN = T.copy()
 BROKEN[600:] -= 3.0
+TWICE = own({**RUN, "time": T + 1.0}).replace(",time\n", ",time_s\n")
 SLOW = np.linspace(0.0, 90.0, N)
 SETBACK = np.floor(WHOLE / 360.0 * 4000.0)
 SETBACK[350:] += 9777.0
@@ -76,6 +92,13 @@ OWN = [
         "save it again with that encoding",
         f"# torque_nm = 25.0 \u00b0\n{BASE}".encode("cp1252"),
         f"# torque_nm = 25.0 # \u00b0\n{BASE}",
+    ),
+    one_of_two("text", "time_s", (1, 5), lambda file: file.write_text(TWICE), "rec.csv"),
+    text(
+        "column twice, one without numbers",
+        "want each column once",
+        TWICE.replace("\n0.01000,", "\nx,", 1),
+        BASE,
     ),
     text("key twice", "want each key once", KEY + KEY + BASE, KEY + BASE),
     text("value", "text in quotes", f"# flank = drive\n{BASE}", f'# flank = "drive"\n{BASE}'),

@@ -88,13 +88,14 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
 def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     """The keys in the comment lines above a recording."""
     keys: dict[str, object] = {}
+    places: dict[str, str] = {}
     stated = 0
     for number in range(block.head[0], block.head[1]):
         line = lines[number - 1].strip()
         if line.startswith("#"):
             stated += "=" in line
             check_few(file, f"line {number}", stated, "comment lines with =")
-            read_comment(file, f"line {number}", line[1:].strip(), keys)
+            read_comment(file, f"line {number}", line[1:].strip(), keys, places)
     return keys
 
 
@@ -173,7 +174,8 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     for k, name in enumerate(block.names):
         if k not in series or (name == f"column {k + 1}" and not np.isfinite(series[k]).any()):
             continue  # a date whose time stands beside it; rows that end in a separator
-        table.others[name] = Channel(values=series[k], unit="s" if k in stamped else block.units[k])
+        unit, own = "s" if k in stamped else block.units[k], block.stated[k]
+        table.others[name] = Channel(values=series[k], unit=unit, leaf=own if own != name else "", number=k + 1)
     table.layout["decimal"] = marks.decimal
     if marks.thousands:
         table.layout["thousands"] = marks.thousands
@@ -278,7 +280,7 @@ def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int],
 
 def _is_degrees(block: Block, k: int) -> bool:
     """Whether the column is an angle in deg by its name and unit."""
-    name, unit = header_unit(block.names[k])
+    name, unit = header_unit(block.stated[k])
     stated = unit_written(block.units[k] or unit, ANGLE)
     return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
 

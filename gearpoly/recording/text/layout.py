@@ -15,6 +15,7 @@ from pathlib import Path
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import UNSTATED, units_written
+from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
 from gearpoly.recording.text.stamps import is_stamp
@@ -39,11 +40,13 @@ CELLS_LIMIT = 2000
 class Block:
     """One recording in a file: the ``names`` and stated ``units`` of its columns, and the numbers of its lines.
 
+    ``names`` are told apart by numbers where the header (``stated``, empty where there is none) has one twice.
     ``header`` is the line of the names, 0 where there is none, ``head`` the lines of remarks above it; ``rows`` (first,
     last + 1) bound its lines, blank ones among them. Lines count from 1.
     """
 
     names: tuple[str, ...]
+    stated: tuple[str, ...]
     units: tuple[str, ...]
     header: int
     head: tuple[int, int]
@@ -222,14 +225,15 @@ def _block(
     if not header:
         named, unit_line = _heading(lines, above, separator, width)
     names = _words(lines[named], separator, width) if 0 <= named < len(lines) else []
-    stated = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
-    for asked, key, held in ((header, "header_line", names), (units, "units_line", stated)):
+    named_units = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
+    for asked, key, held in ((header, "header_line", names), (units, "units_line", named_units)):
         if asked and not held:
             found = f"no {width} cells in line {asked}, as the rows have"
             raise InputFileError(file, found=found, wish=f"want {key} in [text] of the map to be another line, or none")
     return Block(
-        names=tuple(_distinct(names or [""] * width)),
-        units=tuple(_bare(cell) for cell in stated or [""] * width),
+        names=tuple(told_apart(names or [""] * width)),
+        stated=tuple(names or [""] * width),
+        units=tuple(_bare(cell) for cell in named_units or [""] * width),
         header=named + 1 if names else 0,
         head=(above[0] + 1 if above else first + 1, (named if names else first) + 1),
         rows=(first + 1, end + 1),
@@ -277,12 +281,3 @@ def _words(line: str, separator: str, width: int) -> list[str]:
         if len(cells) == width - 1 and width > 2:  # rows end in a separator, names do not
             return [*(cell.strip() for cell in cells), ""]
     return []
-
-
-def _distinct(names: Sequence[str]) -> list[str]:
-    """The names with a number to those that came before, and one for columns without."""
-    out: list[str] = []
-    for k, name in enumerate(names, start=1):
-        called = name or f"column {k}"
-        out.append(called if called not in out else f"{called} (column {k})")
-    return out
