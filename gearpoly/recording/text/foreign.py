@@ -6,7 +6,6 @@ of a map that settles it.
 
 from __future__ import annotations
 
-import io
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -135,7 +134,7 @@ class _Part:
         if self.separator == " " or (marks.thousands and marks.thousands in text):
             return None
         width = len(self.block.names)
-        data, size = io.BytesIO(text.encode("utf-8", "replace")), self.file.stat().st_size
+        data, size = text.encode("utf-8", "replace"), self.file.stat().st_size
         found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
         if found is not None and all(one.size == end - first and np.isfinite(one).all() for one in found):
             return found

@@ -19,7 +19,7 @@ LARGE_BYTES = 2**22
 
 
 def parsed(
-    stream: BinaryIO, *, columns: int, size: int, lines_above: int = 0, separator: str = ",", decimal: str = "."
+    stream: BinaryIO | bytes, *, columns: int, size: int, lines_above: int = 0, separator: str = ",", decimal: str = "."
 ) -> list[FloatArray] | None:
     """The columns (n,) of a text in UTF-8 of about ``size`` bytes below so many ``lines_above``, with ``nan`` where a
     cell is empty.
@@ -36,7 +36,7 @@ def parsed(
     names = [str(k) for k in range(columns)]
     try:
         table = csv.read_csv(
-            stream,
+            arrow.BufferReader(stream) if isinstance(stream, bytes) else stream,
             read_options=csv.ReadOptions(skip_rows=lines_above, column_names=names),
             parse_options=csv.ParseOptions(delimiter=separator),
             convert_options=csv.ConvertOptions(
