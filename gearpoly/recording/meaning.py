@@ -36,8 +36,11 @@ from gearpoly.units import FloatArray
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
-NO_SUFFIX = ("in", "min", "m", "as", "h")
+NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
 """Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
+
+SERIAL_DAYS = (20_000.0, 80_000.0)
+"""Days by which spreadsheets count dates, from 1954 to 2119."""
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
@@ -157,6 +160,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubt = f"known by its unit alone, {stated}"
     if quantity == TIME:
         unit = unit_written(stated, TIME)
+        if unit is None and not stated and "dat" in plain(name) and _are_days(held.values):
+            doubt = "a date as spreadsheets count them, in days"
+            ask = (entry("time_s", channel, UNITS[TIME]["d"]),)
+            return Meaning(channel=channel, column="time_s", dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask)
         return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
@@ -185,6 +192,12 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubts.append(f"no word says of which shaft the {quantity} is")
     settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
     return replace(settled, named=not doubt)
+
+
+def _are_days(values: FloatArray) -> bool:
+    """Whether readings (n,) may be dates of a spreadsheet."""
+    held = values[np.isfinite(values)]
+    return bool(held.size and SERIAL_DAYS[0] < held.min() and held.max() < SERIAL_DAYS[1])
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:

@@ -19,8 +19,8 @@ BLOCK = 2**15
 """Samples that are looked at in one go: what is made of them stays in the processor's own memory (256 kB)."""
 
 USUAL = 10_000
-"""Steps from which the usual one is told at first: its median is right to a hundredth of their spread, and ``GAP_STEPS``
-is three of it."""
+"""Steps from which the usual one is told at first: their median is right to a hundredth of their spread, and
+``GAP_STEPS`` is three of it."""
 
 FASTEST = 0.99
 """Part of all steps that are slower than the speed by which a gap is bridged at most."""
@@ -62,8 +62,7 @@ def _is_read(reading: FloatArray) -> bool:
 
 
 def _is_forward(step: FloatArray, largest: float) -> bool:
-    """Whether every step (m,) in rad, the ``largest`` of them known, is one forward of at most half a turn, or a wrap.
-    """
+    """Whether every step (m,) in rad, the ``largest`` of them known, is forward by at most half a turn, or a wrap."""
     if not largest <= 0.5 * TURN:  # nan too
         return False
     back = np.count_nonzero(step < 0.0)

@@ -221,6 +221,10 @@ def _saved_twice(file: Path) -> None:
         stream.write(other.read_bytes()[128:])
 
 
+def _saved_as_4(file: Path) -> None:
+    importlib.import_module("scipy.io").savemat(file, dict(RUN), format="4")
+
+
 def _saved_again(file: Path) -> None:
     io = importlib.import_module("scipy.io")
     _saved_twice(file)
@@ -240,6 +244,7 @@ MAT = [
         "a.mat",
     ),
     written("variable twice", "load the file and save it again", _saved_twice, _saved_again, "a.mat"),
+    written("MAT 4", "load it, then save with -v7", _saved_as_4, mat(), "a.mat"),
     written("long text", "want a short text", mat({"flank": "d" * 9000}), mat({"flank": "drive"}), "a.mat"),
     written("cut off", "want the whole file; save it again", cut(mat(), 0.9), mat(), "a.mat"),
     written(

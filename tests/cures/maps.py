@@ -54,6 +54,7 @@ CURES = [
         'text.decimal = ","\ntext.thousands = "."\n',
     ),
     line("dates", '"day first"', 'text.dates = "days"\n', 'text.dates = "day first"\n'),
+    line("missing", 'as text: ["OVERLOAD", "-9999"]', "text.missing = [-9999]\n", 'text.missing = ["-9999"]\n'),
     line("encoding", '"utf-8", "utf-16", "cp1252"', 'text.encoding = "utf-99"\n', 'text.encoding = "utf-8"\n'),
     line("units alone", "want header_line, the line of the names", "text.units_line = 1\n", "text.header_line = 1\n"),
     line("section", "or no section where there is one recording", "section = 3\n"),

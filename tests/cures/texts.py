@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.recording.csv_reader import read_csv
+from gearpoly.recording.elsewhere import BEGINNINGS, ZIPPED
 from tests.cures.cure import (
     BASE,
     HEAD,
@@ -16,6 +17,7 @@ from tests.cures.cure import (
     foreign,
     one_of_two,
     put,
+    read,
     rows,
     text,
     with_columns,
@@ -48,6 +50,7 @@ SWITCHING = (np.mod(np.floor(WHOLE / 20.0), 2) > 0).astype(float)
 BACK = np.where(np.arange(N) < N // 2, WHOLE, 2.0 * WHOLE[N // 2] - WHOLE)
 BROKEN = T.copy()
 BROKEN[600:] -= 3.0
+SPOILT = BASE.replace(ROWS[300], ROWS[300].rpartition(",")[0] + ",Not A Read")
 TWICE = own({**RUN, "time": T + 1.0}).replace(",time\n", ",time_s\n")
 SLOW = np.linspace(0.0, 90.0, N)
 SETBACK = np.floor(WHOLE / 360.0 * 4000.0)
@@ -99,6 +102,20 @@ OWN = [
         "want each column once",
         TWICE.replace("\n0.01000,", "\nx,", 1),
         BASE,
+    ),
+    Cure(
+        name="a word that is no number",
+        says='in a map, if it holds no reading: text.missing = ["Not A Read"]',
+        bad=lambda folder: (put(folder, "rec.csv", SPOILT), read(folder)),
+        good=lambda folder, message: (
+            put(folder, "map.toml", message.partition("no reading: ")[2].partition("]")[0] + "]"),
+            read(folder, maps=True),
+        ),
+    ),
+    text("no row", "delete the line if it is no row", BASE + "END\n", BASE),
+    *(
+        text(what, cure, begin + b"\0" * 200, BASE, file="rec.dat")
+        for begin, what, cure in (*BEGINNINGS, *((b"PK\x03\x04" + mark, *more) for mark, *more in ZIPPED))
     ),
     text("key twice", "want each key once", KEY + KEY + BASE, KEY + BASE),
     text("value", "text in quotes", f"# flank = drive\n{BASE}", f'# flank = "drive"\n{BASE}'),

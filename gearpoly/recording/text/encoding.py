@@ -33,6 +33,9 @@ HEAD_BYTES = 2**16
 ONE_BYTE = ("utf-8", "cp1252", "latin-1")
 """Encodings in which the bytes of ASCII are ASCII."""
 
+PADDING = "\0\x1a"
+"""What fills a file up behind its last line: zeros of a logger that lost its power, and the end mark of DOS."""
+
 MOST_ASCII = 127
 
 ZEROS = 0.4
@@ -69,6 +72,7 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
             text = _text(data, name)
         except (UnicodeDecodeError, UnicodeError):
             continue
+        text = text.rstrip(PADDING)
         if "\0" in text:
             wish = "want a text file (other formats need their own file name ending)"
             raise InputFileError(file, found="not a text file", wish=wish)
@@ -83,13 +87,15 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
 
 
 def _text(data: bytes, name: str) -> str:
-    """The characters of ``data`` in the encoding ``name``. Where all below the first lines is ASCII, as numbers are, it is
-    copied, once if the head allows; a table of characters takes five times as long."""
+    """The characters of ``data`` in the encoding ``name``. Where all below the first lines is ASCII, as numbers are, it
+    is copied, once if the head allows; a table of characters takes five times as long."""
     end = data.find(b"\n", HEAD_BYTES) + 1
     if name not in ONE_BYTE or end == 0 or np.frombuffer(data, dtype=np.uint8, offset=end).max(initial=0) > MOST_ASCII:
         return data.decode(name)
     head = data[:end].decode(name)
-    return data.decode("latin-1") if head == data[:end].decode("latin-1") else head + str(memoryview(data)[end:], "ascii")
+    return (
+        data.decode("latin-1") if head == data[:end].decode("latin-1") else head + str(memoryview(data)[end:], "ascii")
+    )
 
 
 def _candidates(data: bytes) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
+from gearpoly.recording.meaning import quoted
 from gearpoly.recording.quantities import UNSTATED, units_written
 from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
@@ -34,6 +35,9 @@ SECTIONS_LIMIT = 100
 
 CELLS_LIMIT = 2000
 """Most columns."""
+
+LONGEST_WORD = 40
+"""Characters of a cell that a message shows whole; words for no reading are shorter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +67,23 @@ def split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return [cell.strip('"') for cell in line.split()]
     return [cell.strip() for cell in line.split(separator)]
+
+
+def no_reading(cell: str) -> str:
+    """The line of a map for a cell that is a word for no reading."""
+    return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
+
+
+def holds_cells(line: str) -> bool:
+    """Whether a line among rows is more than blank, or a comment that states no key."""
+    return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
+
+
+def without(text: str, missing: Sequence[str], separator: str) -> str:
+    """The ``text`` with ``nan`` in the place of cells that a map says hold no reading (``missing``)."""
+    mark = r"\s" if separator == " " else re.escape(separator) + r"\n\""
+    words = "|".join(re.escape(one) for one in sorted(missing, key=len, reverse=True))
+    return re.sub(rf"(?:(?<=[{mark}])|(?<![\s\S])) *(?:{words}) *(?=[{mark}]|\Z)", "nan", text)
 
 
 def is_data(cells: Sequence[str]) -> bool:
@@ -128,7 +149,7 @@ def find_blocks(
             raise _bad_line(file, lines, above, separator, blocks[-1])
         blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
         before = end
-    tail = [k for k in range(before, len(lines)) if lines[k].strip()]
+    tail = [k for k in range(before, len(lines)) if holds_cells(lines[k])]
     if tail and (not footer or _is_row(split(lines[tail[0]], separator), len(blocks[-1].names))):
         raise _bad_line(file, lines, tail, separator, blocks[-1])
     return blocks
@@ -149,7 +170,7 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
             runs[-1] = (runs[-1][0], end, runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):
-            if not line or line.isspace():
+            if not line or line.isspace() or (open_ and not holds_cells(line)):
                 continue
             if quick is not None and quick.fullmatch(line):
                 width = line.count(separator) + 1
@@ -198,7 +219,7 @@ def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator:
         found = f"`{shorten(lines[at].strip())}`"
         return InputFileError(file, where=f"line {at + 1}", found=found, wish=wish)
     bad = next((k for k, cell in enumerate(cells) if not is_data([cell, "0"])), 0)
-    wish = f"want a finite number (an empty cell or nan for a drop-out){_cut(lines, at)}"
+    wish = f"want a finite number (an empty cell or nan for a drop-out){no_reading(cells[bad])}{_cut(lines, at)}"
     where = f"line {at + 1}, column {block.names[bad]}"
     return InputFileError(file, where=where, found=f'"{shorten(cells[bad])}"', wish=wish)
 
