@@ -264,8 +264,11 @@ def _recognises(head: bytes) -> bool:
     return b"\0" not in head or bool(wide(head)) or head.startswith(b"\xff\xfe\0\0")
 
 
-ENDINGS = (".csv", ".txt", ".tsv", ".tab", ".dat", ".asc", ".log")
-
 READER = Reader(
-    name="CSV", endings=ENDINGS, recognises=_recognises, read=read_table, fallback=True, several=read_tables
+    name="CSV",
+    endings=(".csv", ".txt", ".log"),
+    recognises=_recognises,
+    read=read_table,
+    fallback=True,
+    several=read_tables,
 )
