@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -268,9 +268,16 @@ def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: 
         return -1, -1
     *others, last = wide
     if others and _are_units(wide[last]):
-        return others[-1], last
+        return _named(wide, others), last
+    named = _named(wide, [*others, last])
     # Some write the units above the names, most of which are no units.
-    return last, others[-1] if others and _are_units(wide[others[-1]]) else -1
+    return named, others[-1] if others and named == last and _are_units(wide[others[-1]]) else -1
+
+
+def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
+    """The last of the lines ``wide`` of these ``numbers`` that fills half of its cells, a remark on one column being no
+    names; the last of all where none does."""
+    return next((k for k in reversed(numbers) if 2 * sum(map(bool, wide[k])) >= len(wide[k])), numbers[-1])
 
 
 def _are_units(cells: Sequence[str]) -> bool:
@@ -295,7 +302,7 @@ def _words(line: str, separator: str, width: int) -> list[str]:
     if separator == " ":  # names may hold blanks where more of them part the columns
         ways.append(re.split(r"\s{2,}|\t", text.strip()))
     for cells in ways:
-        if len(cells) == width + 1 and not cells[-1]:
+        if len(cells) == width + 1 and cells[-1].strip().lower() in ("", "comment"):  # LabVIEW names a column of remarks
             cells.pop()
         if len(cells) == width:
             return [cell.strip() for cell in cells]
