@@ -44,12 +44,18 @@ def raw(**changes: object) -> str:
     return with_columns(**held)
 
 
+def cells(k: int, time: str, driving: str, driven: str, torque: str) -> tuple[str, ...]:
+    """A row of which one of two devices read its shaft."""
+    return (time, driving if k % 2 else "", "" if k % 2 else driven, torque)
+
+
 LINES = "# driving_lines = 1000\n"
 PER = "# driving_counts_per_line = 4\n"
 SWITCHING = (np.mod(np.floor(WHOLE / 20.0), 2) > 0).astype(float)
 BACK = np.where(np.arange(N) < N // 2, WHOLE, 2.0 * WHOLE[N // 2] - WHOLE)
 BROKEN = T.copy()
 BROKEN[600:] -= 3.0
+BY_TURNS = "\n".join([HEAD, *(",".join(cells(k, *row.split(","))) for k, row in enumerate(ROWS))]) + "\n"
 SPOILT = BASE.replace(ROWS[300], ROWS[300].rpartition(",")[0] + ",Not A Read")
 TWICE = own({**RUN, "time": T + 1.0}).replace(",time\n", ",time_s\n")
 SLOW = np.linspace(0.0, 90.0, N)
@@ -116,6 +122,13 @@ OWN = [
     *(
         text(what, cure, begin + b"\0" * 200, BASE, file="rec.dat")
         for begin, what, cure in (*BEGINNINGS, *((b"PK\x03\x04" + mark, *more) for mark, *more in ZIPPED))
+    ),
+    text(
+        "read by turns",
+        "or a column time_s, by which they are brought together",
+        BY_TURNS.replace("time_s", "row_no", 1),
+        BY_TURNS,
+        ratio=RATIO,
     ),
     text("key twice", "want each key once", KEY + KEY + BASE, KEY + BASE),
     text("value", "text in quotes", f"# flank = drive\n{BASE}", f'# flank = "drive"\n{BASE}'),

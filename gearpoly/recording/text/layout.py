@@ -302,7 +302,10 @@ def _words(line: str, separator: str, width: int) -> list[str]:
     if separator == " ":  # names may hold blanks where more of them part the columns
         ways.append(re.split(r"\s{2,}|\t", text.strip()))
     for cells in ways:
-        if len(cells) == width + 1 and cells[-1].strip().lower() in ("", "comment"):  # LabVIEW names a column of remarks
+        if len(cells) == width + 1 and cells[-1].strip().lower() in (
+            "",
+            "comment",
+        ):  # LabVIEW names a column of remarks
             cells.pop()
         if len(cells) == width:
             return [cell.strip() for cell in cells]
