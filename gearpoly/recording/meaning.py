@@ -99,9 +99,9 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
 def _called_twice(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
     """What was ``found``, with a doubt of each that may be a column and whose name another one has too."""
     numbers: dict[str, list[int]] = {}
-    for one in channels.values():
-        if one.number and one.leaf:
-            numbers.setdefault(one.leaf, []).append(one.number)
+    for channel in channels.values():
+        if channel.number and channel.leaf:
+            numbers.setdefault(channel.leaf, []).append(channel.number)
     out = []
     for one in found:
         held = channels[one.channel]

@@ -66,7 +66,7 @@ def _is_forward(step: FloatArray, largest: float) -> bool:
     if not largest <= 0.5 * TURN:  # nan too
         return False
     back = np.count_nonzero(step < 0.0)
-    return back == 0 or back == np.count_nonzero(step < -0.5 * TURN)
+    return bool(back == 0 or back == np.count_nonzero(step < -0.5 * TURN))
 
 
 def pauses_between(time: FloatArray | None, rows: IntArray) -> Pauses:
