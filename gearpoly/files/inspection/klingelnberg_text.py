@@ -245,7 +245,7 @@ class _Lines:
         lines: dict[int, int] = {}
         for first, values in self.rows(len(names) - begin):
             if first in table.rows:
-                found = f"tooth {first} of a pitch table again, after line {lines[first]}"
+                found = f"tooth {first} twice in a pitch table, first in line {lines[first]}"
                 raise self.fault(found, "want each tooth once")
             table.rows[first], lines[first] = tuple(values), self.at
         if not table.rows:
