@@ -42,7 +42,7 @@ from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.encoding import wide
 from gearpoly.recording.text.foreign import read_foreign
-from gearpoly.recording.text.layout import no_reading
+from gearpoly.recording.text.missing import no_reading
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of

@@ -22,17 +22,9 @@ from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import decoded
-from gearpoly.recording.text.layout import (
-    SEPARATORS,
-    Block,
-    find_blocks,
-    find_separator,
-    holds_cells,
-    no_reading,
-    split,
-    without,
-)
+from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
 from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.missing import holds_cells, no_reading, without
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing

@@ -14,11 +14,11 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.meaning import quoted
 from gearpoly.recording.quantities import UNSTATED, units_written
 from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
+from gearpoly.recording.text.missing import holds_cells, no_reading
 from gearpoly.recording.text.stamps import is_stamp
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
@@ -35,9 +35,6 @@ SECTIONS_LIMIT = 100
 
 CELLS_LIMIT = 2000
 """Most columns."""
-
-LONGEST_WORD = 40
-"""Characters of a cell that a message shows whole; words for no reading are shorter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,23 +64,6 @@ def split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return [cell.strip('"') for cell in line.split()]
     return [cell.strip() for cell in line.split(separator)]
-
-
-def no_reading(cell: str) -> str:
-    """The line of a map for a cell that is a word for no reading."""
-    return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
-
-
-def holds_cells(line: str) -> bool:
-    """Whether a line among rows is more than blank, or a comment that states no key."""
-    return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
-
-
-def without(text: str, missing: Sequence[str], separator: str) -> str:
-    """The ``text`` with ``nan`` in the place of cells that a map says hold no reading (``missing``)."""
-    mark = r"\s" if separator == " " else re.escape(separator) + r"\n\""
-    words = "|".join(re.escape(one) for one in sorted(missing, key=len, reverse=True))
-    return re.sub(rf"(?:(?<=[{mark}])|(?<![\s\S])) *(?:{words}) *(?=[{mark}]|\Z)", "nan", text)
 
 
 def is_data(cells: Sequence[str]) -> bool:
