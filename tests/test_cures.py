@@ -59,6 +59,7 @@ LOOKED_AT = (
     PACKAGE / "commands" / "read.py",
     PACKAGE / "commands" / "pair.py",
     PACKAGE / "inspected.py",
+    PACKAGE / "compare" / "scale.py",
     PACKAGE / "compare" / "stated.py",
     PACKAGE / "compare" / "zeros.py",
 )

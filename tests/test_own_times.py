@@ -163,3 +163,27 @@ def test_uff58_abscissas_that_are_no_numbers(tmp_path: Path, value: str) -> None
         bad = [(word if i == 4 else x, v) for i, (x, v) in enumerate(good)]
         uff_text(file, {"driving_angle_deg": ("", "", good), "driven_angle_deg": ("", "", bad)})
         assert word in refusal(file).found
+
+
+def test_a_table_of_two_devices_that_read_by_turns(tmp_path: Path) -> None:
+    """As programs merge them by time, at rates of their own. Angles are those of the times at which the slower was
+    read; of a second that one of them missed nothing is made."""
+    t_1, t_2 = STEP * np.arange(20_000), LATE / 1000.0 + 3.0 * STEP * np.arange(6_600)
+    driving = np.degrees(turned(t_1))
+    driving[(t_1 > 4.0) & (t_1 < 5.0)] = math.nan
+    both = sorted(
+        [(t, f"{t:.7f},{np.mod(a, 360.0):.7f},") for t, a in zip(t_1, driving, strict=True) if np.isfinite(a)]
+        + [(t, f"{t:.7f},,{a:.7f}") for t, a in zip(t_2, np.degrees(RATIO * turned(t_2)), strict=True)]
+    )
+    file = tmp_path / "merged.csv"
+    head = "time_s,driving_angle_deg,driven_angle_deg"
+    file.write_text("\n".join([head, *(row for _, row in both)]) + "\n", encoding="utf-8")
+    recording = read_recording(file)
+    assert any("read by turns" in one for one in recording.remarks)
+    assert recording.time_s is not None and recording.driving_angle_rad is not None
+    np.testing.assert_allclose(recording.time_s[:1000], t_2[:1000], rtol=0.0, atol=1e-7)
+    missed = (recording.time_s > 4.0) & (recording.time_s < 5.0)
+    assert np.isnan(recording.driving_angle_rad[missed]).all() and not np.isnan(recording.driving_angle_rad).all()
+    cleaned = clean(recording, ratio=RATIO)
+    # Between samples 0.5 ms apart a speed that sways by 0.6 rad/s at 0.4 Hz bends by 0.5e-7 rad; angles have 1e-7 deg.
+    assert np.abs(cleaned.te - np.mean(cleaned.te)).max() < 1e-7

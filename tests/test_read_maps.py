@@ -370,11 +370,50 @@ def test_a_parquet_table_under_names_of_its_own(tmp_path: Path) -> None:
     assert mapped.driven_direction == -1
 
 
-def test_one_channel_twice_is_not_scaled_twice(tmp_path: Path) -> None:
-    lines = BOTH.replace('"C"', '"B"')
-    recording = read_recording(written(tmp_path, table(list(RUN.values()), NAMES)), chart=chart(tmp_path, lines))
-    np.testing.assert_array_equal(recording.driving_angle_rad, recording.driven_angle_rad)
-    same(recording.driven_angle_rad, RUN["driving_angle_deg"] * DEGREE, half=0.5e-5 * DEGREE)
+def test_one_channel_is_no_two_columns(tmp_path: Path) -> None:
+    """No reading is that of both shafts, whichever of its names a map calls it by."""
+    file = written(tmp_path, table(list(RUN.values()), NAMES))
+    for again in ("B", "column 2"):
+        with pytest.raises(
+            InputFileError, match=r'driven_angle_deg\.from: "B", which columns\.driving_angle_deg has too'
+        ):
+            read_recording(file, chart=chart(tmp_path, BOTH.replace('"C"', f'"{again}"')))
+
+
+@pytest.mark.parametrize("name", ["time_s", "te_um", "torque_nm", "Zeit [s]", "Drehzahl Antrieb [1/min]"])
+def test_a_name_twice_is_asked_for_and_the_map_decides(tmp_path: Path, name: str) -> None:
+    """Neither wins without a word; each is taken by its number, and named alike ones that mean nothing are no fault."""
+    column = {"Zeit [s]": "time_s", "Drehzahl Antrieb [1/min]": "speed_rpm"}.get(name, name)
+    first = RUN["torque_nm"]
+    held = {**{one: RUN[one] for one in ("driving_angle_deg", "driven_angle_deg") if column != "te_um"}}
+    if column == "te_um":
+        held = {"driving_angle_deg": RUN["driving_angle_deg"]}
+    columns, names = [first, *held.values(), first + 1.0, first, first], [name, *held, name, "Reserve", "Reserve"]
+    file = written(tmp_path, table(columns, names, separator=",", decimal="."))
+    last = len(held) + 2
+    with pytest.raises(InputFileError, match=f"is the name of columns 1 and {last} "):
+        read_recording(file)
+    for number, wanted in ((1, first), (last, first + 1.0)):
+        recording = read_recording(file, chart=chart(tmp_path, f'columns.{column} = {{ from = "column {number}" }}'))
+        read = {
+            "time_s": recording.time_s,
+            "te_um": None if recording.te_mm is None else 1e3 * recording.te_mm,
+            "torque_nm": recording.torque_samples_nm,
+            "speed_rpm": recording.speed_samples_rpm,
+        }[column]
+        same(read, wanted, half=0.5e-5)
+
+
+def test_columns_are_numbered_as_in_the_file(tmp_path: Path) -> None:
+    """A date that is one with the time of day beside it is a column too."""
+    days = ["26.11.2026"] * 1200
+    clock = [f"10:00:{t:06.3f}" for t in RUN["time_s"]]
+    rows = [";".join(one) for one in zip(days, clock, *(map(str, RUN[k]) for k in list(RUN)[1:3]), strict=True)]
+    file = written(tmp_path, "\n".join(["Datum;Uhrzeit;A;B", *rows]) + "\n")
+    lines = BOTH.replace('"B"', '"column 3"').replace('"C"', '"column 4"')
+    recording = read_recording(file, chart=chart(tmp_path, lines))
+    same(recording.driving_angle_rad, RUN["driving_angle_deg"] * DEGREE, half=1e-12)
+    same(recording.driven_angle_rad, RUN["driven_angle_deg"] * DEGREE, half=1e-12)
 
 
 def test_the_speed_of_a_shaft_is_told_by_the_angles(tmp_path: Path) -> None:

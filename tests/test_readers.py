@@ -151,7 +151,7 @@ def test_readers_are_found_by_their_modules() -> None:
     names = ["HDF5", "MAT 5", "MAT 7.3", "Parquet", "PHD2 guide log", "TDMS", "UFF58", "CSV"]
     assert [one.name for one in found] == names
     endings = [ending for one in found for ending in one.endings]
-    assert sorted(ending for ending in set(endings) if endings.count(ending) > 1) == [".mat", ".txt"]
+    assert sorted(ending for ending in set(endings) if endings.count(ending) > 1) == [".log", ".mat", ".txt"]
     assert all(ending.startswith(".") and ending.islower() for ending in endings)
     assert all(bool(one.module) == bool(one.extra) for one in found)
 

@@ -159,6 +159,8 @@ def _lasts(struck: FloatArray) -> bool:
     """Whether no two neighbouring parts of a record hold nearly all of a bump."""
     total = np.sum(struck, axis=0)
     best = int(np.argmax(np.abs(total)))
+    if total[best] == 0.0:  # of a train all of whose harmonics are left out nothing is heard
+        return False
     mine = struck[:, best] / total[best]
     return bool(np.max(mine[1:] + mine[:-1]) < PASSING)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,5 +68,21 @@ def parse(file: Path, text: str) -> dict[str, Any]:
     lines = text.splitlines() or [""]
     line, column = (int(place[1]), int(place[2])) if place[1] else (len(lines), len(lines[-1]) + 1)
     standing = lines[line - 1].strip() if line <= len(lines) else ""
-    found = f"`{shown(standing)}` ({message[: place.start()]})"
+    found = f"`{shown(standing)}` ({message[: place.start()]}{_first(lines[: line - 1], standing)})"
     raise InputFileError(file, where=f"line {line}, column {column}", found=found, wish=wish)
+
+
+def _first(above: Sequence[str], standing: str) -> str:
+    """Where in the lines ``above`` the key or section of the line ``standing`` was begun, in words; nothing where it
+    was not."""
+    key, equals, _ = (part.strip() for part in standing.partition("="))
+    section = "" if equals else standing.strip("[] ")
+    for number in range(len(above), 0, -1):
+        line = above[number - 1].strip()
+        if section and re.match(rf"\[+\s*{re.escape(section)}\s*[].]|{re.escape(section)}\s*[.=]", line):
+            return f", as begun in line {number}"
+        if equals and line.startswith("["):
+            return ""
+        if equals and line.partition("=")[0].strip() == key:
+            return f", as given in line {number}"
+    return ""

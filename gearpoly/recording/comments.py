@@ -11,15 +11,17 @@ from gearpoly.recording.reader import check_short, is_key
 from gearpoly.recording.recording import check_key
 
 
-def read_comment(file: Path, where: str, text: str, keys: dict[str, object]) -> None:
-    """Take ``key = value`` from the text of a comment line into ``keys``; leave remarks alone."""
+def read_comment(file: Path, where: str, text: str, keys: dict[str, object], places: dict[str, str]) -> None:
+    """Take ``key = value`` from the text of a comment line into ``keys``, and ``where`` it stands into ``places``;
+    leave remarks alone."""
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals:
         return
     if not is_key(file, where, key):
         return
     if key in keys:
-        raise InputFileError(file, where=where, found=f"{key} a second time", wish="want each key once")
+        found = f"{key} a second time, after {places[key]}"
+        raise InputFileError(file, where=where, found=found, wish="want each key once")
     check_short(file, where, key, value)
     try:
         found = load(text)[key]
@@ -27,4 +29,4 @@ def read_comment(file: Path, where: str, text: str, keys: dict[str, object]) -> 
         wish = 'want a TOML value: a number with a decimal point, or text in quotes ("drive")'
         raise InputFileError(file, where=where, found=f"{key} = {shorten(value)}", wish=wish) from None
     check_key(file, where, key, found)
-    keys[key] = found
+    keys[key], places[key] = found, where

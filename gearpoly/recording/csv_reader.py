@@ -28,6 +28,7 @@ from gearpoly.files.traces import (
     unreadable,
 )
 from gearpoly.recording.comments import read_comment
+from gearpoly.recording.quantities import TIME
 from gearpoly.recording.reader import (
     NAME_CUTOFF,
     RECORDING_LIMIT_BYTES,
@@ -41,8 +42,10 @@ from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.encoding import wide
 from gearpoly.recording.text.foreign import read_foreign
+from gearpoly.recording.text.missing import no_reading
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.writing import Writing
+from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
 LINE_LIMIT = 2**20
@@ -90,14 +93,18 @@ def read_tables(file: Path, writing: Writing, *, mapped: bool = False) -> list[T
 def _check_names(file: Path, table: Table) -> None:
     """Raise ``InputFileError`` where names of a table are nearly the contract's, or all are and do not suffice."""
     known = (*COLUMNS, *PASSED_OVER)
-    others = [name for name in table.others if name not in known]
+    # A time with a unit, or of time stamps, is one under any name.
+    names = [one.leaf or name for name, one in table.others.items() if not (one.unit and quantity_of(name) == TIME)]
+    others = [name for name in names if name not in known]
     for name in others:
         if re.fullmatch(r"column \d+", name):
+            if np.array_equal(np.diff(table.others[name].values), np.ones(table.others[name].values.size - 1)):
+                continue  # the numbers of the rows, as pandas writes them
             raise InputFileError(file, found=f"{name} has no name", wish="want a name for every column")
         if close := nearest(name, known, cutoff=NAME_CUTOFF):
             raise InputFileError(file, found=f'unknown column "{shorten(name)}"', wish=f'the nearest is "{close}"')
     if not others:
-        check_complete(file, "", table.others)
+        check_complete(file, "", names)
 
 
 def _is_own(file: Path) -> bool:
@@ -160,6 +167,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
     ``stream`` at the data.
     """
     keys: dict[str, object] = {}
+    places: dict[str, str] = {}
     number = stated = 0
     while line := stream.readline(LINE_LIMIT):
         number += 1
@@ -174,7 +182,7 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
         if line.lstrip().startswith("#"):
             stated += "=" in line
             check_few(file, where, stated, "comment lines with =")
-            read_comment(file, where, line.strip()[1:].strip(), keys)
+            read_comment(file, where, line.strip()[1:].strip(), keys, places)
         elif line.strip():
             names = split_row(line)
             check_header(file, where, names, (*COLUMNS, *PASSED_OVER))
@@ -239,13 +247,13 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
     cells = split_row(line)
     if len(cells) != len(names):
         comma = ", and decimal points, not commas" if len(cells) > len(names) else ""
-        wish = f"want {len(names)}, as in the header{comma}{cut}"
+        wish = f"want {len(names)}, as in the header{comma}{cut or '; delete the line if it is no row'}"
         raise InputFileError(file, where=where, found=f"{len(cells)} cells", wish=wish)
     row = []
     for name, cell in zip(names, cells, strict=True):
         value = parse_number(cell) if cell else math.nan
         if value is None or math.isinf(value):
-            wish = f"want a finite number (an empty cell or nan for a drop-out){cut}"
+            wish = f"want a finite number (an empty cell or nan for a drop-out){no_reading(cell)}{cut}"
             raise InputFileError(file, where=f"{where}, column {name}", found=f'"{shorten(cell)}"', wish=wish)
         row.append(value)
     return row
@@ -257,5 +265,10 @@ def _recognises(head: bytes) -> bool:
 
 
 READER = Reader(
-    name="CSV", endings=(".csv", ".txt"), recognises=_recognises, read=read_table, fallback=True, several=read_tables
+    name="CSV",
+    endings=(".csv", ".txt", ".log"),
+    recognises=_recognises,
+    read=read_table,
+    fallback=True,
+    several=read_tables,
 )

@@ -7,6 +7,7 @@ HDF5 would have to load from a plug-in.
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -177,6 +178,8 @@ def _mapped(file: Path, dataset: Any) -> npt.NDArray[Any] | None:
     if offset is None or not series or offset + 8 * dataset.size > file.stat().st_size:
         return None
     values = np.memmap(file, dtype=np.float64, mode="r", offset=offset, shape=(dataset.size,))
+    if not importlib.import_module("h5py").h5i.get_file_id(dataset.id).get_create_plist().get_userblock():
+        return values
     ends = np.array([dataset[(0,) * dataset.ndim], dataset[tuple(n - 1 for n in dataset.shape)]])
     # Whether the offset counts a user block before the file's own beginning is for the library to say.
     return values if np.array_equal(values[[0, -1]], ends, equal_nan=True) else None

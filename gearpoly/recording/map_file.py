@@ -24,7 +24,7 @@ MAP_LIMIT_BYTES = 2**20
 """Largest map; one of every column has 4 kB."""
 
 TOP = ("section", "leave_out", "text", "keys", "columns")
-TEXT = ("encoding", "separator", "decimal", "thousands", "dates", "header_line", "units_line")
+TEXT = ("encoding", "separator", "decimal", "thousands", "dates", "header_line", "units_line", "missing")
 COLUMN = ("from", "unit", "scale", "sign", "zero", "wraps")
 
 LINES_LIMIT = 10_000_000
@@ -185,7 +185,11 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
     if "units_line" in lines and "header_line" not in lines:
         wish = "want header_line, the line of the names, beside it"
         raise InputFileError(file, where="text.header_line", found="missing beside units_line", wish=wish)
+    missing = raw.get("missing", [])
+    if not isinstance(missing, list) or not all(isinstance(one, str) and one.strip() for one in missing):
+        raise _fault(file, "text.missing", missing, 'a list of cells without a reading, as text: ["OVERLOAD", "-9999"]')
     held: dict[str, Any] = {key: str(raw[key]) for key in TEXT[:5] if key in raw}
+    held["missing"] = tuple(one.strip() for one in missing)
     return Writing(**(held | lines))
 
 

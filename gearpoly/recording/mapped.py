@@ -11,7 +11,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import contradicting, header_unit
+from gearpoly.recording.meaning import contradicting, header_unit, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -26,6 +26,7 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         column: (find(channels, source.channel, chart, f"columns.{column}.from"), source)
         for column, source in chart.columns.items()
     }
+    _check_once(chart, used, sources)
     for name in {*used, *(name for name, _ in sources.values()), *sources}:
         out.columns.pop(name, None)
         out.taken_from.pop(name, None)
@@ -46,13 +47,26 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
     return used
 
 
+def _check_once(chart: RecordingMap, left: set[str], sources: Mapping[str, tuple[str, Source]]) -> None:
+    """Raise ``InputFileError`` of the map where it names one channel for two columns, or for one and to be left out."""
+    given = dict.fromkeys(left, "leave_out")
+    for column, (name, _) in sources.items():
+        if name in given:
+            where, before = f"columns.{column}.from", given[name]
+            found = f'"{shorten(name)}", which {before} has too'
+            wish = f"want a channel in one place: take it out of {before}, or name another one here"
+            raise InputFileError(chart.file, where=where, found=found, wish=wish)
+        given[name] = f"columns.{column}"
+
+
 def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: bool) -> Unit:
     """The unit of a channel of which the map states none: the file's, or that of its ``own`` name of the contract."""
     wanted = column_unit(column)
     stated = stated_unit(name, one)
     unit = unit_written(stated, wanted.dimension)
-    if own or name == column:
-        unit = column_unit(name) if column_unit(name).dimension == wanted.dimension else None
+    called = one.leaf if one.number and one.leaf else name
+    if own or called == column:
+        unit = column_unit(called) if column_unit(called).dimension == wanted.dimension else None
     elif not stated and wanted.dimension == COUNT:
         unit = wanted
     if unit is None:
@@ -87,14 +101,16 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
         return bare[0]
     number = name.removeprefix("column ")
     if name.startswith("column ") and number.isascii() and number.isdigit() and len(number) < 6:
-        order = list(channels)
-        if 1 <= int(number) <= len(order):
-            return order[int(number) - 1]
+        numbers = {one.number or k: path for k, (path, one) in enumerate(channels.items(), start=1)}
+        if int(number) in numbers:
+            return numbers[int(number)]
     close = nearest(name, channels)
     there = shorten(", ".join(channels), width=200)
     found = f'"{shorten(name)}" is no column of the recording'
     if len(bare) > 1:
         found = f'"{shorten(name)}" is the name of {len(bare)} columns'
+        wish = f"want one of them: {shorten(', '.join(quoted(one) for one in bare), width=200)}"
+        raise InputFileError(chart.file, where=where, found=found, wish=wish)
     wish = f"want one of: {there}" if close is None else f'the nearest is "{shorten(close)}" (there are: {there})'
     raise InputFileError(chart.file, where=where, found=found, wish=wish)
 
@@ -124,4 +140,4 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
 
 def stated_unit(name: str, one: Channel) -> str:
     """The unit that a channel states, in its own place or in its name."""
-    return one.unit or header_unit(name)[1]
+    return one.unit or header_unit(one.leaf or name)[1]

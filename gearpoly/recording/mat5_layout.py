@@ -170,6 +170,8 @@ def field_names(array: Array) -> tuple[list[str], int]:
 def elements_of(array: Array) -> list[dict[str, Array]]:
     """The elements of an array of structs, each as its fields by name with their own headers."""
     names, at = field_names(array)
+    if len(set(names)) < len(names):
+        raise BrokenError("a struct with a field twice")
     elements = []
     for _ in range(math.prod(array.shape)):
         found = {}

@@ -17,7 +17,7 @@ from typing import BinaryIO
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import unreadable
+from gearpoly.files.traces import shorten, unreadable
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.groups import own_group, take_own
 from gearpoly.recording.mat5_layout import (
@@ -87,6 +87,10 @@ def _read(file: Path, stream: BinaryIO) -> Table:
             if name.isidentifier() and kind:
                 objects[name] = kind
         elif head.name and not head.name.startswith("__"):
+            if head.name in heads:
+                found = f'"{shorten(head.name)}" at byte {places[head.name].offset} and at byte {variable.offset}'
+                wish = "want each variable once; load the file and save it again"
+                raise InputFileError(file, where="variables", found=found, wish=wish)
             heads[head.name], places[head.name] = head, variable
         check_few(file, "", len(heads), "variables")
     groups: dict[str, dict[str, Array]] = {"": heads}

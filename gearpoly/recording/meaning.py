@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,8 +36,11 @@ from gearpoly.units import FloatArray
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
-NO_SUFFIX = ("in", "min", "m", "as", "h")
+NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
 """Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
+
+SERIAL_DAYS = (20_000.0, 80_000.0)
+"""Days by which spreadsheets count dates, from 1954 to 2119."""
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
@@ -56,7 +59,7 @@ class Meaning:
     ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
     column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
     ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
-    whether words of the name tell it, and not the unit alone.
+    whether words of the name tell it, and not the unit alone; ``twice``, whether another channel is called so too.
     """
 
     channel: str
@@ -66,6 +69,7 @@ class Meaning:
     why: str = ""
     doubt: str = ""
     named: bool = True
+    twice: bool = False
     ask: tuple[str, ...] = ()
 
 
@@ -80,6 +84,7 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
         ask = (entry(column, one.channel, one.unit),)
         found[found.index(one)] = replace(one, column=column, ask=ask)
+    found = _called_twice(channels, found)
     for column in {one.column for one in found if one.column and not one.doubt}:
         rivals = [one for one in found if one.column == column and not one.doubt]
         if len(rivals) > 1:
@@ -89,6 +94,25 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
                 ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
+
+
+def _called_twice(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
+    """What was ``found``, with a doubt of each that may be a column and whose name another one has too."""
+    numbers: dict[str, list[int]] = {}
+    for channel in channels.values():
+        if channel.number and channel.leaf:
+            numbers.setdefault(channel.leaf, []).append(channel.number)
+    out = []
+    for one in found:
+        held = channels[one.channel]
+        alike = numbers.get(held.leaf, ()) if held.number else ()
+        if one.column and len(alike) > 1:
+            doubt = f'"{shown(held.leaf)}" is the name of columns {" and ".join(map(str, alike))}'
+            doubt += f", and {one.doubt}" if one.doubt else ""
+            ask = one.ask or (entry(one.column, one.channel, one.unit),)
+            one = replace(one, doubt=doubt, twice=True, ask=ask)
+        out.append(one)
+    return out
 
 
 def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
@@ -136,6 +160,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubt = f"known by its unit alone, {stated}"
     if quantity == TIME:
         unit = unit_written(stated, TIME)
+        if unit is None and not stated and "dat" in plain(name) and _are_days(held.values):
+            doubt = "a date as spreadsheets count them, in days"
+            ask = (entry("time_s", channel, UNITS[TIME]["d"]),)
+            return Meaning(channel=channel, column="time_s", dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask)
         return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
         column = f"{shaft or 'driving'}_count"
@@ -164,6 +192,12 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubts.append(f"no word says of which shaft the {quantity} is")
     settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
     return replace(settled, named=not doubt)
+
+
+def _are_days(values: FloatArray) -> bool:
+    """Whether readings (n,) may be dates of a spreadsheet."""
+    held = values[np.isfinite(values)]
+    return bool(held.size and SERIAL_DAYS[0] < held.min() and held.max() < SERIAL_DAYS[1])
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:

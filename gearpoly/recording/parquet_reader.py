@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
-from gearpoly.files.traces import shorten
 from gearpoly.recording.arrow import doubles
 from gearpoly.recording.reader import (
     Reader,
@@ -25,7 +24,7 @@ from gearpoly.recording.reader import (
 )
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER
 from gearpoly.recording.stated_units import UNIT_NAMES, check_unit
-from gearpoly.recording.table import Channel, Table
+from gearpoly.recording.table import Channel, Table, told_apart
 
 PYARROW_LEAST = 15
 """Oldest pyarrow, by its major version: up to 14.0.0 it unpickled what a Parquet file told it to (CVE-2023-47248)."""
@@ -45,22 +44,18 @@ def read_table(file: Path) -> Table:
     with damage_reported(file, "Parquet"), parquet.ParquetFile(file, memory_map=True) as source:
         schema = source.schema_arrow
         check_few(file, "schema", len(schema.names), "columns")
+        named = dict(zip(told_apart(schema.names), schema, strict=True))
         plain = {
-            column.name: types.is_floating(column.type)
-            or types.is_integer(column.type)
-            or types.is_boolean(column.type)
-            for column in schema
+            name: types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)
+            for name, column in named.items()
         }
-        for column in schema:
-            if schema.names.count(column.name) > 1:
-                found = f'column "{shorten(column.name)}" twice'
-                raise InputFileError(file, where="schema", found=found, wish="want each column once")
-            if column.name in COLUMNS:
-                stamps = column.name == "time_s" and types.is_timestamp(column.type)
-                if not (plain[column.name] or stamps):
+        for name, column in named.items():
+            if name in COLUMNS:
+                stamps = name == "time_s" and types.is_timestamp(column.type)
+                if not (plain[name] or stamps):
                     found = f"values of type {column.type}"
-                    raise InputFileError(file, where=f"column {column.name}", found=found, wish="want plain numbers")
-                check_unit(file, column.name, _unit(column))
+                    raise InputFileError(file, where=f"column {name}", found=found, wish="want plain numbers")
+                check_unit(file, name, _unit(column))
         _check_size(file, source.metadata)
         keys: dict[str, object] = {}
         check_few(file, "metadata", len(schema.metadata or {}), "keys")
@@ -69,12 +64,12 @@ def read_table(file: Path) -> Table:
             if is_key(file, "metadata", name):
                 take_key(file, "metadata", name, text_value(value.decode("utf-8", errors="replace")), keys)
         table = Table(columns={}, keys=keys)
-        for column in schema:
-            name = column.name
+        for number, (name, column) in enumerate(named.items(), start=1):
             if not plain[name] and name != "time_s":
                 continue
-            # One at a time, so that only one column is held twice.
-            held = source.read(columns=[name], use_threads=True).column(0)
+            # One at a time, so that only one column is held twice; all of a name come at once.
+            alike = [k for k, one in enumerate(schema.names, start=1) if one == column.name]
+            held = source.read(columns=[column.name], use_threads=True).column(alike.index(number))
             values = doubles(held)
             if values is None:
                 values = np.asarray(held.to_numpy())
@@ -83,8 +78,9 @@ def read_table(file: Path) -> Table:
                 table.columns[name] = numbers(file, name, values)
             else:
                 values = np.ascontiguousarray(values, dtype=np.float64)
-                table.others[name] = Channel(values=values, unit=_unit(column))
-        left = [name for name in schema.names if not plain[name] and name != "time_s"]
+                leaf = column.name if column.name != name else ""
+                table.others[name] = Channel(values=values, unit=_unit(column), leaf=leaf, number=number)
+        left = [name for name in named if not plain[name] and name != "time_s"]
     pass_over(table)
     check_held(file, "schema", table, left)
     return table

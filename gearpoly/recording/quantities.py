@@ -38,6 +38,7 @@ _TABLE: dict[str, dict[str, tuple[float, str]]] = {
         "ns": (1e-9, "nanosecond nanoseconds"),
         "min": (60.0, "minute minutes minuten"),
         "h": (3600.0, "hour hours hr std stunden"),
+        "d": (86400.0, "day days tag tage jour jours"),
     },
     TORQUE: {
         "N.m": (1.0, "nm n-m newton.metre newton.metres newton.meter newton.meters"),

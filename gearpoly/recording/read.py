@@ -15,6 +15,7 @@ from gearpoly.files.paths import parted
 from gearpoly.files.traces import check_file, unreadable
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.brought import brought
+from gearpoly.recording.elsewhere import known_elsewhere
 from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
@@ -162,6 +163,9 @@ def find_reader(file: Path) -> Reader:
     if not head:
         raise InputFileError(file, found="an empty file", wish=f"want a recording ({known})")
     ending = file.suffix.lower()
+    other = known_elsewhere(head)
+    if other is not None and not any(reader.recognises(head) for reader in readers() if not reader.fallback):
+        raise InputFileError(file, found=other[0], wish=other[1])
     by_ending = [reader for reader in readers() if ending in reader.endings]
     by_content = [reader for reader in readers() if reader.recognises(head)]
     for reader in by_ending:

@@ -21,6 +21,7 @@ from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.meaning import contradicting, entry
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
@@ -138,6 +139,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    bring_together(file, table)
     for name in ANGLE_COLUMNS:
         other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
         if other is not None:

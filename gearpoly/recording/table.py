@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from gearpoly.units import FloatArray
@@ -15,16 +17,29 @@ by. Only the pair file knows the worm between that axis and the pair."""
 class Channel:
     """A series of numbers under a name of the owner's own: ``values`` (m,) in the ``unit`` that the file states, empty
     where it states none; ``time`` (m,) in s where the format gives the channel times of its own. ``leaf`` is the
-    channel's own name where the table calls it by a path."""
+    channel's own name where the table calls it by a path, or by its ``number`` in the file (from 1; 0: none) since
+    several are called so."""
 
     values: FloatArray
     unit: str = ""
     time: FloatArray | None = None
     leaf: str = ""
+    number: int = 0
 
     def group(self, path: str) -> str:
         """The part of its ``path`` before its own name; empty where it has none."""
-        return path[: -len(self.leaf)].rstrip("/.") if self.leaf and path != self.leaf else ""
+        if not self.leaf or path == self.leaf or self.number:
+            return ""
+        return path[: -len(self.leaf)].rstrip("/.") if path.endswith(self.leaf) else path.rpartition(".")[0]
+
+
+def told_apart(names: Sequence[str]) -> list[str]:
+    """The ``names`` of all columns of a file, those that several have with their numbers, and numbers for those
+    without."""
+    count = Counter(names)
+    called = [f"{name} (column {k})" if name else f"column {k}" for k, name in enumerate(names, start=1)]
+    out = [name if name and count[name] == 1 else other for name, other in zip(names, called, strict=True)]
+    return out if len(set(out)) == len(out) else called
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -99,14 +99,18 @@ def _check_names(file: Path, table: Table, left: Iterable[str]) -> None:
 def _beside(table: Table, out: Table, used: set[str]) -> dict[str, Channel]:
     """The channels that names and units may still give a column: none of another recording than the one whose columns
     are taken, and none that was read at other times which nobody states."""
-    groups = {one.group(name) for name, one in table.others.items() if one.leaf in (*ANGLE_COLUMNS, *TE_COLUMNS)}
+    groups = {
+        one.group(name)
+        for name, one in table.others.items()
+        if one.leaf in (*ANGLE_COLUMNS, *TE_COLUMNS) and not one.number
+    }
     chosen = {table.others[name].group(name) for name in used if name in table.others}
     sizes = {values.size for values in out.columns.values()}
     held = {}
     for name, one in table.others.items():
         if name in used:
             continue
-        of_another = one.group(name) in groups - chosen and (chosen & groups or out.columns)
+        of_another = not one.number and one.group(name) in groups - chosen and (chosen & groups or out.columns)
         if of_another or (one.time is None and len(sizes) == 1 and one.values.size not in sizes):
             out.remarks.append(
                 f"{shorten(name)} not read: it is of {'another recording' if of_another else 'another length'}"
@@ -169,7 +173,7 @@ def _angles_known(names: Iterable[str]) -> bool:
 def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
     """Raise where what a comparison needs is in doubt."""
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
-    needed = [one for one in doubtful if one.dimension in ASKED and one.named]
+    needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not _angles_known(out.columns):
         needed = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in ASKED

@@ -37,7 +37,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.stated_units import check_unit
-from gearpoly.recording.table import Channel, Table
+from gearpoly.recording.table import Channel, Table, told_apart
 from gearpoly.units import FloatArray
 
 START = re.compile(rb"\s*-1[ ]*\r?\n[ ]*\d+[ ]*(b|\r?\n|[ ]+\r?\n)")
@@ -78,7 +78,7 @@ def read_table(file: Path) -> Table:
 
 def _read(file: Path, data: mmap.mmap) -> Table:
     table = Table(columns={}, keys={})
-    values: dict[str, tuple[FloatArray, FloatArray | None, _Set]] = {}
+    found: list[tuple[FloatArray, FloatArray | None, _Set]] = []
     at = number = 0
     while data[at : at + 4096].strip():
         where = f"data set {number + 1}"
@@ -88,32 +88,31 @@ def _read(file: Path, data: mmap.mmap) -> Table:
             continue
         number += 1
         if line.strip() != b"-1":
-            found = f"`{shorten(line.decode('latin-1').strip())}`"
-            raise InputFileError(file, where=where, found=found, wish="want a data set, which begins with -1")
+            standing = f"`{shorten(line.decode('latin-1').strip())}`"
+            raise InputFileError(file, where=where, found=standing, wish="want a data set, which begins with -1")
         kind, _ = _line(file, where, data, after)
         if kind[:6].strip() != b"58":
             at = _skip(file, where, data, after)
             continue
         found_set = _header(file, where, data, after)
-        if found_set.name in values:
-            wish = "want each column once"
-            raise InputFileError(file, where=where, found=f'column "{found_set.name}" twice', wish=wish)
         for text in found_set.id_lines:
             _take_keys(file, where, text, table.keys)
-        check_numbers(file, sum(held[2].count for held in values.values()) + found_set.count)
+        check_numbers(file, sum(held[2].count for held in found) + found_set.count)
         ordinate, abscissa, at = _values(file, where, data, found_set)
-        values[found_set.name] = (ordinate, abscissa, found_set)
-        check_few(file, "", len(values), "data sets")
+        found.append((ordinate, abscissa, found_set))
+        check_few(file, "", len(found), "data sets")
+    values = dict(zip(told_apart([one.name for _, _, one in found]), found, strict=True))
     wanted = [name for name in values if name in COLUMNS]
     for name in wanted:
         check_unit(file, name, values[name][2].unit)
         table.columns[name] = numbers(file, name, values[name][0])
     if wanted and "time_s" not in wanted:
         _add_time(file, {name: values[name] for name in wanted}, table)
-    for name, (ordinate, abscissa, one) in values.items():
+    for number, (name, (ordinate, abscissa, one)) in enumerate(values.items(), start=1):
         if name not in wanted:
             time = _axis(file, name, abscissa, one) if one.is_time and "time_s" not in wanted else None
-            table.others[name] = Channel(values=ordinate, unit=one.unit.strip(), time=time)
+            leaf = one.name if one.name != name else ""
+            table.others[name] = Channel(values=ordinate, unit=one.unit.strip(), time=time, leaf=leaf, number=number)
     check_held(file, "ID lines 1", table, ())
     return table
 

@@ -140,3 +140,26 @@ def command(*words: object) -> None:
 def own_run(**how: Any) -> str:
     """The contract's CSV of another run."""
     return own(run(**how))
+
+
+def one_of_two(name: str, column: str, numbers: tuple[int, int], write: Callable[[Path], object], file: str) -> Cure:
+    """A file that has a ``column`` twice, as its columns of these ``numbers``: the line that the message names takes
+    one of them, by its full name and by its number."""
+
+    def bad(folder: Path) -> None:
+        write(folder / file)
+        read(folder, file)
+
+    def good(folder: Path, message: str) -> None:
+        found = re.search(r"columns\.\S+ = \{[^}]*\}", message)
+        assert found is not None and f'"{column} (column {numbers[0]})"' in found[0], message
+        put(folder, "map.toml", found[0])
+        read(folder, file, maps=True)
+        for number in numbers:
+            put(folder, "map.toml", found[0].replace(f"{column} (column {numbers[0]})", f"column {number}"))
+            read(folder, file, maps=True)
+        put(folder, "map.toml", f'leave_out = ["column {numbers[0]}"]')
+        read(folder, file, maps=True)
+
+    says = f'"{column}" is the name of columns {numbers[0]} and {numbers[1]}'
+    return Cure(name=f"column twice, {name}", says=says, bad=bad, good=good)

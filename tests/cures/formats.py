@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from gearpoly.recording.read import read_set
 from tests import recording_files as files
-from tests.cures.cure import BASE, RUN, Cure, put, read
+from tests.cures.cure import BASE, RUN, Cure, one_of_two, put, read
 
 T = RUN["time_s"]
 
@@ -171,6 +172,7 @@ HDF5 = [
     ),
 ]
 
+
 # Parquet
 
 
@@ -180,12 +182,13 @@ def parquet(columns: dict[str, Any] | None = None, keys: dict[str, Any] | None =
 
 def _twice(file: Path) -> None:
     pa = importlib.import_module("pyarrow")
-    table = pa.Table.from_arrays([pa.array(T)] * 2, names=["torque_nm"] * 2)
+    again = {**RUN, "torque": RUN["torque_nm"] + 1.0}
+    table = pa.Table.from_arrays([pa.array(one) for one in again.values()], names=[*RUN, "torque_nm"])
     importlib.import_module("pyarrow.parquet").write_table(table, file)
 
 
 PARQUET = [
-    written("column twice", "want each column once", _twice, parquet(), "a.parquet"),
+    one_of_two("parquet", "torque_nm", (4, 5), _twice, "a.parquet"),
     written("words", "want plain numbers", parquet({"torque_nm": ["x"] * T.size}), parquet(), "a.parquet"),
 ]
 
@@ -211,6 +214,26 @@ def objects(kind: str) -> Callable[[Path], None]:
     return run
 
 
+def _saved_twice(file: Path) -> None:
+    mat()(file)
+    with file.open("ab") as stream:
+        importlib.import_module("scipy.io").savemat(other := file.with_name("b.mat"), {"torque_nm": T})
+        stream.write(other.read_bytes()[128:])
+
+
+def _saved_as_4(file: Path) -> None:
+    importlib.import_module("scipy.io").savemat(file, dict(RUN), format="4")
+
+
+def _saved_again(file: Path) -> None:
+    io = importlib.import_module("scipy.io")
+    _saved_twice(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        held = io.loadmat(file)
+    io.savemat(file, {name: one for name, one in held.items() if not name.startswith("__")})
+
+
 MAT = [
     written("complex", "want plain numbers", mat(torque_nm=T + 1j), mat(), "a.mat"),
     written(
@@ -220,6 +243,8 @@ MAT = [
         mat({"flank": "drive"}),
         "a.mat",
     ),
+    written("variable twice", "load the file and save it again", _saved_twice, _saved_again, "a.mat"),
+    written("MAT 4", "load it, then save with -v7", _saved_as_4, mat(), "a.mat"),
     written("long text", "want a short text", mat({"flank": "d" * 9000}), mat({"flank": "drive"}), "a.mat"),
     written("cut off", "want the whole file; save it again", cut(mat(), 0.9), mat(), "a.mat"),
     written(

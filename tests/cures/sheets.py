@@ -207,6 +207,12 @@ CURES = [
         "title alone", "want Zahn-Nr. fp Fp Fr", edited(("    Zahn-Nr.   fp   Fp   Fr", "    Zahn-Nr. a b c")), curves()
     ),
     sheet("tooth twice", "want each tooth once", edited((ROW, ROW + "\n" + ROW)), curves()),
+    sheet(
+        "profile twice",
+        "want one profile at each place of a flank",
+        edited((CURVE, CURVE.replace("/ 24", "/ 2") + "\n1.0 2.0\n\n" + CURVE)),
+        curves(),
+    ),
     sheet("no rows", "want a row per tooth; export the file again", curves()[: curves().index(ROW)], curves()),
     sheet("words in a table", "want numbers", edited((ROW, "    1   x 0.0 0.0")), curves()),
     sheet("words among probes", "want numbers", edited((PROBED, "17 L x 1.0 1.0 1.0")), curves()),

@@ -5,7 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.recording.csv_reader import read_csv
-from tests.cures.cure import BASE, HEAD, RATIO, ROWS, RUN, Cure, by_its_lines, foreign, put, rows, text, with_columns
+from gearpoly.recording.elsewhere import BEGINNINGS, ZIPPED
+from tests.cures.cure import (
+    BASE,
+    HEAD,
+    RATIO,
+    ROWS,
+    RUN,
+    Cure,
+    by_its_lines,
+    foreign,
+    one_of_two,
+    put,
+    read,
+    rows,
+    text,
+    with_columns,
+)
+from tests.made_texts import own
 
 T, DRIVING, DRIVEN = (RUN[name] for name in ("time_s", "driving_angle_deg", "driven_angle_deg"))
 N = T.size
@@ -27,12 +44,20 @@ def raw(**changes: object) -> str:
     return with_columns(**held)
 
 
+def cells(k: int, time: str, driving: str, driven: str, torque: str) -> tuple[str, ...]:
+    """A row of which one of two devices read its shaft."""
+    return (time, driving if k % 2 else "", "" if k % 2 else driven, torque)
+
+
 LINES = "# driving_lines = 1000\n"
 PER = "# driving_counts_per_line = 4\n"
 SWITCHING = (np.mod(np.floor(WHOLE / 20.0), 2) > 0).astype(float)
 BACK = np.where(np.arange(N) < N // 2, WHOLE, 2.0 * WHOLE[N // 2] - WHOLE)
 BROKEN = T.copy()
 BROKEN[600:] -= 3.0
+BY_TURNS = "\n".join([HEAD, *(",".join(cells(k, *row.split(","))) for k, row in enumerate(ROWS))]) + "\n"
+SPOILT = BASE.replace(ROWS[300], ROWS[300].rpartition(",")[0] + ",Not A Read")
+TWICE = own({**RUN, "time": T + 1.0}).replace(",time\n", ",time_s\n")
 SLOW = np.linspace(0.0, 90.0, N)
 SETBACK = np.floor(WHOLE / 360.0 * 4000.0)
 SETBACK[350:] += 9777.0
@@ -76,6 +101,34 @@ OWN = [
         "save it again with that encoding",
         f"# torque_nm = 25.0 \u00b0\n{BASE}".encode("cp1252"),
         f"# torque_nm = 25.0 # \u00b0\n{BASE}",
+    ),
+    one_of_two("text", "time_s", (1, 5), lambda file: file.write_text(TWICE), "rec.csv"),
+    text(
+        "column twice, one without numbers",
+        "want each column once",
+        TWICE.replace("\n0.01000,", "\nx,", 1),
+        BASE,
+    ),
+    Cure(
+        name="a word that is no number",
+        says='in a map, if it holds no reading: text.missing = ["Not A Read"]',
+        bad=lambda folder: (put(folder, "rec.csv", SPOILT), read(folder)),
+        good=lambda folder, message: (
+            put(folder, "map.toml", message.partition("no reading: ")[2].partition("]")[0] + "]"),
+            read(folder, maps=True),
+        ),
+    ),
+    text("no row", "delete the line if it is no row", BASE + "END\n", BASE),
+    *(
+        text(what, cure, begin + b"\0" * 200, BASE, file="rec.dat")
+        for begin, what, cure in (*BEGINNINGS, *((b"PK\x03\x04" + mark, *more) for mark, *more in ZIPPED))
+    ),
+    text(
+        "read by turns",
+        "or a column time_s, by which they are brought together",
+        BY_TURNS.replace("time_s", "row_no", 1),
+        BY_TURNS,
+        ratio=RATIO,
     ),
     text("key twice", "want each key once", KEY + KEY + BASE, KEY + BASE),
     text("value", "text in quotes", f"# flank = drive\n{BASE}", f'# flank = "drive"\n{BASE}'),

@@ -189,6 +189,10 @@ class _Gear:
             if not 1 <= curve.tooth <= self.z:
                 raise self.fault(curve.line, f"tooth {curve.tooth}", f"want teeth 1 to {self.z}")
             key = (curve.tooth, curve.side)
+            again = key in best and (best[key].place, best[key].letter) == (curve.place, curve.letter)
+            if again and not np.array_equal(best[key].values, curve.values, equal_nan=True):
+                found = f"tooth {curve.tooth} {curve.side} at z = {curve.place:g} mm again, after line {best[key].line}"
+                raise self.fault(curve.line, found, "want one profile at each place of a flank")
             if key not in best or abs(curve.place - middle) < abs(best[key].place - middle):
                 best[key] = curve
         if len(best) < len(curves):

@@ -242,10 +242,12 @@ class _Lines:
             raise self.fault(f'"{shown(" ".join(names))}" below the title of a pitch table', "want Zahn-Nr. fp Fp Fr")
         self.at += 1
         table = Table(side=side, names=tuple(names[begin:]), rows={}, line=self.at)
+        lines: dict[int, int] = {}
         for first, values in self.rows(len(names) - begin):
             if first in table.rows:
-                raise self.fault(f"tooth {first} twice in a pitch table", "want each tooth once")
-            table.rows[first] = tuple(values)
+                found = f"tooth {first} twice in a pitch table, first in line {lines[first]}"
+                raise self.fault(found, "want each tooth once")
+            table.rows[first], lines[first] = tuple(values), self.at
         if not table.rows:
             raise self.fault("a pitch table without rows", "want a row per tooth; export the file again")
         self.out.tables.append(table)

@@ -51,13 +51,14 @@ def read_table(file: Path, layout: SheetMap, *, known: Mapping[str, float], coun
     meanings, factors, says = _meanings(file, head_line, heads, layout)
     decimal = layout.decimal or _decimal([cell for line, cells in rows if line > head_line for cell in cells])
     values: dict[tuple[str, Side], dict[int, float]] = {}
+    places: dict[tuple[tuple[str, Side], int], int] = {}
     for line, cells in rows:
         if line <= head_line or not any(cells):
             continue
         if len(cells) != len(heads):
             wish = f"want {len(heads)}, as in line {head_line}; a map may state separator and decimal"
             raise InputFileError(file, where=f"line {line}", found=f"{len(cells)} cells", wish=wish)
-        _row(file, line, cells, meanings, factors, decimal, values)
+        _row(file, line, cells, meanings, factors, decimal, values, places)
     teeth = sorted({n for column in values.values() for n in column})
     z = int(known.get("teeth", len(teeth)))
     first = layout.first_tooth if layout.first_tooth is not None else (teeth[0] if teeth else 1)
@@ -183,8 +184,9 @@ def _row(
     factors: list[float],
     decimal: str,
     values: dict[tuple[str, Side], dict[int, float]],
+    places: dict[tuple[tuple[str, Side], int], int],
 ) -> None:
-    """Put the numbers of one row where they belong."""
+    """Put the numbers of one row where they belong, and its line into ``places``."""
     named = {meaning: cell for cell, (meaning, _) in zip(cells, meanings, strict=True)}
     tooth = named["tooth"]
     if not (tooth.isascii() and tooth.isdigit() and len(tooth) < 7):
@@ -208,8 +210,10 @@ def _row(
         key: tuple[str, Side] = (meaning, "left" if meaning == "tooth_thickness" else side or row_side or "left")
         column = values.setdefault(key, {})
         if int(tooth) in column and not (meaning == "tooth_thickness" and column[int(tooth)] == value * factor):
-            raise InputFileError(file, where=f"line {line}", found=f"tooth {tooth} again", wish="want each flank once")
-        column[int(tooth)] = value * factor
+            before = places[key, int(tooth)]
+            found = f"tooth {tooth} again, after line {before}"
+            raise InputFileError(file, where=f"line {line}", found=found, wish="want each flank once")
+        column[int(tooth)], places[key, int(tooth)] = value * factor, line
 
 
 def _gear(

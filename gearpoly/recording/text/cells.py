@@ -20,12 +20,27 @@ BLANKS = " \u00a0\u202f\u2009"
 
 APOSTROPHES = "'\u2019"
 
-MISSING = frozenset({"", "nan", "n/a", "na", "null", "none", "#nv", "#n/a", "#nan", "---"})
-"""Cells that hold no reading, in small letters."""
+MISSING = frozenset(
+    {
+        *("", "nan", "-nan", "nan(ind)", "-nan(ind)", "1.#nan", "1.#qnan", "1.#ind", "-1.#ind"),
+        *("n/a", "na", "null", "none", "-", "--", "---", "----", "?"),
+        *("#nv", "#n/a", "#nan", "#value!", "#wert!", "#div/0!", "#num!", "#zahl!", "#ref!", "#bezug!"),
+        *("ol", "ovl", "ovld", "ovrld", "over", "overload", "overflow", "overrange", "underrange"),
+        *("\u00fcberlast", "ueberlast", "\u00fcberlauf", "ung\u00fcltig", "ungueltig", "fehler"),
+        *("invalid", "error", "err", "undef", "missing"),
+    }
+)
+"""Cells that hold no reading, in small letters: nothing, what programs write of no number, errors of spreadsheets, and
+a meter beyond its range."""
+
+LONGEST_MISSING = max(map(len, MISSING))
+
+FILLED = "*#"
+"""Marks with which Fortran and spreadsheets fill a cell that is too narrow for its number."""
 
 _SIGN = "[+\\-\u2212]?"
 _GROUPS = rf"\d{{1,3}}(?:[{BLANKS}{APOSTROPHES}]\d{{3}})+"  # a blank elsewhere parts two numbers
-_NUMBER = re.compile(rf"{_SIGN}(?:(?:{_GROUPS}|\d)[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(rf"{_SIGN}(?:(?:{_GROUPS}|\d)[\d.,]*|[.,]\d+)(?:[eEdD][+-]?\d+)?", re.ASCII)
 
 TURN_DEG = 360.0
 NEARLY_TURN = (0.9, 1.001)
@@ -39,7 +54,7 @@ def is_number(cell: str) -> bool:
 
 def is_missing(cell: str) -> bool:
     """Whether a stripped cell says that nothing was read."""
-    return len(cell) <= 4 and cell.lower() in MISSING
+    return (len(cell) <= LONGEST_MISSING and cell.lower() in MISSING) or not cell.strip(FILLED)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +71,8 @@ class Marks:
         for mark in (self.thousands, *BLANKS, *APOSTROPHES):
             if mark:
                 cell = cell.replace(mark, "")
-        return cell.replace(self.decimal, ".").replace("\u2212", "-")
+        cell = cell.replace(self.decimal, ".").replace("\u2212", "-")
+        return cell.replace("D", "e").replace("d", "e")  # Fortran's power of a double
 
     def value(self, cell: str) -> float:
         """The number in a stripped cell, ``nan`` where it says that nothing was read; ``ValueError`` where it is none,
@@ -141,8 +157,8 @@ def marks_proved(columns: Sequence[Sequence[str]], *, separator: str, quoted: bo
 def _said(cell: str) -> list[tuple[str, str]]:
     """What one cell proves of its marks: pairs of a mark and ``decimal`` or ``thousands``."""
     number = cell.strip().lstrip("+-\u2212")
-    if not number.isascii() or "e" in number or "E" in number:
-        number = re.split("[eE]", number)[0]
+    if not number.isdigit():
+        number = re.split("[eEdD]", number, maxsplit=1)[0]
     dots, commas = number.count("."), number.count(",")
     if dots and commas:
         last = "." if number.rfind(".") > number.rfind(",") else ","

@@ -10,6 +10,8 @@ from __future__ import annotations
 import codecs
 from pathlib import Path
 
+import numpy as np
+
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
 
@@ -24,6 +26,17 @@ MARKS = (
 
 LOOKED_AT = 4096
 """Bytes in which the zero bytes of UTF-16 are counted."""
+
+HEAD_BYTES = 2**16
+"""Bytes of the lines above the numbers; the longest head of a logger seen has some 10 kB."""
+
+ONE_BYTE = ("utf-8", "cp1252", "latin-1")
+"""Encodings in which the bytes of ASCII are ASCII."""
+
+PADDING = "\0\x1a"
+"""What fills a file up behind its last line: zeros of a logger that lost its power, and the end mark of DOS."""
+
+MOST_ASCII = 127
 
 ZEROS = 0.4
 """Part of the even or of the odd bytes that is zero in UTF-16 of western text, where nearly all are; none is in any
@@ -56,18 +69,33 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
         raise unreadable(file, error) from None
     for name in (stated,) if stated else _candidates(data):
         try:
-            text = data.decode(name)
+            text = _text(data, name)
         except (UnicodeDecodeError, UnicodeError):
             continue
+        text = text.rstrip(PADDING)
         if "\0" in text:
             wish = "want a text file (other formats need their own file name ending)"
             raise InputFileError(file, found="not a text file", wish=wish)
-        return text.replace("\r\n", "\n").replace("\r", "\n").removeprefix("\ufeff"), name
+        if "\r" in text:  # looking for two characters takes as long as decoding
+            text = text.replace("\r\n", "\n").replace("\r", "\n")
+        return text.removeprefix("\ufeff"), name
     if stated:
         wish = "want the encoding that the file was saved in: leave encoding out of [text] to have it found"
         raise InputFileError(file, found=f'bytes that are not in the encoding "{shorten(stated)}"', wish=wish)
     wish = "want a text file; export it again as UTF-8"
     raise InputFileError(file, found="text in no encoding that is known", wish=wish)
+
+
+def _text(data: bytes, name: str) -> str:
+    """The characters of ``data`` in the encoding ``name``. Where all below the first lines is ASCII, as numbers are, it
+    is copied, once if the head allows; a table of characters takes five times as long."""
+    end = data.find(b"\n", HEAD_BYTES) + 1
+    if name not in ONE_BYTE or end == 0 or np.frombuffer(data, dtype=np.uint8, offset=end).max(initial=0) > MOST_ASCII:
+        return data.decode(name)
+    head = data[:end].decode(name)
+    return (
+        data.decode("latin-1") if head == data[:end].decode("latin-1") else head + str(memoryview(data)[end:], "ascii")
+    )
 
 
 def _candidates(data: bytes) -> tuple[str, ...]:

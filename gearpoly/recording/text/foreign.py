@@ -6,7 +6,6 @@ of a map that settles it.
 
 from __future__ import annotations
 
-import io
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks
 from gearpoly.recording.text.encoding import decoded
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
 from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.missing import holds_cells, no_reading, without
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
@@ -64,8 +64,10 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
-    del text
     separator = writing.separator or find_separator(file, lines)
+    if writing.missing:
+        lines = Lines(without(text, writing.missing, separator))
+    del text
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
@@ -88,13 +90,14 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
 def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     """The keys in the comment lines above a recording."""
     keys: dict[str, object] = {}
+    places: dict[str, str] = {}
     stated = 0
     for number in range(block.head[0], block.head[1]):
         line = lines[number - 1].strip()
         if line.startswith("#"):
             stated += "=" in line
             check_few(file, f"line {number}", stated, "comment lines with =")
-            read_comment(file, f"line {number}", line[1:].strip(), keys)
+            read_comment(file, f"line {number}", line[1:].strip(), keys, places)
     return keys
 
 
@@ -115,7 +118,7 @@ class _Part:
 
     def rows(self, first: int, end: int) -> list[int]:
         """The numbers from 0 of the lines from ``first`` to before ``end`` that are not blank."""
-        return [first + k for k, line in enumerate(self.lines[first:end]) if line and not line.isspace()]
+        return [first + k for k, line in enumerate(self.lines[first:end]) if holds_cells(line)]
 
     def ends(self, count: int) -> list[int]:
         """The numbers of the first and of the last ``count`` rows, of all where there are no more."""
@@ -125,7 +128,7 @@ class _Part:
         return [*begin, *sorted(itertools.islice(self._filled(rest), count))]
 
     def _filled(self, numbers: Iterable[int]) -> Iterator[int]:
-        return (k for k in numbers if self.lines[k].strip())
+        return (k for k in numbers if holds_cells(self.lines[k]))
 
     def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
         """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
@@ -134,7 +137,7 @@ class _Part:
         if self.separator == " " or (marks.thousands and marks.thousands in text):
             return None
         width = len(self.block.names)
-        data, size = io.BytesIO(text.encode("utf-8", "replace")), self.file.stat().st_size
+        data, size = text.encode("utf-8", "replace"), self.file.stat().st_size
         found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
         if found is not None and all(one.size == end - first and np.isfinite(one).all() for one in found):
             return found
@@ -168,20 +171,26 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
     check_numbers(file, 0, beside=CELL_BYTES * (block.rows[1] - block.rows[0]) * len(stamped))
-    series, texts = _columns(part, marks, stamped)
+    series, texts = _columns(part, marks, stamped, table)
+    if lines.hold("#", *part.bounds) and any(line.lstrip().startswith("#") for line in lines[slice(*part.bounds)]):
+        table.remarks.append("comment lines among the rows passed over")
     series.update(_times(part, texts, table))
     for k, name in enumerate(block.names):
         if k not in series or (name == f"column {k + 1}" and not np.isfinite(series[k]).any()):
             continue  # a date whose time stands beside it; rows that end in a separator
-        table.others[name] = Channel(values=series[k], unit="s" if k in stamped else block.units[k])
+        unit, own = "s" if k in stamped else block.units[k], block.stated[k]
+        table.others[name] = Channel(values=series[k], unit=unit, leaf=own if own != name else "", number=k + 1)
     table.layout["decimal"] = marks.decimal
     if marks.thousands:
         table.layout["thousands"] = marks.thousands
     return table
 
 
-def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
-    """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps."""
+def _columns(
+    part: _Part, marks: Marks, stamped: Sequence[int], table: Table
+) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
+    """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps; words without a
+    reading are told."""
     texts: dict[int, list[str]] = {k: [] for k in stamped}
     first, end = part.bounds
     read = {k: np.empty(end - first) for k in range(len(part.block.names)) if k not in texts}
@@ -189,6 +198,7 @@ def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[in
     pieces = _cut(first, end, (CHUNK_CELLS if texts else PLAIN_CELLS) // width, large=not texts)
     wish = f'want a finite number with the decimal mark "{marks.decimal}" ({marks.why}), or an empty cell'
     count = 0
+    words: set[str] = set()
     while pieces:
         begin, stop, large = pieces.pop()
         columns = part.plain(begin, stop, marks) if not texts else None
@@ -210,8 +220,13 @@ def _columns(part: _Part, marks: Marks, stamped: Sequence[int]) -> tuple[dict[in
             try:
                 held[count : count + len(rows)] = marks.values(cells[k])
             except BadCellError as bad:
-                raise part.bad(k, rows[bad.at], cells[k][bad.at], wish) from None
+                word = cells[k][bad.at]
+                raise part.bad(k, rows[bad.at], word, wish + no_reading(word)) from None
+            words |= {cell for cell in set(cells[k]) if not cell[-1:].isdigit() and is_missing(cell)}
         count += len(rows)
+    if words - {""}:
+        said = ", ".join(f'"{one}"' for one in sorted(words - {""}))
+        table.remarks.append(f"cells without a reading: {shorten(said)}")
     return {k: held[:count] for k, held in read.items()}, texts
 
 
@@ -278,7 +293,7 @@ def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int],
 
 def _is_degrees(block: Block, k: int) -> bool:
     """Whether the column is an angle in deg by its name and unit."""
-    name, unit = header_unit(block.names[k])
+    name, unit = header_unit(block.stated[k])
     stated = unit_written(block.units[k] or unit, ANGLE)
     return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
 

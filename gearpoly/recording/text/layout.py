@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import UNSTATED, units_written
+from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
+from gearpoly.recording.text.missing import holds_cells, no_reading
 from gearpoly.recording.text.stamps import is_stamp
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
@@ -39,11 +41,13 @@ CELLS_LIMIT = 2000
 class Block:
     """One recording in a file: the ``names`` and stated ``units`` of its columns, and the numbers of its lines.
 
+    ``names`` are told apart by numbers where the header (``stated``, empty where there is none) has one twice.
     ``header`` is the line of the names, 0 where there is none, ``head`` the lines of remarks above it; ``rows`` (first,
     last + 1) bound its lines, blank ones among them. Lines count from 1.
     """
 
     names: tuple[str, ...]
+    stated: tuple[str, ...]
     units: tuple[str, ...]
     header: int
     head: tuple[int, int]
@@ -125,7 +129,7 @@ def find_blocks(
             raise _bad_line(file, lines, above, separator, blocks[-1])
         blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
         before = end
-    tail = [k for k in range(before, len(lines)) if lines[k].strip()]
+    tail = [k for k in range(before, len(lines)) if holds_cells(lines[k])]
     if tail and (not footer or _is_row(split(lines[tail[0]], separator), len(blocks[-1].names))):
         raise _bad_line(file, lines, tail, separator, blocks[-1])
     return blocks
@@ -146,7 +150,7 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
             runs[-1] = (runs[-1][0], end, runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):
-            if not line or line.isspace():
+            if not line or line.isspace() or (open_ and not holds_cells(line)):
                 continue
             if quick is not None and quick.fullmatch(line):
                 width = line.count(separator) + 1
@@ -195,7 +199,7 @@ def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator:
         found = f"`{shorten(lines[at].strip())}`"
         return InputFileError(file, where=f"line {at + 1}", found=found, wish=wish)
     bad = next((k for k, cell in enumerate(cells) if not is_data([cell, "0"])), 0)
-    wish = f"want a finite number (an empty cell or nan for a drop-out){_cut(lines, at)}"
+    wish = f"want a finite number (an empty cell or nan for a drop-out){no_reading(cells[bad])}{_cut(lines, at)}"
     where = f"line {at + 1}, column {block.names[bad]}"
     return InputFileError(file, where=where, found=f'"{shorten(cells[bad])}"', wish=wish)
 
@@ -222,14 +226,15 @@ def _block(
     if not header:
         named, unit_line = _heading(lines, above, separator, width)
     names = _words(lines[named], separator, width) if 0 <= named < len(lines) else []
-    stated = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
-    for asked, key, held in ((header, "header_line", names), (units, "units_line", stated)):
+    named_units = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
+    for asked, key, held in ((header, "header_line", names), (units, "units_line", named_units)):
         if asked and not held:
             found = f"no {width} cells in line {asked}, as the rows have"
             raise InputFileError(file, found=found, wish=f"want {key} in [text] of the map to be another line, or none")
     return Block(
-        names=tuple(_distinct(names or [""] * width)),
-        units=tuple(_bare(cell) for cell in stated or [""] * width),
+        names=tuple(told_apart(names or [""] * width)),
+        stated=tuple(names or [""] * width),
+        units=tuple(_bare(cell) for cell in named_units or [""] * width),
         header=named + 1 if names else 0,
         head=(above[0] + 1 if above else first + 1, (named if names else first) + 1),
         rows=(first + 1, end + 1),
@@ -243,9 +248,16 @@ def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: 
         return -1, -1
     *others, last = wide
     if others and _are_units(wide[last]):
-        return others[-1], last
+        return _named(wide, others), last
+    named = _named(wide, [*others, last])
     # Some write the units above the names, most of which are no units.
-    return last, others[-1] if others and _are_units(wide[others[-1]]) else -1
+    return named, others[-1] if others and named == last and _are_units(wide[others[-1]]) else -1
+
+
+def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
+    """The last of the lines ``wide`` of these ``numbers`` that fills half of its cells, a remark on one column being no
+    names; the last of all where none does."""
+    return next((k for k in reversed(numbers) if 2 * sum(map(bool, wide[k])) >= len(wide[k])), numbers[-1])
 
 
 def _are_units(cells: Sequence[str]) -> bool:
@@ -270,19 +282,13 @@ def _words(line: str, separator: str, width: int) -> list[str]:
     if separator == " ":  # names may hold blanks where more of them part the columns
         ways.append(re.split(r"\s{2,}|\t", text.strip()))
     for cells in ways:
-        if len(cells) == width + 1 and not cells[-1]:
+        if len(cells) == width + 1 and cells[-1].strip().lower() in (
+            "",
+            "comment",
+        ):  # LabVIEW names a column of remarks
             cells.pop()
         if len(cells) == width:
             return [cell.strip() for cell in cells]
         if len(cells) == width - 1 and width > 2:  # rows end in a separator, names do not
             return [*(cell.strip() for cell in cells), ""]
     return []
-
-
-def _distinct(names: Sequence[str]) -> list[str]:
-    """The names with a number to those that came before, and one for columns without."""
-    out: list[str] = []
-    for k, name in enumerate(names, start=1):
-        called = name or f"column {k}"
-        out.append(called if called not in out else f"{called} (column {k})")
-    return out

@@ -71,14 +71,13 @@ def are_rows(text: str, separator: str, width: int) -> bool:
     with; dates of digits too. Whether they are numbers is told where they are read."""
     if separator == " " or not text.isascii():
         return False
-    kinds = f"{text}\n".encode("ascii").translate(_kinds(separator))
+    kinds = text.encode("ascii").translate(_kinds(separator)) + b"\5"
     if b"\0" in kinds:
         return False
     kind = np.frombuffer(kinds, dtype=np.uint8)
-    digits: BoolArray = kind == 1
     if b"\3" in kinds:
         powers = np.flatnonzero(kind == 3)
-        if not (powers[0] > 0 and digits[powers - 1].all()):  # a word that begins with an E
+        if not (powers[0] > 0 and (kind[powers - 1] == 1).all()):  # a word that begins with an E
             return False
     ends = np.flatnonzero(kind >= 4)
     if ends.size % width:
@@ -86,8 +85,9 @@ def are_rows(text: str, separator: str, width: int) -> bool:
     marks = kind[ends].reshape(-1, width)
     if not ((marks[:, :-1] == 4).all() and (marks[:, -1] == 5).all()):
         return False
-    if ends.size and ends[0] > 0 and digits[ends - 1].all():  # nearly all numbers end in a digit
+    if ends.size and ends[0] > 0 and (kind[ends - 1] == 1).all():  # nearly all numbers end in a digit
         return True
+    digits: BoolArray = kind == 1
     return bool((np.diff(np.cumsum(digits, dtype=np.int64)[ends], prepend=0) > 0).all())
 
 

@@ -19,10 +19,10 @@ LARGE_BYTES = 2**22
 
 
 def parsed(
-    stream: BinaryIO, *, columns: int, size: int, lines_above: int = 0, separator: str = ",", decimal: str = "."
+    stream: BinaryIO | bytes, *, columns: int, size: int, lines_above: int = 0, separator: str = ",", decimal: str = "."
 ) -> list[FloatArray] | None:
-    """The columns (n,) of a text in UTF-8 of about ``size`` bytes below so many ``lines_above``, with ``nan`` where a
-    cell is empty.
+    """The columns (n,) of a text in UTF-8, a stream of about ``size`` bytes or a piece of so large a one, below so many
+    ``lines_above``, with ``nan`` where a cell is empty.
 
     ``None`` where it is small, pyarrow is missing, or any row is not one of ``columns`` finite numbers: whoever reads
     it line by line says which.
@@ -34,10 +34,14 @@ def parsed(
     except ImportError:
         return None
     names = [str(k) for k in range(columns)]
+    piece = isinstance(stream, bytes)
+    # Threads and a pool of memory gain nothing on a few MB, and keep as much as the numbers take.
+    pool = arrow.system_memory_pool() if piece else arrow.default_memory_pool()
     try:
         table = csv.read_csv(
-            stream,
-            read_options=csv.ReadOptions(skip_rows=lines_above, column_names=names),
+            arrow.BufferReader(stream) if piece else stream,
+            memory_pool=pool,
+            read_options=csv.ReadOptions(skip_rows=lines_above, column_names=names, use_threads=not piece),
             parse_options=csv.ParseOptions(delimiter=separator),
             convert_options=csv.ConvertOptions(
                 null_values=[""], decimal_point=decimal, column_types=dict.fromkeys(names, arrow.float64())

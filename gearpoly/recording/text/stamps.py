@@ -25,8 +25,11 @@ ORDERS = {"year first": "ymd", "day first": "dmy", "month first": "mdy"}
 _DATE = r"(?P<a>\d{1,4})(?P<mark>[-./])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})"
 _TIME = r"(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2}(?:[.,:]\d{1,9})?))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
 _ZONE = r"\s*(?P<zone>Z|[+-]\d{2}:?\d{2})?"
-STAMP = re.compile(rf"(?:{_DATE}(?:[T ]\s*{_TIME}{_ZONE})?|{_TIME.replace('?P<', '?P<t')})", re.ASCII)
-"""A date with or without a time of day, or a time of day alone (its groups begin with t)."""
+_MINUTES = r"(?P<minutes>\d{1,4}):(?P<rest>[0-5]\d[.,]\d{1,9})"
+STAMP = re.compile(rf"(?:{_DATE}(?:[T ]\s*{_TIME}{_ZONE})?|{_MINUTES}|{_TIME.replace('?P<', '?P<t')})", re.ASCII)
+"""A date with or without a time of day, a time of day alone (its groups begin with t), or minutes and seconds."""
+
+HOUR_S = 3600.0
 
 LONGEST_STAMP = 40
 
@@ -83,7 +86,8 @@ def _day(first: str, mark: str, second: str, third: str, *, order: str) -> date 
 
 
 def seconds(cells: Sequence[str], *, order: str, dates: Sequence[str] | None = None) -> FloatArray:
-    """Seconds (n,) after the first stamp, ``nan`` where there is none; times of day alone run on over midnight.
+    """Seconds (n,) after the first stamp, ``nan`` where there is none; times of day alone run on over midnight, minutes
+    and seconds over the hour.
 
     ``dates`` (n,) are the cells of a column of dates beside. Raises ``BadCellError`` with the first cell that is no
     stamp.
@@ -92,12 +96,16 @@ def seconds(cells: Sequence[str], *, order: str, dates: Sequence[str] | None = N
     days: dict[str, float] = {}
     first: date | None = None
     dated = dates is not None
+    turn = DAY_S
     for k, cell in enumerate(cells):
         if is_missing(cell):
             continue
         found = STAMP.fullmatch(cell) if len(cell) <= LONGEST_STAMP else None
         if found is None:
             raise BadCellError(k)
+        if found["minutes"] is not None:  # spreadsheets show no hour
+            out[k], turn = 60.0 * int(found["minutes"]) + float(found["rest"].replace(",", ".")), HOUR_S
+            continue
         begin = found["a"] is not None
         dated = dated or begin
         day = 0.0
@@ -116,8 +124,8 @@ def seconds(cells: Sequence[str], *, order: str, dates: Sequence[str] | None = N
             raise BadCellError(k) from None
     held = np.flatnonzero(np.isfinite(out))
     if held.size:
-        if not dated:  # the clock begins again at midnight
-            out[held[1:]] += DAY_S * np.cumsum(np.diff(out[held]) < -0.5 * DAY_S)
+        if not dated:  # the clock begins again at midnight, or at the hour
+            out[held[1:]] += turn * np.cumsum(np.diff(out[held]) < -0.5 * turn)
         out -= out[held[0]]
     return out
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Writing:
-    """Encoding, separator of cells, decimal mark, what parts thousands, order of dates ("day first") and the lines of
-    names and units (from 1), as far as a map states them; what is empty or 0 is found from the file."""
+    """Encoding, separator of cells, decimal mark, what parts thousands, order of dates ("day first"), the lines of
+    names and units (from 1) and cells that hold no reading, as far as a map states them; what is empty or 0 is found
+    from the file."""
 
     encoding: str = ""
     separator: str = ""
@@ -17,3 +18,4 @@ class Writing:
     dates: str = ""
     header_line: int = 0
     units_line: int = 0
+    missing: tuple[str, ...] = ()

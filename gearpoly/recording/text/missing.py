@@ -1,0 +1,28 @@
+"""What holds no reading in a text file: lines of remarks among rows, and cells with words that a map names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from gearpoly.recording.meaning import quoted
+
+LONGEST_WORD = 40
+"""Characters of a cell that a message shows whole; words for no reading are shorter."""
+
+
+def no_reading(cell: str) -> str:
+    """The line of a map for a cell that is a word for no reading."""
+    return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
+
+
+def holds_cells(line: str) -> bool:
+    """Whether a line among rows is more than blank, or a comment that states no key."""
+    return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
+
+
+def without(text: str, missing: Sequence[str], separator: str) -> str:
+    """The ``text`` with ``nan`` in the place of cells that a map says hold no reading (``missing``)."""
+    mark = r"\s" if separator == " " else re.escape(separator) + r"\n\""
+    words = "|".join(re.escape(one) for one in sorted(missing, key=len, reverse=True))
+    return re.sub(rf"(?:(?<=[{mark}])|(?<![\s\S])) *(?:{words}) *(?=[{mark}]|\Z)", "nan", text)
