@@ -18,13 +18,16 @@ from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.gear.flank import Flanks
 from gearpoly.mesh.pair import Mounted
+from gearpoly.page.pack import nearly_even, packed, rounded, under_noise
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
-from gearpoly.view.pack import packed
 from gearpoly.view.scene import Scene
 
 SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
+
+FINE_UM = 1e-3
+"""Of backlash, in um: as fine as the page prints it."""
 
 CHECKS = 256
 """Positions whose contact points the page carries to compare its own kernel with."""
@@ -120,8 +123,8 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     who carries what."""
     load, found = simulation.load, simulation.contacts
     out = {
-        "te_um": packed(found.te * simulation.pair.r_b2 / UM, "f8"),
-        "backlash_um": packed(simulation.backlash.j_bn / UM, "f4"),
+        "te_um": packed(found.te * simulation.pair.r_b2 / UM, "f4"),
+        "backlash_um": rounded(simulation.backlash.j_bn / UM, to=FINE_UM),
         "pairs": packed(simulation.pairs, "u1"),
     }
     if load is None:
@@ -158,6 +161,7 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
     chosen = np.arange(0, turns.size, every)
     order = chosen[np.argsort(turns[chosen], kind="stable")]
     source = one.cleaned.recording.source
+    noise = comparison.located.noise_level / UM
     return {
         "file": source.name,
         "samples": int(turns.size),
@@ -166,9 +170,9 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
         "noise_um": comparison.located.noise_level / UM,
         "rms_um": one.rms / UM,
         "mean_um": one.mean / UM,
-        "theta_2": packed(turns[order], "f8"),
-        "recorded_um": packed(one.recorded[order] / UM, "f4"),
-        "mismatch_um": packed(one.residual[order] / UM, "f4"),
+        "theta_2": nearly_even(turns[order]),
+        "recorded_um": under_noise(one.recorded[order] / UM, noise=noise),
+        "mismatch_um": under_noise(one.residual[order] / UM, noise=noise),
         "open": [
             name for name, told in zip(("driving", "driven"), comparison.alignment.numbered, strict=True) if not told
         ],
