@@ -157,7 +157,7 @@ def test_a_page_of_18_25_teeth_at_2000_points_stays_small() -> None:
     assembled = made(PAPER)
     scene = scene_of(assembled, name="paper", path=PAPER, condition=UNLOADED, progress=quiet)
     assert assembled.pair.driving.flanks.r.size > 2000
-    assert len(page_text(document(scene)).encode()) < 15e6  # promised
+    assert len(page_text(document(scene)).encode()) < 1.4e6  # deviations in float32 are 0.9 MB of it
 
 
 def test_forces_in_the_page_balance_the_torque(tmp_path: Path) -> None:
@@ -174,7 +174,8 @@ def test_forces_in_the_page_balance_the_torque(tmp_path: Path) -> None:
     arm = found.point[rows] - [scene.simulation.pair.a, 0.0]
     moments = force * np.abs(arm[:, 0] * found.normal[rows, 1] - arm[:, 1] * found.normal[rows, 0])
     sums = np.add.reduceat(moments, np.concatenate(([0], np.cumsum(carrying)[:-1])))
-    assert np.allclose(sums, 8.0 * NM, rtol=1e-6)  # float32
+    # Two forces, each within 1 part in 131 000 of the greatest.
+    assert np.allclose(sums, 8.0 * NM, rtol=2e-5)
 
 
 def test_an_opening_angle_is_taken_within_the_cycle_and_must_be_a_number(tmp_path: Path) -> None:

@@ -63,12 +63,13 @@ def rounded_log(values: npt.ArrayLike) -> dict[str, Any]:
 
 
 def nearly_even(x: FloatArray) -> dict[str, Any]:
-    """Places (n,) as a straight line and what is left of it, so that float32 loses nothing; even ones as the line."""
+    """Places (n,) as a straight line and what is left of it, within a thousandth of their spacing; even ones as the
+    line alone."""
     first, last = float(x[0]), float(x[-1])
     rest = x - np.linspace(first, last, x.size)
     line = {"first": first, "last": last, "size": int(x.size)}
     even = float(np.max(np.abs(rest))) <= 1e-12 * max(abs(first), abs(last))  # no more than sums round
-    return line | {"rest": None if even else packed(rest, "f4")}
+    return line | {"rest": None if even else rounded(rest, to=1e-3 * (last - first) / x.size)}
 
 
 def unpacked(pack: dict[str, Any]) -> npt.NDArray[Any]:

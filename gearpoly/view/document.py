@@ -18,13 +18,16 @@ from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.gear.flank import Flanks
 from gearpoly.mesh.pair import Mounted
-from gearpoly.page.pack import nearly_even, packed, rounded, under_noise
+from gearpoly.page.pack import Kind, nearly_even, packed, rounded, under_noise
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
 from gearpoly.view.scene import Scene
 
 SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
+
+FINE = 1e-4
+"""Of forces and stiffness, as a part of the greatest: the page prints four figures at most."""
 
 FINE_UM = 1e-3
 """Of backlash, in um: as fine as the page prints it."""
@@ -132,12 +135,17 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     carrying = load.force > 0.0
     return out | {
         "approach_um": packed(load.approach / UM, "f4"),
-        "stiffness_n_per_um": packed(load.stiffness * UM, "f4"),
+        "stiffness_n_per_um": rounded(load.stiffness * UM, to=FINE * float(np.max(load.stiffness)) * UM),
         "carrying": packed(np.bincount(found.position[carrying], minlength=found.theta_2.size), "u1"),
-        "driven": packed(found.driven[carrying], "u2"),
-        "driving": packed(found.driving[carrying], "u2"),
-        "force_n": packed(load.force[carrying], "f4"),
+        "driven": packed(found.driven[carrying], few(simulation.pair.driven.gear.z)),
+        "driving": packed(found.driving[carrying], few(simulation.pair.driving.gear.z)),
+        "force_n": rounded(load.force[carrying], to=FINE * float(np.max(load.force))),
     }
+
+
+def few(z: int) -> Kind:
+    """How numbers of ``z`` teeth are packed."""
+    return "u1" if z <= 256 else "u2"
 
 
 def _check(simulation: Simulation) -> dict[str, Any]:
