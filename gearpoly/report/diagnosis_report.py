@@ -205,7 +205,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
         ideal = comparison.gears[("driving", "driven").index(name)].ideal
         console.print(f"the {name} gear {grade_words(gear, ideal=ideal)}", highlight=False, soft_wrap=True)
-        for side in gear.flanks:
+        for side in () if ideal else gear.flanks:
             pitch, slope = (f"{low:.1f} to {high:.1f} um" for low, high in _ranges(side))
             words = f"   as built, {side.flank} flanks: pitch (index deviation) {pitch}, profile slope {slope}"
             console.print(words, style="dim", highlight=False, soft_wrap=True)
