@@ -363,6 +363,23 @@ def test_every_control_has_a_name_and_the_keyboard_reaches_it(fresh: Chromium) -
     assert fresh.run("[...document.querySelectorAll('canvas, button, select, summary')].every(e => e.tabIndex >= 0)")
 
 
+def test_on_a_phone_tables_fit_the_screen_and_say_what_each_number_is(fresh: Chromium) -> None:
+    """Once their columns lay beyond the edge, where nobody looks."""
+    fresh.size(390, 844, touch=True)
+    fresh.settle()
+    assert fresh.run("document.documentElement.scrollWidth") == 390
+    script = (
+        "[...document.querySelectorAll('.places td, .recordings td, .rms td, .values td')]"
+        ".filter(one => one.offsetParent && one.getBoundingClientRect().right > innerWidth + 1)"
+        ".map(one => one.closest('table').className + ': ' + one.textContent)"
+    )
+    assert fresh.run(script) == []
+    # A cell's heading stands before it, as the table's own head does on a desk.
+    script = "getComputedStyle(document.querySelector('.recordings td:nth-child(5)'), '::before').content"
+    assert fresh.run(script) == '"samples"'
+    fresh.screenshot(OUT / "phone.png")
+
+
 def test_a_recording_of_a_million_samples_zooms_at_once(
     fresh: Chromium, shown: tuple[Path, Diagnosis], tmp_path: Path
 ) -> None:

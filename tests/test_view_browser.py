@@ -230,6 +230,18 @@ def test_a_page_whose_flanks_are_not_the_simulated_ones_says_so(
     assert fresh.run("gearpoly.checked.te_um") == pytest.approx(0.5, abs=0.05)  # or less where another pair leads
 
 
+@pytest.mark.parametrize("width", [1100, 1200, 1280, 1440])
+def test_controls_stay_in_their_panel(fresh: Chromium, shown: dict[str, Shown], width: int) -> None:
+    """Once the angle's unit stood beyond the edge of narrow screens."""
+    fresh.size(width, 900)
+    fresh.open(shown["loaded"].page)
+    left, _, room, _ = fresh.box(".sliders")
+    for name in ("#play", "#speed", "#cycle", "#fine", "#goto", "#angle", ".entry"):
+        x, _, wide, _ = fresh.box(name)
+        assert left - 1.0 <= x and x + wide <= left + room + 1.0, name
+    fresh.size(1440, 900)
+
+
 def test_sliders_move_the_contact_to_where_simulate_says(fresh: Chromium, shown: dict[str, Shown]) -> None:
     """A hand on each slider, then keys; each time the disc on the screen covers the point that simulate gives."""
     one = shown["loaded"]
