@@ -14,3 +14,4 @@ first = found.where[0]
 assert (first["kind"], first["gear"], first["order"]) == ("shaft_order", "driven", 1)
 assert abs(first["amplitude_um"] - 9.0) < 0.5
 assert abs(found.noise_um - 0.3) < 0.02
+found.plot("compare_recording.png")

@@ -19,6 +19,7 @@ assert [one.claim.physics.name for one in found.missing] == ["encoder_eccentrici
 value, std = found.missing[0].parameters["amplitude_urad"]
 assert abs(value - 400.0) < 3.0 * std
 assert found.after_um < 1.05 * found.noise_um
+found.plot("diagnose_recording.png")
 
 with tempfile.TemporaryDirectory() as folder:
     fitted = Path(folder) / "fitted.toml"

@@ -17,3 +17,4 @@ amplitude = 2.0 * abs(np.mean((run.te_um - run.te_um.mean()) * wave))
 print(f"first order {amplitude:.3f} um, peak to peak {run.te_pp_um:.3f} um")
 assert abs(amplitude - OFF_UM) < 0.01 * OFF_UM  # the axis moves the pressure angle too, by a thousandth or so
 assert abs(run.te_pp_um - 2.0 * OFF_UM) < 0.02 * OFF_UM
+run.plot("eccentric_gear.png")

@@ -18,3 +18,4 @@ mesh = next(one for one in found.where if one["kind"] == "time" and one["hz"] > 
 assert abs(worm["amplitude_arcsec"] - 5.0) < 0.1
 assert abs(mesh["amplitude_arcsec"] - 0.4) < 0.1
 assert abs(1.0 / mesh["hz"] - 478.69 / 47) < 0.1
+found.plot("guide_log.png")

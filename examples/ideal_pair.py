@@ -21,3 +21,4 @@ print(
 assert run.te_pp_um < 2e-4  # um: twice what chords of 2000 points stand off
 assert run.contact_ratio is not None
 assert abs(run.contact_ratio - contact_ratio) < 1e-3  # 80 positions a pitch
+run.plot("ideal_pair.png")

@@ -28,3 +28,4 @@ found = pair.compare(mine)
 print(f"left {found.residual_rms_um:.3f} um rms, noise {found.noise_um:.3f} um, {len(found.where)} places")
 assert abs(found.noise_um - NOISE_UM) < 0.03 * NOISE_UM
 assert not found.where
+found.plot("own_recording.png")

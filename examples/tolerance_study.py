@@ -35,6 +35,7 @@ with tempfile.TemporaryDirectory() as folder:
     made = gearpoly.run_study(file, Path(folder) / "out")
     fine, coarse = (one.value for one in made.answers.yields[0].shares)
     pairs = made.pairs
+    made.plot("tolerance_study.png")
 print(f"{pairs} pairs: {100 * fine:.0f} % of grade 4 keep 25 um, {100 * coarse:.0f} % of grade 6")
 assert pairs == 80
 assert fine > 0.9 > coarse

@@ -9,7 +9,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib import image
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.name != "first_run.py")
@@ -36,7 +38,11 @@ def test_an_example_runs(
     """In a module of its own, as a user's Python would; one of them is started as a user does, below."""
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(path), run_name="__main__")
-    assert capfd.readouterr().out and not list(tmp_path.iterdir())
+    assert capfd.readouterr().out
+    (picture,) = tmp_path.iterdir()
+    assert picture.name == f"{path.stem}.png"
+    # Paper, axes and a curve at least.
+    assert len(np.unique(image.imread(picture).reshape(-1, 4), axis=0)) > 10
 
 
 def test_an_example_is_a_program(tmp_path: Path) -> None:

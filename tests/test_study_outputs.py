@@ -20,9 +20,9 @@ from gearpoly.mesh.pair import GearPair
 from gearpoly.positions import cycle_positions
 from gearpoly.simulate import simulate
 from gearpoly.study.composite import composite_tolerances, grade_of, own_curve, tooth_composite, total_composite
+from gearpoly.study.labels import axis_label
 from gearpoly.study.making import maker
 from gearpoly.study.outputs import PLAIN, Curves, describe, output
-from gearpoly.study.pictures import axis_label
 from gearpoly.study.pipeline import make_row
 from gearpoly.study.read import read_study
 from gearpoly.study.run import plan_study

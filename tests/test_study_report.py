@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from dataclasses import replace
@@ -9,12 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from typer.testing import CliRunner
 
 from gearpoly.cli import app
 from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.study.answers import Answers, answer
+from gearpoly.study.labels import row_label
 from gearpoly.study.models import Limit
+from gearpoly.study.pictures import pictures
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
 from gearpoly.study.statistics import share
@@ -207,6 +211,40 @@ def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
     # Backlash is 2 tan(alpha_w) times the distance, 0.24 mm over the range, against some 20 um of chance.
     assert indices["pair.centre_distance_mm"].total.value > 0.8
     assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)
+
+
+def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> None:
+    """Long names of combinations once ran into one another along an axis."""
+    limits = tuple(Limit(output=name, at_most=50.0, share=0.9) for name in ("te_pp_um", "backlash_least_um"))
+    answers = answer(plain.store.folder, limits=list(limits))
+    longer = tuple(
+        replace(one, label=f"{one.label}, driven.inspection.tooth_thickness_um = -60") for one in answers.groups
+    )
+    # Once as curves, and once with more combinations than curves have colours.
+    for groups in (longer, longer * 3):
+        yields_ = yields(limits, groups, confidence=0.95)
+        for picture in pictures(replace(answers, groups=groups, yields=yields_)):
+            for figure in (picture.drawn()[0], picture.figure()):
+                FigureCanvasAgg(figure).draw()
+                width, height = figure.bbox.size
+                for axis in figure.axes:
+                    for labels in (axis.get_xticklabels(), axis.get_yticklabels()):
+                        boxes = [one.get_window_extent() for one in labels if one.get_text()]
+                        assert not any(a.overlaps(b) for a, b in itertools.pairwise(boxes)), picture.name
+                    inside = axis.get_tightbbox()
+                    assert min(inside.x0, inside.y0) > -1.0 and inside.x1 < width + 1.0 and inside.y1 < height + 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "lines"),
+    [
+        ("grade = 5", ["grade = 5"]),
+        ("grade = 5, driving.bore_mm = 6.25", ["grade = 5", "driving.bore_mm = 6.25"]),
+        ("driven.inspection.tooth_thickness_um = -60", ["driven.inspection.", "tooth_thickness_um =", "-60"]),
+    ],
+)
+def test_names_of_rows_are_parted_at_what_is_swept_and_at_dots(name: str, lines: list[str]) -> None:
+    assert row_label(name).split("\n") == lines
 
 
 def test_page_needs_no_network_and_no_script(table: Path, tmp_path: Path) -> None:

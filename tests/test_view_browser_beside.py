@@ -111,6 +111,8 @@ def test_the_mismatch_stands_beside_the_geometry(fresh: Chromium, beside: tuple[
     pair = comparison.assembled.pair
     fresh.open(page)
     half = 0.5 * fresh.run("gearpoly.recording.window") * pair.driven.gear.tau
+    half_step = 0.5 * fresh.run("gearpoly.data.recording.mismatch_um.step")
+    assert half_step <= comparison.located.noise_level / UM / 60.0
     places = np.mod(one.theta_2, pair.cycle)
     proud = PROUD * pair.driven.gear.tau / DEG
     angles = [3.0, proud, proud + 180.0, 1900.0]
@@ -118,7 +120,7 @@ def test_the_mismatch_stands_beside_the_geometry(fresh: Chromium, beside: tuple[
     for deg in angles:
         miss = fresh.run(f"gearpoly.turn({deg}).miss")
         here = np.abs(np.mod(places - deg * DEG + 0.5 * pair.cycle, pair.cycle) - 0.5 * pair.cycle) <= half
-        assert miss == pytest.approx(float(np.mean(one.residual[here])) / UM, abs=1e-5)  # float32
+        assert miss == pytest.approx(float(np.mean(one.residual[here])) / UM, abs=half_step)
         words = fresh.run("document.getElementById('miss').textContent")
         assert words == f"{miss:.3f} \u00b5m".replace("-", "\u2212")
         found.append(miss)

@@ -51,9 +51,9 @@ class Studied:
         Raises ``OutOfRangeError`` for one that this study has not.
         """
         from gearpoly.report.plots import save
-        from gearpoly.study.pictures import figures
+        from gearpoly.study.pictures import pictures
 
-        found = {name: figure for name, figure, _ in figures(self.answers)}
+        found = {one.name: one.figure() for one in pictures(self.answers)}
         if what not in found:
             raise OutOfRangeError(f'no picture "{shown(what)}"; want one of {", ".join(found) or "none yet"}')
         if target is not None:

@@ -23,7 +23,7 @@ def diagnose(
     html: Annotated[
         Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network (- likewise).")
     ] = None,
-    pdf: Annotated[Path | None, typer.Option(help="Write the report for paper (A4; needs gearpoly[pdf]).")] = None,
+    pdf: Annotated[Path | None, typer.Option(help="Write the report for paper (A4; needs the extra pdf).")] = None,
     figures: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write every picture (svg) into this folder.")
     ] = None,

@@ -167,7 +167,7 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         + ("" if repeats is None else f", of which {repeats / UM:.3f} um repeats every hunting cycle")
         + ("" if sky is None else f"; {arcsec_words(sky.arcsec(located.residual_rms / UM))} rms on the sky"),
     )
-    table.add_row("which divides", division_words(located.division))
+    table.add_row("made up of", division_words(located.division))
     for one_lost in lost_motions(comparison):
         for name, words in lost_rows(one_lost):
             table.add_row(name, words)

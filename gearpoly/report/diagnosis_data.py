@@ -6,6 +6,8 @@ least and the greatest value in it, so that no peak is lost.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,15 +19,15 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
+from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
-from gearpoly.view.pack import packed
 
 POINTS = 60_000
-"""Values per curve over all recordings: five curves and their angles are then 1.9 MB of text. Three recordings of
+"""Values per curve over all recordings: five curves and their angles are then 1.1 MB of text. Three recordings of
 18 000 samples are shown sample by sample."""
 
 LINES = 36_000
-"""Places per spectrum over all recordings: 0.6 MB with both spectra and the limit."""
+"""Places per spectrum over all recordings: 0.3 MB with both spectra and the limit."""
 
 MESHES = 6.5
 """Mesh orders that a spectrum shows; what lies beyond is mostly the rest of steps."""
@@ -53,7 +55,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
                 "label": recording_label(k, one),
                 "coast": one.flank == "coast",
                 "noise_um": diagnosis.noise_by_recording[k] / UM,
-                "curves": curves(one, left, points=points[k]),
+                "curves": curves(one, left, points=points[k], noise=diagnosis.noise_by_recording[k]),
                 "spectrum": spectra(one, left, comparison.located.noises[k], z=z, points=LINES // len(aligned)),
                 "maps": maps(one, left, comparison.located.noises[k], z=z),
             }
@@ -80,15 +82,12 @@ def shares(sizes: list[int], budget: int) -> list[int]:
     return out
 
 
-def envelope(values: FloatArray, points: int) -> dict[str, Any]:
+def envelope(values: FloatArray, points: int, pack: Callable[[FloatArray], dict[str, Any]]) -> dict[str, Any]:
     """``values`` (n,) whole as ``low`` if they are at most ``points``, else the least and greatest of stretches."""
     starts = stretches(values.size, points)
     if starts is None:
-        return {"low": packed(values, "f4"), "high": None}
-    return {
-        "low": packed(np.minimum.reduceat(values, starts), "f4"),
-        "high": packed(np.maximum.reduceat(values, starts), "f4"),
-    }
+        return {"low": pack(values), "high": None}
+    return {"low": pack(np.minimum.reduceat(values, starts)), "high": pack(np.maximum.reduceat(values, starts))}
 
 
 def stretches(size: int, points: int) -> np.ndarray[Any, np.dtype[np.int64]] | None:
@@ -101,20 +100,18 @@ def stretches(size: int, points: int) -> np.ndarray[Any, np.dtype[np.int64]] | N
 
 
 def places(x: FloatArray, points: int) -> dict[str, Any]:
-    """Places (n,), nearly even, as a straight line and what is left of it, so that float32 loses nothing; of stretches
-    their middles."""
+    """Places (n,), nearly even; of stretches their middles."""
     starts = stretches(x.size, points)
     if starts is not None:
         ends = np.append(starts[1:], x.size) - 1
         x = 0.5 * (x[starts] + x[ends])
-    line = np.linspace(x[0], x[-1], x.size)
-    return {"first": float(x[0]), "last": float(x[-1]), "rest": packed(x - line, "f4")}
+    return nearly_even(x)
 
 
-def curves(one: Aligned, left: FloatArray, *, points: int) -> dict[str, Any]:
+def curves(one: Aligned, left: FloatArray, *, points: int, noise: float) -> dict[str, Any]:
     """One recording over the driven angle: recorded, simulated before and after, and both residuals about their means.
 
-    ``left`` (n,) in mm is what nothing explains of it.
+    ``left`` (n,) in mm is what nothing explains of it; its ``noise`` in mm says how finely curves are given.
     """
     order = np.argsort(one.theta_2, kind="stable")
     x = one.theta_2[order] / DEG
@@ -128,6 +125,7 @@ def curves(one: Aligned, left: FloatArray, *, points: int) -> dict[str, Any]:
         "residual_after": left / UM - means[1],
     }
     spacing = float(np.median(np.diff(x)))
+    fine = partial(under_noise, noise=noise / UM)
     return {
         "samples": int(x.size),
         "per_stretch": 1 if starts is None else round(x.size / starts.size, 1),
@@ -135,7 +133,7 @@ def curves(one: Aligned, left: FloatArray, *, points: int) -> dict[str, Any]:
         "x": places(x, points),
         "mean_before_um": means[0],
         "mean_after_um": means[1],
-        **{name: envelope(values[order], points) for name, values in shown.items()},
+        **{name: envelope(values[order], points, fine) for name, values in shown.items()},
     }
 
 
@@ -160,9 +158,9 @@ def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int],
     orders, before, after, limit = order_spectra(one, left, noise, z=z)
     return {
         "x": places(orders, points),
-        "before": envelope(before / UM, points),
-        "after": envelope(after / UM, points),
-        "limit": envelope(limit / UM, points),
+        "before": envelope(before / UM, points, rounded_log),
+        "after": envelope(after / UM, points, rounded_log),
+        "limit": envelope(limit / UM, points, rounded_log),
     }
 
 

@@ -146,6 +146,8 @@ def built_figure(diagnosis: Diagnosis) -> Figure:
         _built(axis, made, marked(diagnosis, gear))
         axis.set_title(f"{('driving', 'driven')[gear]} gear", fontsize=9)
     axes[0].set_ylabel("index deviation / um")
+    # Below both, where no tooth lies.
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 
@@ -159,7 +161,6 @@ def _built(axis: Any, made: BuiltGear, named: list[int]) -> None:
     axis.axhline(0.0, color=GREY, linewidth=0.6)
     axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
     axis.set_xlabel("tooth")
-    axis.legend(fontsize=7)
 
 
 def _teeth(diagnosis: Diagnosis) -> tuple[int, int]:

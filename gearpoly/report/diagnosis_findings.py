@@ -13,7 +13,7 @@ from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
 from gearpoly.report.diagnosis_report import STATUS, how_sure
 from gearpoly.report.diagnosis_sky import finding_words
-from gearpoly.report.diagnosis_words import capital, number, parameter, physics_words, typeset
+from gearpoly.report.diagnosis_words import capital, large, number, parameter, physics_words, typeset
 from gearpoly.units import UM
 
 CHIP = {
@@ -82,9 +82,9 @@ def _finding(n: int, one: Finding, diagnosis: Diagnosis) -> Shown:
         "parameters": values(one.parameters),
         "sky": capital(finding_words(one, located, sky_of(diagnosis.comparison)) or ""),
         "sure": how_sure(one),
-        "gain": number(one.gain, 1),
+        "gain": large(one.gain),
         "freedoms": sum(len(each.values) for each in one.claims),
-        "foretold": None if one.foretold is None else number(one.foretold, 1),
+        "foretold": None if one.foretold is None else large(one.foretold),
         "rivals": [_rival(each) for each in one.rivals],
         "rms": rms_rows([("without", one.without), ("with", one.with_)], diagnosis),
         "decide": _decide(one),

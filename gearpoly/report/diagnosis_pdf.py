@@ -10,7 +10,8 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from gearpoly import __version__
-from gearpoly.compare.on_sky import sky_of
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.on_sky import Sky, sky_of
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding
 from gearpoly.errors import MissingExtraError
@@ -18,6 +19,7 @@ from gearpoly.files.output import written_aside
 from gearpoly.report.compare_report import entry_words
 from gearpoly.report.diagnosis_figures import WIDTH, figures
 from gearpoly.report.diagnosis_report import STATUS, grade_words, how_sure
+from gearpoly.report.diagnosis_tables import parted
 from gearpoly.report.diagnosis_words import capital, number, parameter, typeset
 from gearpoly.units import NM, RPM, UM
 
@@ -117,7 +119,7 @@ class _Report:
             self._said(STATUS[diagnosis.status], self.head),
         ]
         out += [self._said(f"{k}. {one.says}") for k, one in enumerate(diagnosis.findings, 1)]
-        rows = [("on data that the fit never saw", "rms µm", "repeatable µm", "rms over the noise")]
+        rows = [("on data that the fit never saw", "rms µm", "repeatable µm", "rms / noise")]
         for words, rms in (
             ("declared simulation", diagnosis.before),
             ("with as-built teeth", diagnosis.as_built_only),
@@ -158,12 +160,19 @@ class _Report:
         sky = sky_of(comparison)
         out = [self._said("Where recordings and declared simulation differ", self.head)]
         entries = comparison.located.entries
-        out += [self._said(f"• {capital(entry_words(entry, sky))}") for entry in entries] or [
+        out += self._listed(entries, sky) or [
             self._said("Nothing beyond noise, and beyond what inspection or grade leave open of each tooth.")
         ]
         if self.diagnosis.unexplained:
             out.append(self._said("Located, and not explained", self.head))
-            out += [self._said(f"• {capital(entry_words(entry, sky))}") for entry in self.diagnosis.unexplained]
+            out += self._listed(self.diagnosis.unexplained, sky)
+        return out
+
+    def _listed(self, entries: Sequence[Entry], sky: Sky | None) -> list[Any]:
+        shown, folded = parted(entries)
+        out = [self._said(f"• {capital(entry_words(entry, sky))}") for entry in shown]
+        if folded:
+            out.append(self._said(f"And {len(folded)} more, which are weaker or come along with these.", self.small))
         return out
 
     def _gears(self) -> list[Any]:
@@ -192,7 +201,8 @@ class _Report:
 
     def _pictures(self) -> list[Any]:
         inch = _lab("lib.units").inch
-        out = [self.platypus.PageBreak(), self._said("Pictures", self.head)]
+        # A head stands on the page of what it is over.
+        out = [self.platypus.CondPageBreak(4.0 * inch), self._said("Pictures", self.head)]
         for _, figure, caption in figures(self.diagnosis):
             data = io.BytesIO()
             figure.savefig(data, format="png", dpi=DOTS)

@@ -190,7 +190,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
             console.print(f"  {entry_words(entry, sky_of(comparison))}", highlight=False, soft_wrap=True)
     table = Table(title="\nfit", title_justify="left", box=None, pad_edge=False, title_style="bold")
     table.add_column("")
-    for name in ("unseen, um rms", "repeatable part", "over the noise"):
+    for name in ("unseen, um rms", "repeatable, um", "rms / noise"):
         table.add_column(name, justify="right")
     for name, rms in (
         ("declared simulation", diagnosis.before),
@@ -205,7 +205,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
         ideal = comparison.gears[("driving", "driven").index(name)].ideal
         console.print(f"the {name} gear {grade_words(gear, ideal=ideal)}", highlight=False, soft_wrap=True)
-        for side in gear.flanks:
+        for side in () if ideal else gear.flanks:
             pitch, slope = (f"{low:.1f} to {high:.1f} um" for low, high in _ranges(side))
             words = f"   as built, {side.flank} flanks: pitch (index deviation) {pitch}, profile slope {slope}"
             console.print(words, style="dim", highlight=False, soft_wrap=True)
@@ -250,7 +250,7 @@ def _print_finding(console: Console, number: int, one: Finding, diagnosis: Diagn
     )
     if one.foretold is not None:
         console.print(
-            f"   other torques and flanks: each is foretold by the rest with {one.foretold:.4g} less of a misfit",
+            f"   other torques and flanks: each foretold from all others, their misfit falls by {one.foretold:,.0f}",
             highlight=False,
             soft_wrap=True,
         )

@@ -16,6 +16,9 @@ from gearpoly.units import DEG, NM, RPM, UM
 ALONG = 6
 """Places that come along with another one and are shown at once; more are folded away."""
 
+SHOWN = 12
+"""Places that are shown at once, the strongest: a screen holds so many rows. All others are folded away."""
+
 NUMBERED = {
     "curves": "Tooth numbers were found from the curves themselves.",
     "stated": "Tooth numbers come from the stated zeros.",
@@ -24,18 +27,25 @@ NUMBERED = {
 
 
 def entries(found: Sequence[Entry], *, sky: Sky | None = None) -> Shown:
-    """Places where recordings and simulation differ; behind a telescope's worm as the sky shows them. Many that come
-    along with others are ``folded`` away."""
-    along = [one for one in found if one.companion_of is not None]
-    folded = along if len(along) > ALONG else []
+    """Places where recordings and simulation differ; behind a telescope's worm as the sky shows them. Columns that say
+    nothing of any are left out."""
+    shown, folded = parted(found)
     head = ["where", "size µm", "encoder", "mesh phase", "chance from noise", "recordings", ""]
     if sky is not None:
         head.insert(2, "on the sky")
-    return {
-        "head": head,
-        "rows": [_entry_row(one, sky) for one in found if one not in folded],
-        "folded": [_entry_row(one, sky) for one in folded],
-    }
+    rows = [_entry_row(one, sky) for one in (*shown, *folded)]
+    kept = [k for k in range(len(head)) if any(row[k] for row in rows)]
+    rows = [[row[k] for k in kept] for row in rows]
+    return {"head": [head[k] for k in kept], "rows": rows[: len(shown)], "folded": rows[len(shown) :]}
+
+
+def parted(found: Sequence[Entry]) -> tuple[list[Entry], list[Entry]]:
+    """Places that a report shows at once, the strongest first, and those that it folds away: many that come along with
+    others, and what is left beyond the first ones."""
+    along = [one for one in found if one.companion_of is not None]
+    plain = [one for one in found if len(along) <= ALONG or one.companion_of is None]
+    shown = plain[:SHOWN]
+    return shown, [one for one in found if not any(one is other for other in shown)]
 
 
 def _entry_row(one: Entry, sky: Sky | None) -> list[str]:

@@ -21,6 +21,9 @@ UNITS = {
 MINUS = "\u2212"
 """The minus sign of print, as wide as a plus."""
 
+NARROW = "\u202f"
+"""The narrow space, at which no line ends, between groups of three figures."""
+
 NONE = "\u2013"
 """Stands where there is no value."""
 
@@ -36,6 +39,13 @@ def number(value: float | None, digits: int) -> str:
         return NONE
     text = f"{abs(value):.{digits}f}"
     return (MINUS if value < 0.0 and float(text) != 0.0 else "") + text
+
+
+def large(value: float) -> str:
+    """``value`` with one decimal below 100, and from there on whole, in groups of three with narrow spaces."""
+    if abs(value) < 100.0:
+        return number(value, 1)
+    return (MINUS if value < 0.0 else "") + f"{abs(value):,.0f}".replace(",", NARROW)
 
 
 def measured(value: float, std: float) -> str:

@@ -57,9 +57,9 @@ def print_summary(
             (
                 "not counted (positions not evenly spaced)"
                 if figures["contact_ratio"] is None
-                else f"{figures['contact_ratio']:.5f}"
+                else f"{figures['contact_ratio']:.5f} pairs touch in the mean"
             )
-            + f", theoretical {figures['contact_ratio_theoretical']:.5f}",
+            + f", theoretical {figures['contact_ratio_theoretical']:.5f} without deviations",
         ),
         ("tip corners", f"touch in {figures['corner_contacts']} contacts"),
         (

@@ -52,6 +52,11 @@ class Group:
         return next(sample for sample in self.samples if sample.output == output)
 
 
+def counted(combinations: int) -> str:
+    """How many combinations, in words."""
+    return "1 combination" if combinations == 1 else f"{combinations} combinations"
+
+
 def group(design: Design, k: int, found: dict[str, Any], *, confidence: float) -> Group:
     """Group ``k`` of ``design`` from the columns ``found`` of its rows."""
     values = design.values(k * design.points.shape[0] * design.blocks)

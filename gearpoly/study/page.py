@@ -3,43 +3,60 @@
 from __future__ import annotations
 
 import base64
+import io
 import math
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gearpoly.files.output import write_text
 from gearpoly.page.render import render
 from gearpoly.study.answers import Answers
 from gearpoly.study.causes import count_words
-from gearpoly.study.groups import PERCENTILES
+from gearpoly.study.groups import PERCENTILES, counted
 from gearpoly.study.outputs import describe
 from gearpoly.study.statistics import Interval
 from gearpoly.study.yields import DOES_NOT, KEEPS, NONE_DRAWN, yield_words
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TONES = {KEEPS: "good", DOES_NOT: "bad", NONE_DRAWN: "bad"}
 
 
 def write_page(answers: Answers, target: Path) -> None:
     """Write the page of ``answers`` to ``target``, whole or not at all."""
-    from gearpoly.study.pictures import draw_all
+    from matplotlib import rc_context
 
-    with tempfile.TemporaryDirectory(prefix="gearpoly-") as folder:
+    from gearpoly.study.pictures import pictures
+
+    # Letters as letters: the browser draws them in its own font, and none travels with each picture.
+    with rc_context({"svg.fonttype": "none"}):
         figures = [
-            {"caption": caption, "base64": base64.b64encode(file.read_bytes()).decode("ascii")}
-            for file, caption in draw_all(answers, Path(folder))
+            {
+                "caption": one.caption,
+                "key": one.key,
+                "panels": [_svg(figure) for figure in one.drawn()],
+            }
+            for one in pictures(answers)
         ]
     write_text(target, page(answers, figures))
 
 
-def page(answers: Answers, figures: Sequence[dict[str, str]]) -> str:
+def _svg(figure: Figure) -> str:
+    """A picture as SVG in base64."""
+    aside = io.BytesIO()
+    figure.savefig(aside, format="svg", dpi=150, metadata={"Date": None})
+    return base64.b64encode(aside.getvalue()).decode("ascii")
+
+
+def page(answers: Answers, figures: Sequence[dict[str, Any]]) -> str:
     """The page as text, with ready-made ``figures``."""
     seed, version = answers.manifest["seed"], answers.manifest["gearpoly"]
     return render(
         "report/page/study.html",
         name=answers.name,
-        about=f"gearpoly {version} study, {answers.pairs} pairs in {len(answers.groups)} combinations, seed {seed}, "
+        about=f"gearpoly {version} study, {answers.pairs} pairs ({counted(len(answers.groups))}), seed {seed}, "
         f"intervals of {100.0 * answers.confidence:g} %",
         remarks=answers.remarks,
         causes=_causes(answers),
@@ -47,7 +64,7 @@ def page(answers: Answers, figures: Sequence[dict[str, str]]) -> str:
         yields=_yields(answers),
         figures=figures,
         sensitivity=[
-            (name, one.factor, interval(one.first), interval(one.total))
+            (name, one.factor, part_words(one.first), part_words(one.total))
             for name, indices in answers.sensitivity
             for one in indices
         ],
@@ -70,6 +87,7 @@ def _yields(answers: Answers) -> list[dict[str, Any]]:
     return [
         {
             "words": found.words,
+            "says": "; ".join(f"{limit.output}: {describe(limit.output)}" for limit in found.limits),
             "rows": [
                 (
                     group.label,
@@ -95,7 +113,12 @@ def _percentile_rows(answers: Answers, name: str) -> list[list[str]]:
 
 def number(value: float) -> str:
     """A number as a table shows it."""
-    return f"{value:.4g}" if math.isfinite(value) else ""
+    return f"{value:.3g}" if math.isfinite(value) else ""
+
+
+def part_words(one: Interval) -> str:
+    """A share of the variance with its interval, which estimates may leave on both sides."""
+    return f"{one.value:.2f} ({one.low:.2f} to {one.high:.2f})".replace("-0.00", "0.00")
 
 
 def interval(one: Interval) -> str:

@@ -16,7 +16,7 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
 from gearpoly.study.answers import Answers
 from gearpoly.study.causes import Cause, causes, count_words
-from gearpoly.study.groups import Sample
+from gearpoly.study.groups import Sample, counted
 from gearpoly.study.models import Limit
 from gearpoly.study.outputs import describe
 from gearpoly.study.run import Outcome
@@ -38,7 +38,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     store, file = outcome.store, outcome.store.plan.file
     console.print(file.name, style="bold", highlight=False)
     console.print(
-        f"{outcome.rows} pairs ({_counted(store.plan.design.combinations)}), {outcome.made} of them made now"
+        f"{outcome.rows} pairs ({counted(store.plan.design.combinations)}), {outcome.made} of them made now"
         + (f" in {outcome.seconds:.1f} s, {outcome.made / outcome.seconds:.2f} pairs/s" if outcome.made else "")
         + (f"; stopped: {outcome.why}" if outcome.why != "all rows" else ""),
         highlight=False,
@@ -55,10 +55,6 @@ def _print_causes(console: Console, found: tuple[Cause, ...], *, pairs: int) -> 
         console.print(f"  {one.says}; for example {one.example}", style="yellow", highlight=False)
     if len(found) > CAUSES:
         console.print(f"  {len(found) - CAUSES} more causes are in the column reason", style="yellow", highlight=False)
-
-
-def _counted(combinations: int) -> str:
-    return "1 combination" if combinations == 1 else f"{combinations} combinations"
 
 
 def parse_limits(texts: list[str] | None, *, share: float, folder: Path) -> list[Limit] | None:

@@ -150,7 +150,12 @@ def _says(found: Yield, groups: tuple[Group, ...], mine: list[int]) -> str:
 
 def share_words(one: Interval) -> str:
     """A share with its interval, in per cent."""
-    return f"{100.0 * one.value:.4g} % ({100.0 * one.low:.4g} to {100.0 * one.high:.4g} %)"
+    return f"{_per_cent(one.value)} % ({_per_cent(one.low)} to {_per_cent(one.high)} %)"
+
+
+def _per_cent(x: float) -> str:
+    """A share in per cent, with one decimal, and two within 1 % of none and of all."""
+    return f"{round(100.0 * x, 1 if 0.01 <= x <= 0.99 else 2):g}"
 
 
 def yield_words(found: Yield, groups: tuple[Group, ...], k: int) -> str:

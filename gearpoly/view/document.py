@@ -18,13 +18,19 @@ from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.zeros import Zeros
 from gearpoly.gear.flank import Flanks
 from gearpoly.mesh.pair import Mounted
+from gearpoly.page.pack import Kind, nearly_even, packed, rounded, under_noise
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
-from gearpoly.view.pack import packed
 from gearpoly.view.scene import Scene
 
 SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
+
+FINE = 1e-4
+"""Of forces and stiffness, as a part of the greatest: the page prints four figures at most."""
+
+FINE_UM = 1e-3
+"""Of backlash, in um: as fine as the page prints it."""
 
 CHECKS = 256
 """Positions whose contact points the page carries to compare its own kernel with."""
@@ -120,8 +126,8 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     who carries what."""
     load, found = simulation.load, simulation.contacts
     out = {
-        "te_um": packed(found.te * simulation.pair.r_b2 / UM, "f8"),
-        "backlash_um": packed(simulation.backlash.j_bn / UM, "f4"),
+        "te_um": packed(found.te * simulation.pair.r_b2 / UM, "f4"),
+        "backlash_um": rounded(simulation.backlash.j_bn / UM, to=FINE_UM),
         "pairs": packed(simulation.pairs, "u1"),
     }
     if load is None:
@@ -129,12 +135,17 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     carrying = load.force > 0.0
     return out | {
         "approach_um": packed(load.approach / UM, "f4"),
-        "stiffness_n_per_um": packed(load.stiffness * UM, "f4"),
+        "stiffness_n_per_um": rounded(load.stiffness * UM, to=FINE * float(np.max(load.stiffness)) * UM),
         "carrying": packed(np.bincount(found.position[carrying], minlength=found.theta_2.size), "u1"),
-        "driven": packed(found.driven[carrying], "u2"),
-        "driving": packed(found.driving[carrying], "u2"),
-        "force_n": packed(load.force[carrying], "f4"),
+        "driven": packed(found.driven[carrying], few(simulation.pair.driven.gear.z)),
+        "driving": packed(found.driving[carrying], few(simulation.pair.driving.gear.z)),
+        "force_n": rounded(load.force[carrying], to=FINE * float(np.max(load.force))),
     }
+
+
+def few(z: int) -> Kind:
+    """How numbers of ``z`` teeth are packed."""
+    return "u1" if z <= 256 else "u2"
 
 
 def _check(simulation: Simulation) -> dict[str, Any]:
@@ -158,6 +169,7 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
     chosen = np.arange(0, turns.size, every)
     order = chosen[np.argsort(turns[chosen], kind="stable")]
     source = one.cleaned.recording.source
+    noise = comparison.located.noise_level / UM
     return {
         "file": source.name,
         "samples": int(turns.size),
@@ -166,9 +178,9 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
         "noise_um": comparison.located.noise_level / UM,
         "rms_um": one.rms / UM,
         "mean_um": one.mean / UM,
-        "theta_2": packed(turns[order], "f8"),
-        "recorded_um": packed(one.recorded[order] / UM, "f4"),
-        "mismatch_um": packed(one.residual[order] / UM, "f4"),
+        "theta_2": nearly_even(turns[order]),
+        "recorded_um": under_noise(one.recorded[order] / UM, noise=noise),
+        "mismatch_um": under_noise(one.residual[order] / UM, noise=noise),
         "open": [
             name for name, told in zip(("driving", "driven"), comparison.alignment.numbered, strict=True) if not told
         ],

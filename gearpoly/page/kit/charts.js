@@ -28,13 +28,14 @@ export class Chart {
     return changed;
   }
 
-  label(text, x, y, colour, align = "left", size = 11) {
+  // A text that is wider than `most` is drawn narrower.
+  label(text, x, y, colour, align = "left", size = 11, most = Infinity) {
     const { context } = this;
     context.font = `${size}px system-ui, sans-serif`;
     context.textAlign = align;
     context.textBaseline = "middle";
     context.fillStyle = colour;
-    context.fillText(text, x, y);
+    context.fillText(text, x, y, Number.isFinite(most) ? most : undefined);
   }
 }
 
@@ -43,7 +44,11 @@ export function ticks(low, high, count) {
   const raw = (high - low) / Math.max(1, count);
   if (!(raw > 0)) return [low];
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * (raw / power > 5 ? 10 : raw / power > 2 ? 5 : raw / power > 1 ? 2 : 1);
+  const steps = [10, 5, 2, 1, 0.5, 0.2, 0.1].map((n) => n * power);
+  const marks = (step) => Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1;
+  // The smallest that makes no more than `count`, or a smaller one where that makes one mark, which is no scale.
+  const wished = steps.findLastIndex((step) => step >= raw);
+  const step = steps.slice(wished).find((one) => marks(one) > 1) ?? steps[6];
   const out = [];
   for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) out.push(Math.abs(v) < 1e-9 * step ? 0 : v);
   return out;

@@ -52,15 +52,6 @@ export class Curve {
   }
 }
 
-// Places that increase: a straight line and what is left of it.
-export function placesOf(pack) {
-  const rest = unpack(pack.rest);
-  const out = new Float64Array(rest.length);
-  const step = rest.length > 1 ? (pack.last - pack.first) / (rest.length - 1) : 0;
-  for (let k = 0; k < rest.length; k++) out[k] = pack.first + step * k + rest[k];
-  return out;
-}
-
 // The number of the place next to x.
 export function nearest(places, x) {
   const k = clamp(lowerBound(places, x), 0, places.length - 1);

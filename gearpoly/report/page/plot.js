@@ -154,7 +154,7 @@ export class Plot {
     const muted = colour("--muted");
     for (const x of xs) chart.label(tickText(x), this.px(x), ROOM.top + height + 10, muted, "center");
     for (const y of ys) chart.label(options.log ? powerText(y) : tickText(y), ROOM.left - 6, this.py(y), muted, "right");
-    chart.label(options.xLabel, ROOM.left + 0.5 * width, ROOM.top + height + 27, colour("--ink"), "center", 12);
+    chart.label(options.xLabel, ROOM.left + 0.5 * width, ROOM.top + height + 27, colour("--ink"), "center", 12, width + 2 * ROOM.right);
     context.save();
     context.translate(12, ROOM.top + 0.5 * height);
     context.rotate(-0.25 * TURN);

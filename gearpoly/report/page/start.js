@@ -1,8 +1,8 @@
 // The page's plots, the recording that they show, and what scripts and tests may ask.
 
-import { DATA, modulo, signed, unpack } from "../../page/kit/data.js";
+import { DATA, modulo, placesOf, signed, unpack } from "../../page/kit/data.js";
 import { element, themes } from "../../page/kit/dom.js";
-import { Curve, placesOf } from "./levels.js";
+import { Curve } from "./levels.js";
 import { colour, forgetColours, ROOM } from "./plot.js";
 import { curvePlot, mapPlot, teethPlot } from "./painters.js";
 

@@ -56,7 +56,7 @@ export class Panels {
     if (this.recording) {
       const { miss, count } = state;
       put("miss", count > 0 ? `${signed(miss, 3)} \u00b5m` : "not recorded here");
-      put("miss-count", count > 0 ? `of ${count}` : "");
+      put("miss-count", count > 0 ? `mean of ${count}` : "");
     }
   }
 
