@@ -35,7 +35,7 @@ class Rms:
 class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
-    of held-out samples without names and with them. ``refused``: names that were taken back, each with the rms in mm of
+    of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were taken back, each with the rms in mm of
     what it does; ``unchecked``: those that nothing repeats, so nothing unseen tells of them."""
 
     declared: float
@@ -43,6 +43,7 @@ class Checked:
     named: float
     std: float
     rms: tuple[float, float]
+    noise: float
     refused: tuple[tuple[Claim, float], ...] = ()
     unchecked: tuple[Claim, ...] = ()
 
@@ -52,8 +53,11 @@ class Checked:
         if self.refused:
             names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
             without, with_ = self.rms
+            why = "fit no better with it than without"
+            if with_ < without:
+                why = f"are left {with_ / self.noise:.2g} times the noise, so that more is in them than is understood"
             yield (
-                f"not named, since unseen data fit no better with it than without: {names} (mean square "
+                f"not named, since unseen data {why}: {names} (mean square "
                 f"over that of the noise: {self.named:.4g} with names, {self.as_built:.4g} with as-built teeth alone, "
                 f"{self.declared:.4g} as declared, +- {self.std:.2g}; rms {with_ / UM:.4g} um with names, "
                 f"{without / UM:.4g} without)"

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
 from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
@@ -37,6 +39,9 @@ TERMS = 6
 
 STEPS = 24
 """Moments of a recording at which it may have jumped."""
+
+SWINGS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
+"""Periods in a recording of a slow wave of no cause: whatever turns slower than both shafts, and what heats by turns."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -212,24 +217,39 @@ def mesh_std(*, means: bool = False) -> FloatArray:
 
 
 def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unknown]:
-    """A slow course of every recording by itself, or a step at some moment in them."""
+    """A slow course of every recording by itself: straight, bent, a slow wave, or a step at some moment in it."""
     these = [k for k, _ in enumerate(scenes) if not recordings or k in recordings]
-    parts: list[FloatArray] = []
-    jumps: list[FloatArray] = []
-    for k, scene in enumerate(scenes):
-        along = scene.samples.along
-        within = float(k in these)
-        parts.append(np.asarray(within * np.polynomial.legendre.legvander(along, TERMS)[:, 1:], dtype=np.float64))
-        moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
-        jumps.append(within * (along[:, None] >= moments).astype(np.float64))
-    std = 1.0 / np.arange(1, TERMS + 1)
-    courses = _repeated("slow course", scenes, parts, std, (("", _same), (" by recording", _number)))
-    halved = [Unknown(name=one.name, columns=one.columns, std=one.std, weight=0.5 * one.weight) for one in courses]
-    one_step = [
-        Unknown(name="step", columns=[part[:, j : j + 1] for part in jumps], std=np.ones(1), weight=0.5 / STEPS)
-        for j in range(STEPS)
+    ways = (("", _same), (" by recording", _number))
+    inside = [scene.samples.along * float(k in these) for k, scene in enumerate(scenes)]
+    within = [float(k in these) for k, _ in enumerate(scenes)]
+
+    def drawn(name: str, columns: Callable[[FloatArray], FloatArray], std: FloatArray) -> list[Unknown]:
+        parts = [here * columns(x) for x, here in zip(inside, within, strict=True)]
+        return _repeated(name, scenes, parts, std, ways)
+
+    moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
+    forms = [
+        [drawn("ramp", lambda x: x[:, None], np.ones(1))],
+        [drawn("slow course", lambda x: legvander(x, TERMS)[:, 1:], 1.0 / np.arange(1, TERMS + 1))],
+        [drawn("slow wave", partial(_swing, periods=periods), np.ones(2)) for periods in SWINGS],
+        [
+            [
+                Unknown(
+                    name="step",
+                    columns=[here * (x >= at)[:, None] for x, here in zip(inside, within, strict=True)],
+                    std=np.ones(1),
+                    weight=1.0,
+                )
+            ]
+            for at in moments
+        ],
     ]
-    return halved + one_step
+    return [replace(one, weight=one.weight / (len(forms) * len(form))) for form in forms for way in form for one in way]
+
+
+def _swing(along: FloatArray, *, periods: float) -> FloatArray:
+    """Cosine and sine (n, 2) of so many periods in a recording, from -1 to 1 ``along`` (n,) it."""
+    return np.column_stack([wave(np.pi * periods * along) for wave in (np.cos, np.sin)])
 
 
 def unknowns(

@@ -32,7 +32,8 @@ class Expert:
 def expert(verdict: dict[str, Any], truth: Truth, limits: Thresholds, *, error: str, failure: str) -> Expert:
     """What became of a case, asked of the verdict (empty where the diagnosis failed with an ``error``)."""
     claims = verdict["missing"]
-    allowed = truth.may_name if truth.may_name is not None else tuple(i for i in truth.items if i.physics)
+    # The truth itself is never false; it knows its tooth's encoder reading, of which a list of names has the number.
+    allowed = (*(truth.may_name or ()), *(i for i in truth.items if i.physics))
     must_name, must_locate = to_be_named(truth, limits), to_be_located(truth, limits)
     something = bool(claims or verdict.get("unexplained") or error)
     wrong = truth.kind == WRONG_FILE
@@ -53,5 +54,7 @@ def _right(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
 
 
 def _may(claim: dict[str, Any], item: Item, limits: Thresholds) -> bool:
+    if "tooth" in claim and claim["tooth"] is None and claim.get("encoder_deg") is None and names(claim, item):
+        return True  # it says that some tooth of the gear has it, not which
     within = any(names(one, item) and on_tooth(one, item, limits, claim=claim) for one in reported_set(claim))
     return within or acceptable(claim, item, limits)
