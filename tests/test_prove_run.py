@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from gearpoly.__main__ import main
 from gearpoly.cli import app
 from gearpoly.diagnose.method import Method
 from gearpoly.errors import GearpolyError, InputFileError
@@ -32,6 +34,8 @@ from gearpoly.prove.drawn import draw_sizes
 from gearpoly.prove.page import board_text, page
 from gearpoly.prove.run import Proof, prove_folder, prove_ground
 from gearpoly.proving.ground import plan
+from gearpoly.proving.grounds import GROUNDS
+from gearpoly.proving.rig import BenchError
 from gearpoly.study import progress
 from tests import made_process
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
@@ -99,6 +103,30 @@ def test_a_truth_that_changes_under_way_stops_the_proof(bench: Path, tmp_path: P
 
     with pytest.raises(InputFileError, match="a truth changed"):
         prove_folder(bench, out=tmp_path / "out", diagnoser=meddling, say=quiet)
+
+
+def test_a_bench_that_fails_names_the_case_and_the_seed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A fault of the bench is none of the user's files: one line, exit 1, and no case half written."""
+
+    def failing(seed: int, entry: Any) -> Any:
+        raise BenchError("no equilibrium at 1 of 114 positions")
+
+    monkeypatch.setitem(GROUNDS, "real-life", replace(GROUNDS["real-life"], make=failing))
+    out = tmp_path / "out"
+    argv = ["gearpoly", "prove", "--ground", "real-life", "--seed", "7", "--workers", "1", "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", argv)
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 1
+    said = [line for line in capsys.readouterr().err.splitlines() if "equilibrium" in line]
+    assert len(said) == 1
+    assert (
+        "case_000 of the real-life ground of seed 7: no equilibrium at 1 of 114 positions. This is a fault in"
+        in said[0]
+    )
+    assert list((out / "cases").iterdir()) == list((out / "truths").iterdir()) == []
 
 
 def test_two_workers_write_the_same_bytes(bench: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import scipy
 
 import gearpoly
 import gearpoly.proving
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, SelfCheckError
 from gearpoly.files.output import write_text
 from gearpoly.prove import diagnoser as diagnosers
 from gearpoly.prove.arms import PLAIN, Arm, arms
@@ -25,6 +25,7 @@ from gearpoly.prove.thresholds import Thresholds, read_thresholds
 from gearpoly.prove.truth import read_truth
 from gearpoly.prove.work import Diagnosing, Writing, diagnose, result, seconds, write
 from gearpoly.proving.grounds import BENCH, GROUNDS
+from gearpoly.proving.rig import BenchError
 from gearpoly.proving.write import seal
 
 Say = Callable[[str], None]
@@ -55,7 +56,8 @@ def prove_ground(
     """Prove on a ground of ``seed``, one of ``gearpoly.proving.grounds``; finished work in ``out`` is gone on with.
     ``indices``: some cases only, then without controls.
 
-    Raises ``GearpolyError`` where ``out`` cannot be written or a worker dies.
+    Raises ``GearpolyError`` where ``out`` cannot be written or a worker dies, ``SelfCheckError`` where the bench fails
+    at a case.
     """
     entries = GROUNDS[ground].plan(seed, quick=quick)
     chosen = list(range(len(entries))) if indices is None else list(indices)
@@ -69,10 +71,13 @@ def prove_ground(
         ) for k in chosen
     ]  # fmt: skip
     say(f"{len(chosen)} cases of seed {seed}{', quick' if quick else ''}, in {out}")
-    each(
-        write, [job for job in writing if not job.done()], workers=workers, what="cases written",
-        name=lambda job: entries[job.index].name,
-    )  # fmt: skip
+    try:
+        each(
+            write, [job for job in writing if not job.done()], workers=workers, what="cases written",
+            name=lambda job: entries[job.index].name,
+        )  # fmt: skip
+    except BenchError as error:
+        raise SelfCheckError(str(error)) from None
     cases = {k: case_files(out / "cases", entries[k].name, truths=out / "truths") for k in chosen}
     extra = [] if quick or indices is not None or ground != BENCH else arms(entries)
     part = "" if indices is None else f", {len(chosen)} of its {len(entries)} cases, without its controls"

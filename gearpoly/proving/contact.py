@@ -63,14 +63,18 @@ def _descend(
     dx: float, dy: float, B1: float, rb1: float, B2: float, rb2: float, row1: FloatArray, row2: FloatArray,
 ) -> tuple[float, float, float, float, float, float, bool]:  # fmt: skip
     """Minimum of the opening between lo and hi, from l on: Newton on its slope, halving where that leaves the bracket.
+    Either end is tried before the halving, but once: a flank that bends more than ``curve`` would else be sent from
+    end to end for ever.
 
     The last value says that the driven tip ended the search: the opening still falls there, so the corner touches,
     not the flank."""
     best, at, l2b, bb, pxb, pyb, falls, cut = 1e9, l, 0.0, 0.0, 0.0, 0.0, False, False
     low, high, bound_lo, bound_hi = lo, hi, lo, hi
+    tried_lo, tried_hi = False, False
     before, slope_before = 1e9, 0.0
     l = min(max(l, lo), hi)
     for _ in range(60):
+        tried_lo, tried_hi = tried_lo or l <= bound_lo, tried_hi or l >= bound_hi
         g, slope, l2, b2, px, py = _open(l, dx, dy, B1, rb1, B2, rb2, row1, row2)
         if l2 > tip2:  # beyond the driven tip, there is no flank: go up the driving tooth
             low, cut = l, True
@@ -95,9 +99,9 @@ def _descend(
         before, slope_before = l, slope
         new = l - slope / curve
         if new >= high:
-            new = bound_hi if high >= bound_hi else 0.5 * (low + high)
+            new = bound_hi if high >= bound_hi and not tried_hi else 0.5 * (low + high)
         elif new <= low:
-            new = bound_lo if low <= bound_lo else 0.5 * (low + high)
+            new = bound_lo if low <= bound_lo and not tried_lo else 0.5 * (low + high)
         if abs(new - l) < STEP or high - low < NARROW:
             # One last look at the converged point: it costs little and is exact to second order.
             if abs(new - l) > 0.1 * STEP:

@@ -6,6 +6,7 @@ import hashlib
 from pathlib import Path
 
 from gearpoly.proving.grounds import BENCH, GROUNDS
+from gearpoly.proving.rig import BenchError
 
 
 def write_case(
@@ -13,16 +14,22 @@ def write_case(
 ) -> str:
     """Write NAME/pair.toml and NAME/rec_K.csv under folder, NAME.truth.json under truths (default: folder).
 
-    Returns the sha256 of the truth file's bytes. The truth comes last, and whole: where it is, the case is."""
+    Returns the sha256 of the truth file's bytes. The truth comes last, and whole: where it is, the case is. Raises
+    ``BenchError`` with the names of case and seed where the bench fails."""
     entry = GROUNDS[ground].plan(seed, quick=quick)[index]
-    case = GROUNDS[ground].make(seed, entry)
+    try:
+        case = GROUNDS[ground].make(seed, entry)
+        sealed = case.truth_text().encode()
+        files = [(path, text.encode()) for path, text in case.files()]
+    except BenchError as error:
+        which = f"{entry.name} of the {ground} ground of seed {seed}{', quick' if quick else ''}"
+        raise BenchError(f"{which}: {error}") from error
     apart = folder if truths is None else truths
     apart.mkdir(parents=True, exist_ok=True)
     place = folder / entry.name
     place.mkdir(parents=True, exist_ok=True)
-    sealed = case.truth_text().encode()
-    for path, text in case.files():
-        (place / path).write_bytes(text.encode())
+    for path, data in files:
+        (place / path).write_bytes(data)
     aside = apart / f"{entry.name}.truth.json.part"
     aside.write_bytes(sealed)
     aside.replace(apart / f"{entry.name}.truth.json")
