@@ -120,11 +120,17 @@ class Ends:
         self.ends, self.broken, self.noises = ends, broken, None
         self.asked: list[str] = []
         self.over = False
+        self.scenes = (SimpleNamespace(bends=True),)
         gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
         self.model = SimpleNamespace(claims=[named("first")], as_built=SimpleNamespace(gears=gears))
 
     def cost(self, claims: list[Any]) -> float:
         return self.ends[claims[0].key if claims else "nothing"] + 2.0 * len(claims)
+
+    @property
+    def linear(self) -> Any:
+        system = SimpleNamespace(misfit=self.cost(self.model.claims))
+        return SimpleNamespace(system=system, under=lambda noises: SimpleNamespace(system=system))
 
     def kept(self) -> list[Any]:
         return list(self.model.claims)
@@ -153,6 +159,10 @@ class Ends:
     def _withdrawn(self, k: int) -> bool:
         me: Any = self
         return Search._withdrawn(me, k)
+
+    def _fit_without(self, k: int) -> None:
+        me: Any = self
+        Search._fit_without(me, k)
 
     def _settled_for(self, claim: Any) -> bool:
         me: Any = self

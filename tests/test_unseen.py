@@ -171,7 +171,7 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
 
 def test_a_refusal_and_an_unchecked_tooth_are_told() -> None:
     wave, tooth = claim("eccentricity", 0, 1.0, 0.0), claim("tooth_pitch", 0, 3.0)
-    figures = {"declared": 1.2, "as_built": 1.1, "named": 1.15, "std": 0.02, "rms": (2e-3, 3e-3)}
+    figures = {"declared": 1.2, "as_built": 1.1, "named": 1.15, "std": 0.02, "rms": (2e-3, 3e-3), "noise": 1e-3}
     refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=(tooth,)).says
     assert "unseen data fit no better" in refused and "rms 3 um with names, 2 without" in refused
     assert "mean square" in refused and "eccentricity" in refused and "1.15 with names" in refused
@@ -239,4 +239,4 @@ def test_a_pit_that_unseen_data_do_not_bear_out_is_located_and_not_named(tmp_pat
     assert found.status == "unexplained" and found.unexplained
     assert found.unseen is not None and found.unseen.refused
     assert found.after.unseen <= found.as_built_only.unseen
-    assert any("fit no better" in remark for remark in found.remarks)
+    assert any("not named, since unseen data" in remark for remark in found.remarks)

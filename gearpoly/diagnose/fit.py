@@ -44,10 +44,6 @@ BETTER = 10.0
 RELAXED = 8
 """Times that a fit begins once more with teeth alike."""
 
-SHAKEN = 8
-"""Times that a fit begins once more with teeth that lean otherwise. Of a 17/22 of grade 6, a relief of which nothing was
-there had gained 41 in misfit; of eight such beginnings six left 14 to 1 of that."""
-
 Kept = tuple[dict[str, Any], dict[str, Any]]
 """A state to come back to: of the model, and of the fit."""
 
@@ -177,8 +173,8 @@ class Fit:
 
     def relax(self, *, first: bool = False) -> None:
         """Begin once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that
-        lean as none of their fellows does, as long as that ends better; and with teeth as declared, as the ``first`` fit
-        began.
+        lean as none of their fellows does, as long as that ends better; and with teeth as declared, as the ``first``
+        fit began.
 
         Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
         step was wrong: the fit rests with teeth that lean as none does. And what two crownings differ by is a slope and
@@ -209,32 +205,6 @@ class Fit:
             # Teeth that lean together hand over elsewhere, and to first order no column says that the zero is wrong.
             if teeth.strained(self.model.built) and not self.over:
                 self._better_from(teeth.alike(self.model.built, graded), shift)
-
-    def shake(self, *, enough: float) -> None:
-        """Begin some times more with teeth of graded gears that lean otherwise, and keep what ends better, until the
-        misfit is ``enough``.
-
-        Unloaded teeth touch here and there only, and which of two does is another valley of the misfit each time. A
-        claim leads out of one, whatever it is of, so what it has gained is not yet lost without it.
-        """
-        teeth, rng = self.model.as_built, np.random.default_rng(0)
-        graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
-        if not graded or all(scene.bends for scene in self.scenes):
-            return
-        noises = self.noises
-        for _ in range(SHAKEN):
-            there = self.linear.under(noises).system.misfit
-            if self.over or there < enough:
-                return
-            before = self.kept()
-            self.model.built = teeth.otherwise(self.model.built, graded, rng)
-            try:
-                self.settle()
-            except GearpolyError:
-                self.restore(before)
-                continue
-            if self.linear.under(noises).system.misfit > there:
-                self.restore(before)
 
     def _better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends

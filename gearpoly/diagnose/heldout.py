@@ -35,8 +35,9 @@ class Rms:
 class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
-    of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were taken back, each with the rms in mm of
-    what it does; ``unchecked``: those that nothing repeats, so nothing unseen tells of them."""
+    of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were
+    taken back, each with the rms in mm of what it does; ``unchecked``: those that nothing repeats, so that nothing
+    unseen tells of them."""
 
     declared: float
     as_built: float

@@ -82,7 +82,8 @@ def judge(
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
-    more = 0.0 if without is None else without - (plain.misfit - linear.system.misfit)
+    rise = 0.0 if without is None else without - (plain.misfit - linear.system.misfit)
+    more = max(0.0, rise)
     mine += 0.5 * more / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
@@ -111,6 +112,9 @@ def judge(
         likelier = log_size(claim.values[0], WRONG * usual) - log_size(claim.values[0], usual)
         weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
+    # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
+    less = 0.5 * min(0.0, rise) / trial.dispersion
+    explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations)
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown

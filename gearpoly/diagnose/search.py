@@ -10,6 +10,7 @@ from gearpoly.diagnose.fit import BETTER, Kept, without_columns
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.unnamed import is_weighed, leave_more, left_unnamed, likeliest, weigh_at
+from gearpoly.diagnose.valleys import shake
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
@@ -33,8 +34,8 @@ GROWN = 10.0
 """Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
 
 VALLEYS = 200.0
-"""Misfit by which valleys that unloaded teeth lie in may differ: claims of nothing had gained 41 to 93 in three pairs of
-grade 6 that were recorded at 8 to 10 samples per mesh."""
+"""Misfit by which valleys that unloaded teeth lie in may differ: claims of nothing had gained 41 to 93 in three pairs
+of grade 6 that were recorded at 8 to 10 samples per mesh."""
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
@@ -305,7 +306,7 @@ class Search(Exchange):
         self.settle()
         self.relax()
         if self.linear.under(noises).system.misfit < there + VALLEYS:
-            self.shake(enough=there)
+            shake(self, enough=there)
 
     def _settled_for(self, claim: Claim) -> bool:
         """Whether what stands beside a claim may have come to rest in another valley for it."""

@@ -41,7 +41,7 @@ STEPS = 24
 """Moments of a recording at which it may have jumped."""
 
 SWINGS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
-"""Periods in a recording of a slow wave of no cause: whatever turns slower than both shafts, and what heats by turns."""
+"""Periods in a recording of a slow wave of no cause: what turns slower than both shafts, and what heats by turns."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -230,7 +230,13 @@ def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unk
     moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
     forms = [
         [drawn("ramp", lambda x: x[:, None], np.ones(1))],
-        [drawn("slow course", lambda x: legvander(x, TERMS)[:, 1:], 1.0 / np.arange(1, TERMS + 1))],
+        [
+            drawn(
+                "slow course",
+                lambda x: np.asarray(legvander(x, TERMS)[:, 1:], dtype=np.float64),
+                1.0 / np.arange(1, TERMS + 1),
+            )
+        ],
         [drawn("slow wave", partial(_swing, periods=periods), np.ones(2)) for periods in SWINGS],
         [
             [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -74,14 +75,16 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
     if item.shape == "jump" or (item.order is None and item.hz is None):
         return True
     if item.hz is not None:
-        heard = (item.hz, *item.images_hz)
-        return entry["kind"] in TIME and any(abs(entry.get("hz", 0.0) - hz) < limits.hz for hz in heard)
+        heard, told = (item.hz, *item.images_hz), [float(one) for one in TOLD_HZ.findall(_rivals(entry))]
+        told += [entry.get("hz", 0.0)] if entry["kind"] in TIME else []
+        return any(abs(one - hz) < limits.hz for one in told for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     for gear, order in _orders(entry, truth):
         if gear == (item.gear or "driving"):
             places = [*(k * item.order for k in range(1, most + 1)), *item.aliases]
-            return any(abs(order - place) < limits.order for place in places)
+            if any(abs(order - place) < limits.order for place in places):
+                return True
     return False
 
 
@@ -109,12 +112,24 @@ def at_place(verdict: Entry, place: Item, truth: Truth, limits: Thresholds) -> b
     return any(stands_at(one, line, truth, limits) for one in (*entries, *waves))
 
 
+TOLD_HZ = re.compile(r"([\d.e+-]+) Hz")
+TOLD_ORDER = re.compile(r"order ([\d.e+-]+) of the (driving|driven) shaft")
+"""How an entry tells in words what it may be as well: at steady speed a wave over time is one over an angle."""
+
+
+def _rivals(entry: Entry) -> str:
+    """What an entry may be as well, in words; rivals of a claim are no words."""
+    return "; ".join(one for one in entry.get("rivals", ()) if isinstance(one, str))
+
+
 def _orders(entry: Entry, truth: Truth) -> Iterator[tuple[str, float]]:
-    """The order of an entry as either shaft counts it."""
-    if entry["kind"] not in ("shaft_order", "tone") or entry.get("order") is None:
-        return
-    order, (z_1, z_2) = float(entry["order"]), truth.z
-    if entry.get("gear") == "driving":
-        yield from (("driving", order), ("driven", order * z_2 / z_1))
-    else:
-        yield from (("driving", order * z_1 / z_2), ("driven", order))
+    """The orders that an entry tells, as either shaft counts them."""
+    told = [(float(order), gear) for order, gear in TOLD_ORDER.findall(_rivals(entry))]
+    if entry["kind"] in ("shaft_order", "tone") and entry.get("order") is not None:
+        told.insert(0, (float(entry["order"]), "driving" if entry.get("gear") == "driving" else "driven"))
+    z_1, z_2 = truth.z
+    for order, gear in told:
+        if gear == "driving":
+            yield from (("driving", order), ("driven", order * z_2 / z_1))
+        else:
+            yield from (("driving", order * z_1 / z_2), ("driven", order))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from gearpoly.keys.edit import on_gear
 from tests.knowledge.rigs import COAST, UNLOADED, bending, graded, hidden, inspected, listed, record, sheet
 from tests.knowledge.verdicts import Cause, verdict
 from tests.physics_cases import Condition
@@ -105,3 +106,16 @@ def test_a_gear_that_is_declared_eccentric_may_be_so_otherwise() -> None:
     off = Cause(physics="eccentricity", gear="driving")
     assert found.misnamed(off) == [], found.told
     assert found.size(off, "amplitude_um") == pytest.approx(4.0, abs=0.3)  # both flanks tell it to 0.06 um
+
+
+@pytest.mark.parametrize("off_um", [0.0, 90.0])
+def test_coarse_gears_of_no_stated_grade_have_no_fault(off_um: float) -> None:
+    """Pitches and slopes of printed gears, of which nothing is stated: what their teeth may have is no fault of one.
+    A tooth that stands 90 um ahead, seven times as far as the others, is."""
+    true, known = graded((12, 17), pitch_um=12.0, slope_um=6.0, seed=3)
+    for gear in (0, 1):
+        known = on_gear(known, gear, grade=None, limits=None)
+    if off_um:
+        true = hidden(true, "tooth_pitch", (off_um,), gear=1, tooth=5)
+    found = verdict(known, record(true, UNLOADED, cycles=3.0, noise_um=1.0))
+    assert [(one["physics"], one["gear"]) for one in found.missing] == ([("tooth_pitch", "driven")] if off_um else [])

@@ -81,3 +81,15 @@ def test_an_unloaded_pair_of_another_sheet_is_not_explained_tooth_by_tooth() -> 
     recordings = [noise_alone(one, 3.0) for one in record(true, UNLOADED)]
     found = verdict(true, recordings)
     assert not found.missing, found.told
+
+
+def test_gears_of_twice_the_teeth_get_no_name() -> None:
+    """18/24 teeth of module 1 on the same axes have the ratio of 9/12 of module 2, and their mesh is an even one of
+    its. What every second tooth has looks like teeth of the declared pair, and most of the rest stays."""
+    true, _ = graded((18, 24), pitch_um=4.0, slope_um=3.0)
+    _, known = graded((9, 12))
+    for gear in (0, 1):
+        true = on_gear(true, gear, module_mm=1.0)
+    found = verdict(known, record(true, UNLOADED, cycles=4.0), within=60.0)
+    assert not found.missing, found.told
+    assert found.json["unexplained"]

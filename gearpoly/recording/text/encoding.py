@@ -61,7 +61,7 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
     """The text of ``file`` and the name of its encoding; ``stated`` settles it. Line ends become ``\\n``.
 
     Raises ``InputFileError`` where the file cannot be opened or is not in the encoding stated, and where zero bytes
-    say that it is no text.
+    or end marks amid it say that it is no text.
     """
     try:
         data = file.read_bytes()
@@ -73,7 +73,7 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
         except (UnicodeDecodeError, UnicodeError):
             continue
         text = text.rstrip(PADDING)
-        if "\0" in text:
+        if any(one in text for one in PADDING):
             wish = "want a text file (other formats need their own file name ending)"
             raise InputFileError(file, found="not a text file", wish=wish)
         if "\r" in text:  # looking for two characters takes as long as decoding
