@@ -83,7 +83,8 @@ def judge(
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
     rise = 0.0 if without is None else without - (plain.misfit - linear.system.misfit)
-    more = max(0.0, rise)
+    # Of all teeth the whole counts that was simulated; what is one wave or one mean, an unknown cause does as well.
+    more = max(0.0, rise) if claim.physics.mean_tooth else 0.0
     mine += 0.5 * more / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:

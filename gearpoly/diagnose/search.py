@@ -312,7 +312,7 @@ class Search(Exchange):
         """Whether what stands beside a claim may have come to rest in another valley for it."""
         graded = any(gear.graded for gear in self.model.as_built.gears)
         if graded and not all(scene.bends for scene in self.scenes):
-            return claim.place.tooth is None and not claim.physics.slow
+            return claim.place.tooth is None and order_of(claim) is None and not claim.physics.slow
         if not claim.physics.mean_tooth:
             return False
         beside = [one.physics for one in self.model.claims if one is not claim]

@@ -30,11 +30,12 @@ half a line apart share two fifths (sinc squared), a whole line apart nothing. A
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unexplained:
     """White columns without a cause, and the ``weight`` that they have among those of their place; ``drawn`` (n_k, q)
-    in mm, None where they are in the fit already."""
+    in mm, None where they are in the fit already. ``wider``: they reach beyond the place."""
 
     sized: Sized
     weight: float
     drawn: list[FloatArray] | None = None
+    wider: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,19 +74,22 @@ class Trial:
         """This trial at the place of a claim with this ``effect`` (n_k,) in mm, of which an ordinary one has the rms
         ``size`` in mm, and the explanations without a cause there.
 
-        A wave that was located there and that nobody had named is one of them, and stands beside no other.
+        A wave that was located there and that nobody had named is one of them, and stands beside no other. One that was
+        located at a harmonic stands beside all: else an unknown cause that is thought to make both would explain it,
+        and every named one leave it.
         """
         found = []
         for one in unknowns(claim, self.scenes, order=order_of(claim), effect=effect):
             usual = rms(one.columns, one.std)
             if usual > 0.0:
                 sized = Sized(columns=self.white(one.columns), std=one.std * (size / usual), scaled=one.std.size)
-                found.append(Unexplained(sized=sized, weight=one.weight, drawn=one.columns))
+                found.append(Unexplained(sized=sized, weight=one.weight, drawn=one.columns, wider=one.wider))
         start, taken = self.linear.layout.foreign.start, []
+        here = [one for one in found if not one.wider]
         for wave in self.others.strangers:
             columns = [start + column for column in wave]
             mine = [white[:, columns] for white in self.plain.white]
-            if found and _held(mine, found) > SAME:
+            if here and _held(mine, here) > SAME:
                 taken += columns
                 std = np.full(len(columns), math.sqrt(2.0 / len(columns)) * size)
                 found.append(Unexplained(sized=Sized(columns=mine, std=std, scaled=std.size), weight=1.0))

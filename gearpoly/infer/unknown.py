@@ -47,12 +47,14 @@ SWINGS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unknown:
     """An explanation without a cause: ``columns`` (n_k, q) per recording, normal about 0 with relative standard
-    deviations ``std`` (q,), and the ``weight`` that it has among those of its place."""
+    deviations ``std`` (q,), and the ``weight`` that it has among those of its place. ``wider``: it reaches beyond that
+    place, to harmonics and side bands, where something else may be."""
 
     name: str
     columns: list[FloatArray]
     std: FloatArray
     weight: float
+    wider: bool = False
 
 
 Grouping = Callable[[Scene], object]
@@ -164,14 +166,14 @@ def flank_waves(scenes: Sequence[Scene], gear: int, order: int, effect: Sequence
     groups: list[list[int]] = [[order], *([image] for image in seen if image != order)]
     groups += [seen] if len(seen) > 1 else []
     groups += [harmonics_of(order), with_side_bands(order)]
-    return _each(scenes, gear, groups)
+    return _each(scenes, gear, order, groups)
 
 
-def _each(scenes: Sequence[Scene], gear: int, groups: Sequence[Sequence[float]]) -> list[Unknown]:
-    """Waves of each of these groups of orders, the plainest first."""
-    weights = plainest_first(len(groups))
+def _each(scenes: Sequence[Scene], gear: int, order: int, groups: Sequence[Sequence[float]]) -> list[Unknown]:
+    """Waves of each of these groups of orders about an ``order``, the plainest first."""
+    weights, wide = plainest_first(len(groups)), (harmonics_of(order), with_side_bands(order))
     return [
-        replace(one, weight=weight * one.weight)
+        replace(one, weight=weight * one.weight, wider=group in wide)
         for group, weight in zip(groups, weights, strict=True)
         for one in waves(scenes, gear, group)
     ]
@@ -273,7 +275,7 @@ def unknowns(
         turning = physics.measures or place.order is None
         if not turning:
             return flank_waves(scenes, gear, order, effect)
-        return _each(scenes, gear, ([order], harmonics_of(order), with_side_bands(order)))
+        return _each(scenes, gear, order, ([order], harmonics_of(order), with_side_bands(order)))
     return mesh_curves(scenes, means=physics.whole_gear or not physics.mean_tooth)
 
 
