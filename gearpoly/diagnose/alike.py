@@ -63,7 +63,8 @@ class Alike:
         normal = self.precision + sum((one.open for one in held), np.zeros_like(self.precision))
         cross = sum((one.cross for one in held), np.zeros_like(held[0].cross))
         own = sum((one.own for one in held), np.zeros_like(held[0].own))
-        scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        known = np.diag(normal)
+        scale = np.sqrt(np.where(known > 0.0, known, 1.0))
         crossed = cross / scale[:, None]
         solved = np.linalg.solve(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size), crossed)
         return self._angles(own - crossed.T @ solved)

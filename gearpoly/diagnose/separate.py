@@ -167,7 +167,8 @@ def _angles(normal: FloatArray, parts: Sequence[Seen]) -> Iterator[tuple[float, 
     """Of every rival that shows, the size of the signal in standard deviations, everything open taken off, and the sine
     of its angle to what the rival can make: ``normal`` (m, m) is the information about all that is open, ``parts`` hold
     columns (n_k, m) of it, the signal (n_k,) and the rivals' (n_k, a)."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    known = np.diag(normal)
+    scale = np.sqrt(np.where(known > 0.0, known, 1.0))
     inverse = np.linalg.inv(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)) / np.outer(scale, scale)
     for j in range(len(parts[0][2])):
         own, cross = np.zeros(()), np.zeros(())
