@@ -53,7 +53,7 @@ def page(boards: Sequence[dict[str, Any]], *, figures: Sequence[str] = (), relia
         "A bench of its own (`gearpoly/proving/`) makes recordings of pairs in which something is concealed; it shares "
         "no code with the simulator. Truths are written apart, hashed before anything is scored, and opened by the "
         "scorer only. What counts as right stands in `gearpoly/proving/thresholds.toml`. "
-        "[What each row means](prove.md#what-is-counted).",
+        "[What each row means](explanation/prove.md#what-is-counted).",
         "",
         "## Goals and figures",
         "",
