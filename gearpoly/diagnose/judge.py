@@ -23,8 +23,8 @@ from gearpoly.infer.prior import (
     AS_WRONG_KEYS,
     LEAST_SHARE,
     PRESENT,
-    WRONG,
     WRONG_KEY,
+    WRONG_UM,
     log_size,
     share_of_causes,
     unknown_share,
@@ -110,7 +110,7 @@ def judge(
     share = unknown_share(claim, model.scope)
     if claim.physics.name in AS_WRONG_KEYS:
         usual = claim.physics.ordinary[0]
-        likelier = log_size(claim.values[0], WRONG * usual) - log_size(claim.values[0], usual)
+        likelier = log_size(claim.values[0], WRONG_UM) - log_size(claim.values[0], usual)
         weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
