@@ -380,8 +380,10 @@ def test_the_page_lists_every_failure(bench: Path, tmp_path: Path) -> None:
     assert "| alpha | none, made | nothing | friction | false alarm, a name that may not stand |" in text
     assert found["truths_sha256"] in text
     # Every row with a goal has its cases beside it.
-    assert "- false alarms: healthy, yet something named or left unexplained: 100.0 % (1 of 1; 20.7 to 100.0)" in text
-    assert "goal at most 5 %, **missed**. alpha" in text
+    assert (
+        "| false alarms: healthy, yet something named or left unexplained | 100.0 % (1 of 1; 20.7 to 100.0) |" in text
+    )
+    assert "| at most 5 % | **missed** | alpha" in text
     goals = [row for row in found["rows"] if row["reached"] is not None]
     assert f"{sum(row['reached'] for row in goals)} of {len(goals)} goals are reached" in text
     draw_sizes(found, tmp_path / "size.png")

@@ -1,25 +1,21 @@
-"""The pictures of the tutorial, from its own commands: ``python docs/tutorial/pictures.py`` (from the repository)."""
+"""The pictures of the tutorial, from its own commands: ``python -m docs.tutorial.pictures`` (from the repository)."""
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image
 
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.files.pairfile import read_pair
+from gearpoly.recording.read import read_set
+from gearpoly.report.compare_plots import plot_comparison
+from gearpoly.report.diagnosis_page import page
+from tests.chromium import Chromium
+
 ROOT = Path(__file__).resolve().parents[2]
-# The tests' browser is in no package, so this has to come before the imports below.
-sys.path.insert(0, str(ROOT))
-
-from gearpoly.compare.compare import compare  # noqa: E402
-from gearpoly.diagnose.diagnose import diagnose  # noqa: E402
-from gearpoly.files.pairfile import read_pair  # noqa: E402
-from gearpoly.recording.read import read_set  # noqa: E402
-from gearpoly.report.compare_plots import plot_comparison  # noqa: E402
-from gearpoly.report.diagnosis_page import page  # noqa: E402
-from tests.chromium import Chromium  # noqa: E402
-
 CASE = ROOT / "data" / "recordings" / "eccentric_low_tooth"
 FIGURES = Path(__file__).with_name("figures")
 PARTS = {"verdict": "header", "curves": "#plots"}

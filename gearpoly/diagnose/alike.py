@@ -12,6 +12,7 @@ import numpy as np
 from gearpoly.diagnose.imagine import effects
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import SCALE_STD, law_changes, law_modes, softened
+from gearpoly.diagnose.system import scales_of
 from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
@@ -63,8 +64,7 @@ class Alike:
         normal = self.precision + sum((one.open for one in held), np.zeros_like(self.precision))
         cross = sum((one.cross for one in held), np.zeros_like(held[0].cross))
         own = sum((one.own for one in held), np.zeros_like(held[0].own))
-        known = np.diag(normal)
-        scale = np.sqrt(np.where(known > 0.0, known, 1.0))
+        scale = scales_of(normal)
         crossed = cross / scale[:, None]
         solved = np.linalg.solve(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size), crossed)
         return self._angles(own - crossed.T @ solved)

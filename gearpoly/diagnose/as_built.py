@@ -111,7 +111,7 @@ class AsBuilt:
         return out
 
     def as_declared(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
-        """The parameters (m,) with the teeth of these ``gears`` as the pair file has them."""
+        """The parameters (m,) in um with the teeth of these ``gears`` as the pair file has them."""
         out = values.copy()
         for flank in self.flanks:
             for gear in gears:
@@ -119,9 +119,9 @@ class AsBuilt:
                 out[start : start + 2 * self.gears[gear].z + 1] = 0.0
         return out
 
-    def otherwise(self, values: FloatArray, gears: Sequence[int], rng: np.random.Generator) -> FloatArray:
-        """The parameters (m,) with every tooth of these ``gears`` leaning otherwise, by as much as teeth of the grade
-        do."""
+    def perturbed(self, values: FloatArray, gears: Sequence[int], rng: np.random.Generator) -> FloatArray:
+        """The parameters (m,) in um with the slope of every tooth of these ``gears`` changed at random, by one standard
+        deviation of its grade."""
         out = values.copy()
         for flank in self.flanks:
             for gear in gears:

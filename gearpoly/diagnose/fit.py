@@ -179,8 +179,8 @@ class Fit:
         Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
         step was wrong: the fit rests with teeth that lean as none does. And what two crownings differ by is a slope and
         a late hand-over, so that fits creep along a bent valley in which both gears bulge as none of their grade does.
-        Teeth that had settled for what was left out rest in a valley out of which its claim does not lead: a relief of
-        0.4 um was made of that, of which the fit that began with declared teeth left nothing.
+        Teeth that had settled for what was left out rest in a local minimum that its claim does not lead out of: a
+        relief of 0.4 um was made of that, of which the fit that began with declared teeth left nothing.
         """
         teeth = self.model.as_built
         graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]

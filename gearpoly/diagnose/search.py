@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
+from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.unnamed import is_weighed, leave_more, left_unnamed, likeliest, weigh_at
-from gearpoly.diagnose.valleys import shake
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
@@ -33,9 +33,9 @@ POLISHED = 4
 GROWN = 10.0
 """Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
 
-VALLEYS = 200.0
-"""Misfit by which valleys that unloaded teeth lie in may differ: claims of nothing had gained 41 to 93 in three pairs
-of grade 6 that were recorded at 8 to 10 samples per mesh."""
+MINIMA_APART = 200.0
+"""Misfit in sigmas squared by which local minima of unloaded teeth may differ: claims of nothing had gained 41 to 93 in
+three pairs of grade 6 that were recorded at 8 to 10 samples per mesh."""
 
 SHORTLIST = 160
 """Candidates from which those are chosen, best first."""
@@ -305,11 +305,11 @@ class Search(Exchange):
         self.join([], instead=[k])
         self.settle()
         self.relax()
-        if self.linear.under(noises).system.misfit < there + VALLEYS:
-            shake(self, enough=there)
+        if self.linear.under(noises).system.misfit < there + MINIMA_APART:
+            multi_start(self, enough=there)
 
     def _settled_for(self, claim: Claim) -> bool:
-        """Whether what stands beside a claim may have come to rest in another valley for it."""
+        """Whether what stands beside a claim may have come to rest in another local minimum for it."""
         graded = any(gear.graded for gear in self.model.as_built.gears)
         if graded and not all(scene.bends for scene in self.scenes):
             return claim.place.tooth is None and order_of(claim) is None and not claim.physics.slow

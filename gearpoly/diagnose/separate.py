@@ -13,6 +13,7 @@ from gearpoly.diagnose.imagine import Imagined, NextRecording, effects
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance, slope_of, softened
+from gearpoly.diagnose.system import scales_of
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
@@ -167,8 +168,7 @@ def _angles(normal: FloatArray, parts: Sequence[Seen]) -> Iterator[tuple[float, 
     """Of every rival that shows, the size of the signal in standard deviations, everything open taken off, and the sine
     of its angle to what the rival can make: ``normal`` (m, m) is the information about all that is open, ``parts`` hold
     columns (n_k, m) of it, the signal (n_k,) and the rivals' (n_k, a)."""
-    known = np.diag(normal)
-    scale = np.sqrt(np.where(known > 0.0, known, 1.0))
+    scale = scales_of(normal)
     inverse = np.linalg.inv(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)) / np.outer(scale, scale)
     for j in range(len(parts[0][2])):
         own, cross = np.zeros(()), np.zeros(())

@@ -18,6 +18,12 @@ FLOOR = 1e-9
 """Relative precision added to every parameter, so that what neither data nor prior fix stays where it is."""
 
 
+def scales_of(normal: FloatArray) -> FloatArray:
+    """Square roots of the diagonal (m,) of a ``normal`` matrix (m, m), and 1 of a parameter that nothing tells."""
+    told = np.diag(normal)
+    return np.asarray(np.sqrt(np.where(told > 0.0, told, 1.0)))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
     """Least squares of ``white`` columns (n_k, m) and ``target`` (n_k,) of every recording k, whitened by its noise,
@@ -44,9 +50,7 @@ class System:
     @cached_property
     def _scaled(self) -> tuple[FloatArray, FloatArray]:
         """Square roots of the normal matrix's diagonal (m,), and the matrix over them, which is never singular."""
-        diagonal = np.diag(self.normal).copy()
-        diagonal[diagonal <= 0.0] = 1.0
-        scale = np.sqrt(diagonal)
+        scale = scales_of(self.normal)
         scaled = self.normal / np.outer(scale, scale)
         scaled[np.diag_indices(self.size)] += FLOOR
         return scale, scaled

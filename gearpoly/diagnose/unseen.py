@@ -21,7 +21,7 @@ from gearpoly.diagnose.fit import Kept
 from gearpoly.diagnose.heldout import Checked, cross_validated, held
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.system import FLOOR, System
+from gearpoly.diagnose.system import FLOOR, System, scales_of
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray, IntArray
@@ -39,7 +39,7 @@ ONCE = 0.9
 """Part of what a tooth does that one pass of it holds, from which on it came into mesh once: a second pass at the end
 of a recording may be cut."""
 
-UNFIT = 1.3
+LACK_OF_FIT = 1.3
 """Times the noise that the rms of unseen samples may be beside names: what repeats and is not understood may look like
 any of them. Of 80 names on two grounds of life-like and of short recordings the false ones that were left stood at
 1.23, 1.34, 1.53, 3.3 and 7.6, the right ones at up to 1.08, and at 1.13, 1.26 and 3.1 where slow waves end within a
@@ -94,9 +94,7 @@ class Blocks:
 
 def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
     """Inverse of a ``normal`` matrix (m, m) times ``right`` (m,); what nothing tells stays nothing."""
-    diagonal = np.diag(normal).copy()
-    diagonal[diagonal <= 0.0] = 1.0
-    scale = np.sqrt(diagonal)
+    scale = scales_of(normal)
     scaled = normal / np.outer(scale, scale)
     scaled[np.diag_indices(scale.size)] += FLOOR
     return np.asarray(cho_solve(cho_factor(scaled), right / scale) / scale)
@@ -150,8 +148,7 @@ def checked(search: Search, begun: Kept, start: Linear, comparison: Comparison) 
     # How probable names are was weighed before: here they must only not be worse where no fit looked.
     worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0] * (1.0 + _doubt(search))
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
-    unfit = rms[1] > UNFIT * noise
-    if unfit or (len(unchecked) < len(model.claims) and worse):
+    if rms[1] > LACK_OF_FIT * noise or (len(unchecked) < len(model.claims) and worse):
         refused += [(one, model.rms_of(search.scenes, one)) for one in model.claims]
         unchecked = ()
         search.restore(begun)

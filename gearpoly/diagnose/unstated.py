@@ -23,13 +23,13 @@ BASE = 5
 
 COARSEST = 16.0
 """Limits of the coarsest teeth that are thought of, over those of grade 5: those of grade 13, which nothing but a
-printed gear has. It only has to be wide; four times as much, and some fits end in a worse valley."""
+printed gear has. It only has to be wide; four times as much, and some fits end in a worse minimum."""
 
 ROUNDS = 8
 """Rounds of simulating and fitting. Unloaded teeth of a coarse gear touch elsewhere than declared ones: of a 13/40 of
 module 1 with 3 um of noise the first round told 1.7 times the limits of grade 5, the eighth 2.8."""
 
-OTHERWISE = 2.0
+OTHER_LIMITS = 2.0
 """Times the limits that the steps from tooth to tooth ask for which all others are taken: a grade is that of the worst
 of pitch, total pitch and profile (ISO 1328-1:2013, 5.1), and one of them is often two grades better than another. Of
 six drawn gears without faults, the once-per-turn wave of the pitches alone asked for up to 1.8 times. A judgement."""
@@ -61,7 +61,7 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
         f"{grade_of(by)} do: what such teeth may have is not looked for; state a grade, or inspect it"
         for gear, by in found.items()
     )
-    return (limited(model, found, others=OTHERWISE) if found else model), says
+    return (limited(model, found, others=OTHER_LIMITS) if found else model), says
 
 
 def grade_of(by: float) -> int:

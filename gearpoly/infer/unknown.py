@@ -40,8 +40,9 @@ TERMS = 6
 STEPS = 24
 """Moments of a recording at which it may have jumped."""
 
-SWINGS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
-"""Periods in a recording of a slow wave of no cause: what turns slower than both shafts, and what heats by turns."""
+PERIODS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
+"""Periods in a recording of a slow wave of no cause: what turns slower than both shafts, and what heats by turns. From
+three on it is a line of its own. Without them 0.83 periods of another shaft were named a thermal drift (0.985)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -220,44 +221,39 @@ def mesh_std(*, means: bool = False) -> FloatArray:
 
 def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unknown]:
     """A slow course of every recording by itself: straight, bent, a slow wave, or a step at some moment in it."""
-    these = [k for k, _ in enumerate(scenes) if not recordings or k in recordings]
+    along = [scene.samples.along for scene in scenes]
+    within = [float(not recordings or k in recordings) for k, _ in enumerate(scenes)]
     ways = (("", _same), (" by recording", _number))
-    inside = [scene.samples.along * float(k in these) for k, scene in enumerate(scenes)]
-    within = [float(k in these) for k, _ in enumerate(scenes)]
 
-    def drawn(name: str, columns: Callable[[FloatArray], FloatArray], std: FloatArray) -> list[Unknown]:
-        parts = [here * columns(x) for x, here in zip(inside, within, strict=True)]
-        return _repeated(name, scenes, parts, std, ways)
+    def drawn(
+        name: str, columns: Callable[[FloatArray], FloatArray], std: FloatArray, *, many: int = 2
+    ) -> list[Unknown]:
+        parts = [here * columns(x) for x, here in zip(along, within, strict=True)]
+        return _repeated(name, scenes, parts, std, ways[:many])
 
     moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
     forms = [
         [drawn("ramp", lambda x: x[:, None], np.ones(1))],
-        [
-            drawn(
-                "slow course",
-                lambda x: np.asarray(legvander(x, TERMS)[:, 1:], dtype=np.float64),
-                1.0 / np.arange(1, TERMS + 1),
-            )
-        ],
-        [drawn("slow wave", partial(_swing, periods=periods), np.ones(2)) for periods in SWINGS],
-        [
-            [
-                Unknown(
-                    name="step",
-                    columns=[here * (x >= at)[:, None] for x, here in zip(inside, within, strict=True)],
-                    std=np.ones(1),
-                    weight=1.0,
-                )
-            ]
-            for at in moments
-        ],
+        [drawn("slow course", _bent, 1.0 / np.arange(1, TERMS + 1))],
+        [drawn("slow wave", partial(_slow_wave, periods=one), np.ones(2)) for one in PERIODS],
+        [drawn("step", partial(_step, at=at), np.ones(1), many=1) for at in moments],
     ]
     return [replace(one, weight=one.weight / (len(forms) * len(form))) for form in forms for way in form for one in way]
 
 
-def _swing(along: FloatArray, *, periods: float) -> FloatArray:
+def _bent(along: FloatArray) -> FloatArray:
+    """Legendre polynomials (n, ``TERMS``) from the first on."""
+    return np.asarray(legvander(along, TERMS)[:, 1:], dtype=np.float64)
+
+
+def _slow_wave(along: FloatArray, *, periods: float) -> FloatArray:
     """Cosine and sine (n, 2) of so many periods in a recording, from -1 to 1 ``along`` (n,) it."""
     return np.column_stack([wave(np.pi * periods * along) for wave in (np.cos, np.sin)])
+
+
+def _step(along: FloatArray, *, at: float) -> FloatArray:
+    """A step (n, 1) by 1 at a place between -1 and 1."""
+    return np.asarray(along[:, None] >= at, dtype=np.float64)
 
 
 def unknowns(

@@ -71,10 +71,12 @@ def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) 
 
 def _missed(rows: list[dict[str, Any]]) -> list[str]:
     """Every goal that a case misses, whether or not enough others reach it."""
-    return [
-        f"- {row['text']}: {value(row)}, goal {row['goal']}, {MARKS[row['reached']]}. "
-        + ", ".join(row["cases"]) for row in rows if row["goal"] and row["cases"]
-    ] or ["None."]  # fmt: skip
+    missed = [
+        [row["text"], value(row), row["goal"], MARKS[row["reached"]], ", ".join(row["cases"])]
+        for row in rows
+        if row["goal"] and row["cases"]
+    ]
+    return table(["figure", "found", "goal", "", "cases"], missed) if missed else ["None."]
 
 
 def _depths(classes: dict[str, Any]) -> list[str]:

@@ -14,6 +14,7 @@ import atexit
 import contextlib
 import importlib
 import importlib.util
+import io
 import json
 import os
 import subprocess
@@ -21,7 +22,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 
@@ -156,6 +157,7 @@ def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dic
     """The process's answer to one order, and the columns after it."""
     assert process.stdin is not None
     assert process.stdout is not None
+    stream = cast("io.BufferedReader", process.stdout)
     process.stdin.write(json.dumps(order).encode("ascii") + b"\n")
     process.stdin.flush()
     line = process.stdout.readline()
@@ -172,7 +174,7 @@ def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dic
         values = np.empty(size, dtype=np.float64)
         into, at = values.data.cast("B") if size else memoryview(b""), 0
         while at < len(into):
-            got = process.stdout.readinto(into[at:])  # type: ignore[attr-defined]
+            got = stream.readinto(into[at:])
             if not got:
                 raise EOFError
             at += got
@@ -199,7 +201,7 @@ def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
         return {"refused": {"where": error.where, "found": error.found, "wish": error.wish}}, None
     except MissingExtraError as error:
         return {"missing": str(error)}, None
-    except Exception as error:
+    except Exception as error:  # whatever it is goes back to the asking process, which tells it as a bug
         traceback = importlib.import_module("traceback")
         return {"bug": "".join(traceback.format_exception(error))}, None
     sizes = [(name, values.size, _offset(values)) for name, values in _series(table)]

@@ -1,5 +1,5 @@
-"""Valleys of the misfit: without load the teeth of a graded gear touch here and there only, and a fit rests with some
-that do."""
+"""A fit begun several times: without load the teeth of a graded gear touch here and there only, and the misfit has many
+local minima."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ import numpy as np
 from gearpoly.diagnose.fit import Fit
 from gearpoly.errors import GearpolyError
 
-SHAKEN = 8
+STARTS = 8
 """Times that a fit begins once more with teeth that lean otherwise. Of a 17/22 of grade 6, a relief of which nothing
 was there had gained 41 in misfit; of eight such beginnings six left 14 to 1 of that."""
 
 
-def shake(fit: Fit, *, enough: float) -> None:
-    """Begin some times more with teeth of graded gears that lean otherwise, and keep what ends better, until the
-    misfit is ``enough``.
+def multi_start(fit: Fit, *, enough: float) -> None:
+    """Begin ``STARTS`` times more with teeth of graded gears that lean otherwise, and keep what ends better, until the
+    misfit, in sigmas squared, is below ``enough``.
 
-    Which of two unloaded teeth touches is another valley of the misfit each time. A claim leads out of one, whatever it
-    is of, so what it has gained is not yet lost without it.
+    Which of two unloaded teeth touches is another local minimum each time. A claim leads out of one, whatever it is of,
+    so what it has gained is not yet lost without it.
     """
     teeth, rng = fit.model.as_built, np.random.default_rng(0)
     graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
     if not graded or all(scene.bends for scene in fit.scenes):
         return
     noises = fit.noises
-    for _ in range(SHAKEN):
+    for _ in range(STARTS):
         there = fit.linear.under(noises).system.misfit
         if fit.over or there < enough:
             return
         before = fit.kept()
-        fit.model.built = teeth.otherwise(fit.model.built, graded, rng)
+        fit.model.built = teeth.perturbed(fit.model.built, graded, rng)
         try:
             fit.settle()
         except GearpolyError:

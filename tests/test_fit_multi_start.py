@@ -9,9 +9,9 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.valleys import shake
 from tests.knowledge.rigs import UNLOADED, graded, record
 
 
@@ -25,40 +25,40 @@ def begun(tmp_path: Path) -> Fit:
     return Search.begun(model, nothing, lambda _: None)
 
 
-def test_as_declared_and_otherwise_move_the_graded_teeth_alone(tmp_path: Path) -> None:
+def test_as_declared_and_perturbed_move_the_graded_teeth_alone(tmp_path: Path) -> None:
     teeth = begun(tmp_path).model.as_built
     values = np.arange(float(teeth.size)) + 1.0
     assert not np.any(teeth.as_declared(values, (0, 1)))
     one = teeth.as_declared(values, (1,))
     at = teeth.start("drive", 1)
     assert np.array_equal(one[:at], values[:at])
-    leaning = teeth.otherwise(values, (0, 1), np.random.default_rng(0))
+    leaning = teeth.perturbed(values, (0, 1), np.random.default_rng(0))
     for gear in (0, 1):
         assert np.array_equal(teeth.pitch(leaning, "drive", gear), teeth.pitch(values, "drive", gear))
         assert np.all(teeth.slope(leaning, "drive", gear) != teeth.slope(values, "drive", gear))
         assert teeth.crowning(leaning, "drive", gear) == teeth.crowning(values, "drive", gear)
 
 
-def test_a_fit_that_rests_in_another_valley_is_shaken_out_of_it(tmp_path: Path) -> None:
+def test_a_fit_that_rests_in_another_minimum_is_led_out_of_it(tmp_path: Path) -> None:
     """Begun with teeth that lean otherwise this fit rests 446 above where it rested before; of 16 such beginnings the
     middle one ends 184 above. So eight of them come down by more than any claim of nothing had gained (93)."""
     fit = begun(tmp_path)
     noises, there, teeth = fit.noises, fit.linear.system.misfit, fit.model.as_built
-    fit.model.built = teeth.otherwise(fit.model.built, (0, 1), np.random.default_rng(14))
+    fit.model.built = teeth.perturbed(fit.model.built, (0, 1), np.random.default_rng(14))
     fit.settle()
     wrong = fit.linear.under(noises).system.misfit
     assert wrong > there + 200.0
-    shake(fit, enough=there)
+    multi_start(fit, enough=there)
     assert fit.linear.under(noises).system.misfit < wrong - 93.0
 
 
-def test_what_is_shaken_is_never_worse_and_the_same_each_time(tmp_path: Path) -> None:
+def test_what_is_begun_again_is_never_worse_and_the_same_each_time(tmp_path: Path) -> None:
     fit = begun(tmp_path)
     noises, there = fit.noises, fit.linear.system.misfit
     ends = []
     for _ in range(2):
         before = fit.kept()
-        shake(fit, enough=0.0)
+        multi_start(fit, enough=0.0)
         ends.append(fit.linear.under(noises).system.misfit)
         fit.restore(before)
     assert ends[0] <= there
