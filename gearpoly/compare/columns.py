@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from gearpoly.compare.pieces import pieces
 from gearpoly.compare.sharing import Carried
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
@@ -63,42 +64,67 @@ class Dense:
         return np.asarray(np.any(self.columns != before.columns, axis=1))
 
 
+HELD = 2**23
+"""Values of cosines and sines that are held, 64 MB; of longer recordings they are made piece by piece at each use."""
+
+
+def cosine_and_sine(x: FloatArray, frequency: FloatArray) -> FloatArray:
+    """cos and sin of 2 pi f x side by side for each of ``frequency`` (k,) in cycles per unit of ``x`` (n,): (n, 2k)."""
+    angle = 2.0 * np.pi * np.outer(x, frequency)
+    out = np.empty((x.size, 2 * frequency.size))
+    np.cos(angle, out=out[:, 0::2])
+    np.sin(angle, out=out[:, 1::2])
+    return out
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Waves:
-    """cos and sin of 2 pi f x for each of ``frequency`` (k,) in cycles per unit of ``x`` (n,)."""
+    """cos and sin of 2 pi f x for each of ``frequency`` (k,) in cycles per unit of ``x`` (n,); ``held`` the columns
+    (n, 2k) where there is room for them."""
 
     x: FloatArray
     frequency: FloatArray
+    held: FloatArray | None
 
     @property
     def size(self) -> int:
         return 2 * self.frequency.size
 
     def apply(self, beta: FloatArray) -> FloatArray:
-        out = np.zeros(self.x.size)
-        for f, a, b in zip(self.frequency, beta[0::2], beta[1::2], strict=True):
-            angle = (2.0 * np.pi * f) * self.x
-            out += a * np.cos(angle) + b * np.sin(angle)
-        return out
+        if self.held is not None:
+            return np.asarray(self.held @ beta)
+        return np.concatenate([self.rows(here) @ beta for here in pieces(self.x.size)])
 
     def adjoint(self, values: FloatArray) -> FloatArray:
-        out = np.empty(self.size)
-        for j, f in enumerate(self.frequency):
-            angle = (2.0 * np.pi * f) * self.x
-            out[2 * j] = np.cos(angle) @ values
-            out[2 * j + 1] = np.sin(angle) @ values
-        return out
+        if self.held is not None:
+            return np.asarray(values @ self.held)
+        return np.asarray(np.sum([values[here] @ self.rows(here) for here in pieces(self.x.size)], axis=0))
 
     def rows(self, at: Rows) -> FloatArray:
-        angle = 2.0 * np.pi * np.outer(self.x[at], self.frequency)
-        out = np.empty((len(angle), self.size))
-        out[:, 0::2] = np.cos(angle)
-        out[:, 1::2] = np.sin(angle)
-        return out
+        return cosine_and_sine(self.x[at], self.frequency) if self.held is None else self.held[at]
 
     def changed(self, before: Part) -> BoolArray:
         same = isinstance(before, Waves) and self.x is before.x and np.array_equal(self.frequency, before.frequency)
         return np.full(self.x.size, not same)
+
+
+def waves(x: FloatArray, frequency: FloatArray, *, before: Waves | None = None) -> Waves:
+    """Waves of ``frequency`` (k,) over ``x`` (n,); columns that the waves ``before`` hold too are not made again, since
+    a search fits the same waves many times."""
+    if 2 * frequency.size * x.size > HELD:
+        return Waves(x=x, frequency=frequency, held=None)
+    if before is None or before.held is None or before.x is not x:
+        return Waves(x=x, frequency=frequency, held=cosine_and_sine(x, frequency))
+    if np.array_equal(frequency, before.frequency):
+        return before
+    place = {f: j for j, f in enumerate(before.frequency.tolist())}
+    held = np.empty((x.size, 2 * frequency.size))
+    fresh = np.array([f not in place for f in frequency.tolist()])
+    for j, f in enumerate(frequency.tolist()):
+        if not fresh[j]:
+            held[:, 2 * j : 2 * j + 2] = before.held[:, 2 * place[f] : 2 * place[f] + 2]
+    held[:, np.repeat(fresh, 2)] = cosine_and_sine(x, frequency[fresh])
+    return Waves(x=x, frequency=frequency, held=held)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from gearpoly.compare.columns import Waves
+from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.describe import kind_of
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES, log_tail_line
@@ -114,7 +114,7 @@ def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[
 
 
 def _rows(s: State, frequencies: list[float]) -> FloatArray:
-    return Waves(x=s.data.u, frequency=np.array(frequencies)).rows(slice(None))
+    return cosine_and_sine(s.data.u, np.array(frequencies))
 
 
 def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.columns import Waves
+from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, refined
 from gearpoly.compare.model import JointModel, State
@@ -122,16 +122,21 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
     """
     moved = False
     for s, left, places in zip(model.states, solution.left, model.places, strict=True):
-        for peak in [p for p in (*s.orders, *s.times) if not (p.known or p.faint)]:
-            name, held = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
-            ab = solution.beta[places[name][2 * held.index(peak) :][:2]]
-            own = _rows(s.search.over(peak.domain)[0], peak.frequency) @ ab
+        slow = np.linalg.qr(s.noise.whitened(s.slow))[0]
+        # The fit has them in this order; what moves goes to the end.
+        held = {"orders": list(s.orders), "times": list(s.times)}
+        for name, j, peak in [(name, j, p) for name, peaks in held.items() for j, p in enumerate(peaks)]:
+            if peak.known or peak.faint:
+                continue
+            ab = solution.beta[places[name][2 * j : 2 * j + 2]]
+            values = left + _rows(s.search.over(peak.domain)[0], peak.frequency) @ ab
             other: Domain = "order" if peak.domain == "time" else "time"
-            settled = _settled(s, left + own, peak, peak.frequency)
+            settled = _settled(s, values, slow, peak, peak.frequency)
             if s.search.time_grid is not None:
                 turned = peak.frequency * s.search.over(peak.domain)[3] / s.search.over(other)[3]
-                settled = s.search.likelier(settled, _settled(s, left + own, replace(peak, domain=other), turned))
-            held.remove(peak)
+                as_other = _settled(s, values, slow, replace(peak, domain=other), turned)
+                settled = s.search.likelier(settled, as_other)
+            (s.times if name == "times" else s.orders).remove(peak)
             (s.times if settled.domain == "time" else s.orders).append(settled)
             moved |= settled.domain != peak.domain or abs(settled.frequency - peak.frequency) > 0.01 * peak.std
     return moved
@@ -139,27 +144,33 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
 
 def _rows(x: FloatArray, frequency: float) -> FloatArray:
     """Cosine and sine (n, 2)."""
-    return Waves(x=x, frequency=np.array([frequency])).rows(slice(None))
+    return cosine_and_sine(x, np.array([frequency]))
 
 
-def _settled(s: State, values: FloatArray, peak: Peak, frequency: float) -> Peak:
-    """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside slow curves: to first order a frequency
-    is one more column, x times the wave turned by a quarter."""
+def _settled(s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float) -> Peak:
+    """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside the curves that span the orthonormal,
+    white columns ``slow`` (n, q): to first order a frequency is one more column, x times the wave turned by a
+    quarter."""
     x, _, span, _ = s.search.over(peak.domain)
-    white, slow = s.noise.whitened(values), s.noise.whitened(s.slow)
     along = 2.0 * np.pi * (x - 0.5 * (x[0] + x[-1]))
-    without = white - slow @ np.linalg.lstsq(slow, white, rcond=None)[0]
+
+    def beside(values: FloatArray) -> FloatArray:
+        white = s.noise.whitened(values)
+        return np.asarray(white - slow @ (slow.T @ white))
+
+    without = beside(values)
     gain = 0.0
     for step in range(STEPS + 1):
         waves = _rows(x, frequency)
-        columns = np.concatenate([s.noise.whitened(waves), slow], axis=1)
-        beta = np.linalg.lstsq(columns, white, rcond=None)[0]
-        rest = white - columns @ beta
+        columns = beside(waves)
+        inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
+        beta = inverse @ (columns.T @ without)
+        rest = without - columns @ beta
         gain = float(without @ without - rest @ rest)
         if step == STEPS:
             break
-        turned = s.noise.whitened(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
-        turned -= columns @ np.linalg.lstsq(columns, turned, rcond=None)[0]
+        turned = beside(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
+        turned -= columns @ (inverse @ (columns.T @ turned))
         by = float(turned @ rest) / max(float(turned @ turned), 1e-300)
         frequency += float(np.clip(by, -FARTHEST / span, FARTHEST / span))
     level = float(s.search.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])

@@ -16,6 +16,7 @@ from gearpoly.compare.columns import (
     shape_deviation,
     shape_entries,
     shape_part,
+    waves,
 )
 from gearpoly.compare.jumps import Jump
 from gearpoly.compare.lines import LineSearch, Peak
@@ -91,6 +92,7 @@ class State:
     jumps: list[Jump] = field(default_factory=list)
     teeth: list[Tooth] = field(default_factory=list)
     wander: dict[int, Wander] = field(default_factory=dict)
+    waves: dict[str, Waves] = field(default_factory=dict)
 
     @property
     def coast(self) -> bool:
@@ -195,8 +197,9 @@ class JointModel:
                 own_parts.append((f"ends {z}", Dense(columns=columns), np.full(4, s.wander[z].std ** -2.0)))
             for name, x, peaks in (("orders", u, s.orders), ("times", t, s.times)):
                 if peaks and x is not None:
-                    waves = Waves(x=x, frequency=np.array([p.frequency for p in peaks]))
-                    own_parts.append((name, waves, np.zeros(waves.size)))
+                    held = waves(x, np.array([p.frequency for p in peaks]), before=s.waves.get(name))
+                    s.waves[name] = held
+                    own_parts.append((name, held, np.zeros(held.size)))
             if s.jumps:
                 steps = np.stack([jump.column(u.size) for jump in s.jumps], axis=1)
                 own_parts.append(("jumps", Dense(columns=steps), np.zeros(len(s.jumps))))
