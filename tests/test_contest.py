@@ -17,7 +17,6 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.scan import scan
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.way import misfit_at
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
@@ -74,7 +73,7 @@ def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
         begun.scenes = begun.model.scenes()
         linear = begun.linearised()
         begun.linear = linear
-        misfits[way] = misfit_at(linear.system, begun.present())
+        misfits[way] = linear.system.misfit_at(begun.present())
         begun.restore(before)
     assert misfits["joined"] < before[1]["linear"].system.misfit + 100.0
     assert misfits["on top"] > misfits["joined"] + 1000.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.system import System
-from gearpoly.diagnose.way import Way, misfit_at
+from gearpoly.diagnose.way import Way
 from gearpoly.units import FloatArray
 
 Curve = Callable[[FloatArray], FloatArray]
@@ -85,9 +85,9 @@ def test_what_is_not_in_the_simulation_is_where_it_fits_best() -> None:
         white=[rng.standard_normal((30, 3))], target=[rng.standard_normal(30)], precision=np.eye(3), prior=np.zeros(3)
     )
     state = np.array([0.3, -0.2, np.nan])
-    tried = [misfit_at(one, np.array([0.3, -0.2, z])) for z in np.linspace(-2.0, 2.0, 4001)]
-    assert misfit_at(one, state) == pytest.approx(min(tried), rel=1e-6)
-    assert misfit_at(one, one.solution) == pytest.approx(one.misfit)
+    tried = [one.misfit_at(np.array([0.3, -0.2, z])) for z in np.linspace(-2.0, 2.0, 4001)]
+    assert one.misfit_at(state) == pytest.approx(min(tried), rel=1e-6)
+    assert one.misfit_at(one.solution) == pytest.approx(one.misfit)
 
 
 def test_what_neither_data_nor_priors_fix_stays_where_it_is() -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from gearpoly.diagnose.fit import BETTER, Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
-from gearpoly.diagnose.way import misfit_at
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -55,7 +54,7 @@ class Exchange(Weigh):
         single tooth: much if no step led on, and what no step made true is not explained. Else nothing."""
         if not claim.shapes_tooth:
             return 0.0
-        return misfit_at(self.linear.system, self.present()) - self.linear.system.misfit
+        return self.linear.system.misfit_at(self.present()) - self.linear.system.misfit
 
     def swap(self) -> None:
         """Exchange claims for others that explain more, now that all the rest is known."""

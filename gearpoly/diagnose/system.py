@@ -108,6 +108,18 @@ class System:
         """Twice the negative log of likelihood times prior, but for a constant."""
         return self.strain + sum(float(r @ r) for r in self.left)
 
+    def misfit_at(self, present: FloatArray) -> float:
+        """Misfit at a state (m,), whose parameters that are not a number are where they fit best."""
+        scale, scaled = self._scaled
+        inside = ~np.isnan(present)
+        off = ((present - self.solution) * scale)[inside]
+        rise = float(off @ scaled[np.ix_(inside, inside)] @ off)
+        if not np.all(inside):
+            # The Schur complement of the parameters that are free: one factor of their block, and no inverse.
+            pull = scaled[np.ix_(~inside, inside)] @ off
+            rise -= float(pull @ cho_solve(cho_factor(scaled[np.ix_(~inside, ~inside)]), pull))
+        return self.misfit + rise
+
     @property
     def strain(self) -> float:
         """The part of the misfit by which the solution contradicts what is known beforehand."""

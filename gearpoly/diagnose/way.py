@@ -61,7 +61,7 @@ class Way:
 
     def overshot(self, system: System, present: FloatArray) -> bool:
         """Whether the last step ended at a larger misfit than it began with, by the same noise."""
-        self._gained = self._misfit - misfit_at(system, present)
+        self._gained = self._misfit - system.misfit_at(present)
         return self._gained < -self.enough
 
     @property
@@ -83,7 +83,7 @@ class Way:
         What is not in the simulation starts where the last solution had it.
         """
         first = self._at is None
-        self._misfit, self._trials = misfit_at(system, present), 0
+        self._misfit, self._trials = system.misfit_at(present), 0
         self.enough = NEGLIGIBLE + HALF_DONE * system.beyond
         self._inside = ~np.isnan(present)
         self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
@@ -120,12 +120,4 @@ class Way:
         self._at = self._start + whole
         self.step = np.where(self._inside, whole, 0.0)
         # What is not in the simulation is fitted at both ends.
-        self._promise = self._misfit - misfit_at(system, np.where(self._inside, self._at, np.nan))
-
-
-def misfit_at(system: System, present: FloatArray) -> float:
-    """Misfit at a state (m,), whose parameters that are not a number are where they fit best."""
-    inside = ~np.isnan(present)
-    off = (present - system.solution)[inside]
-    within = system.covariance[np.ix_(inside, inside)]
-    return system.misfit + float(off @ np.linalg.solve(within, off))
+        self._promise = self._misfit - system.misfit_at(np.where(self._inside, self._at, np.nan))
