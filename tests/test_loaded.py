@@ -7,6 +7,7 @@ import pytest
 
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
+from gearpoly.mesh.balance import balance
 from gearpoly.mesh.compliance import ContactPair, contact_deflection
 from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
@@ -233,3 +234,20 @@ def test_little_torque_meets_the_unloaded_kernel_at_hookes_rate() -> None:
     off = np.array([under(pair, float(t)).approach for t in torques])
     rate = np.log10(off[1:] / off[:-1])
     assert np.all((rate > 0.9 - 1e-6) & (rate < 1.0))
+
+
+@pytest.mark.parametrize(
+    ("closing_2", "lever", "locked"), [(0.005, 27.0, 0), (0.0003, 27.0, 1), (0.005, -27.0, 1)], ids=str
+)
+def test_a_pair_that_friction_turns_backward_stays_open_or_locks(closing_2: float, lever: float, locked: int) -> None:
+    """A spring alone closes by F c: a second one of negative lever changes nothing until it is reached."""
+    moment, softness = 700.0, 2.6e-4
+    rows = np.array([17.0, 11.0]), np.array([lever, -7.0]), np.full(2, softness)
+    laws = {"level": np.zeros(2), "power": 0.0, "logarithm": 0.0, "gap": 0.0}
+    phi, force, restless = balance(
+        np.array([0, 2]), np.array([0.0, closing_2]), *rows, **laws, moment=moment, whole=30.0, least=3e-8, still=3e-11
+    )
+    assert restless == locked
+    if not locked:
+        np.testing.assert_allclose(force, [moment / 27.0, 0.0], rtol=1e-12)
+        assert phi[0] == pytest.approx(moment * softness / (17.0 * 27.0), rel=1e-12)

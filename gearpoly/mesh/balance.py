@@ -76,7 +76,8 @@ def balance(
     Position n has the rows ``start[n]`` to ``start[n + 1]``. Of a row: ``closing`` in rad, levers in mm, compliance of
     the ``teeth`` in mm/N; its flanks give ``level`` + ``power`` W^-0.1 + ``logarithm`` ln W per unit of load W
     (``compliance.Flattening``). ``gap`` in mm across the face width. All loads begin at ``whole`` N and follow their
-    law from ``least`` on. A position is done when no force moves by more than ``still`` N. Returns how many were not.
+    law from ``least`` on. A position is done when no force moves by more than ``still`` N. Returns how many were not,
+    those where friction locks the teeth among them.
     """
     positions = start.size - 1
     phi = np.zeros(positions)
@@ -86,6 +87,10 @@ def balance(
     restless = 0
     for n in range(positions):
         begin, end = start[n], start[n + 1]
+        for i in range(begin, end):
+            # Friction turns a pair that touches far out of mesh backward: it must stay open, or the teeth lock.
+            if lever_2[i] <= 0.0:
+                force[i] = 0.0
         settled = False
         for _ in range(ROUNDS):
             for i in range(begin, end):
@@ -101,6 +106,9 @@ def balance(
                         part = lever_2[i] / slope[i]
                         pushed += part * (lever_1[i] * closing[i] + given[i]) - lever_2[i] * force[i]
                         weight += part * lever_1[i]
+                if weight <= 0.0:  # no pair that is near can drive
+                    turn = math.inf
+                    break
                 turn = pushed / weight
                 dropped = False
                 for i in range(begin, end):
@@ -123,6 +131,9 @@ def balance(
             if moved <= still:
                 settled = True
                 break
-        if not settled:
+        locked = phi[n] == math.inf
+        for i in range(begin, end):
+            locked = locked or (lever_2[i] <= 0.0 and phi[n] > closing[i])
+        if locked or not settled:
             restless += 1
     return phi, force, restless

@@ -231,7 +231,7 @@ def _equilibrium(
     return phi, force
 
 
-UNSETTLED = "the forces between the teeth do not settle; check the compliance laws and the material"
+UNSETTLED = "the forces between the teeth do not settle; check the compliance laws, the material and the friction"
 
 
 def _studys(problem: _Problem, compliance: PairCompliance, contacts: FlankContacts) -> tuple[FloatArray, FloatArray]:
