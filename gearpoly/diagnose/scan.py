@@ -17,6 +17,7 @@ from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
+from gearpoly.errors import GearpolyError
 from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.physics.base import Claim, Physics, Scope
 from gearpoly.physics.place import Place, Values
@@ -104,12 +105,16 @@ def probes(physics: Physics, place: Place) -> list[Values]:
 
 
 def _columns(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
-    """Effect (n_k, a) in mm per unit of each amplitude of a claim's physics."""
+    """Effect (n_k, a) in mm per unit of each amplitude of a claim's physics; nothing where gears cannot run with it,
+    as teeth that lock on friction."""
     place = replace(claim.place, shape=claim.values[claim.physics.amplitudes :] or claim.place.shape)
-    changes = [
-        [change / values[k] for change in model.change(scenes, claim, values)]
-        for k, values in enumerate(probes(claim.physics, place))
-    ]
+    try:
+        changes = [
+            [change / values[k] for change in model.change(scenes, claim, values)]
+            for k, values in enumerate(probes(claim.physics, place))
+        ]
+    except GearpolyError:
+        return [np.zeros((scene.samples.size, claim.physics.amplitudes)) for scene in scenes]
     return [np.column_stack(parts) for parts in zip(*changes, strict=True)]
 
 

@@ -111,9 +111,15 @@ def kind_of(claim: Claim) -> Kind:
     return "means" if physics.whole_gear or not physics.mean_tooth else "mesh"
 
 
+def kinds_of(claim: Claim) -> set[Kind]:
+    """The kinds of places at which a claim shows: what moves the axes apart shows at every mesh, and in the backlash
+    between recordings as well."""
+    return {kind_of(claim), "means"} if claim.physics.name in AS_WRONG_KEYS else {kind_of(claim)}
+
+
 def same_place(one: Claim, other: Claim) -> bool:
     """Whether two claims are explanations of one place: of one tooth, of one wave, of every mesh."""
-    if kind_of(one) != kind_of(other):
+    if not kinds_of(one) & kinds_of(other):
         return False
     if kind_of(one) not in ("tooth", "wave"):
         return True

@@ -173,7 +173,8 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         background = tuple(_item(one) for one in raw.entries("background"))
         noise = raw.needed("noise_um")
         deep = raw.inner("depth")
-        depth = {name: deep.needed(name) for name in deep.raw}
+        # What each recording shows by itself is a list, and no depth of the whole.
+        depth = {name: deep.needed(name) for name, value in deep.raw.items() if not isinstance(value, list)}
         hunting_cycles = raw.number("hunting_cycles")
         klass, called, concealed_by = (raw.word(key, "") for key in ("class", "pair", "concealed_by"))
         declared_um = raw.numbers("declared_eccentricity_um")
