@@ -15,8 +15,9 @@ from gearpoly.compare.stand_in import known_pair
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.heldout import Checked
-from gearpoly.diagnose.leftovers import taken_back
+from gearpoly.diagnose.leftovers import taken_back, with_causes
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import Blocks, _idle, gained, repeats
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
@@ -190,6 +191,9 @@ def test_a_refusal_and_an_unchecked_tooth_are_told() -> None:
         (Claim(physics=catalogue()["thermal_drift"], place=Place(recordings=(1,)), values=(1.0, 0.0, 0.0)), "time",
          {"hz": 0.0, "recordings": (1,)}),
         (Claim(physics=catalogue()["friction"], place=Place(), values=(0.1,)), "mesh_phase", {"recordings": (0, 1)}),
+        # These set the means of recordings apart, and turn with no shaft.
+        (Claim(physics=catalogue()["shaft_windup"], place=Place(), values=(2.0,)), "condition", {"recordings": (1,)}),
+        (claim("tooth_thickness", 1, 9.0), "condition", {"recordings": (1,), "order": None, "gear": None}),
     ],
 )  # fmt: skip
 def test_what_is_refused_is_located(one: Claim, kind: str, where: dict[str, object]) -> None:
@@ -240,3 +244,14 @@ def test_a_pit_that_unseen_data_do_not_bear_out_is_located_and_not_named(tmp_pat
     assert found.unseen is not None and found.unseen.refused
     assert found.after.unseen <= found.as_built_only.unseen
     assert any("not named, since unseen data" in remark for remark in found.remarks)
+
+
+def test_what_was_not_weighed_to_its_end_has_no_probability() -> None:
+    """Time was over: the place is told, and nobody knows how likely a cause is there."""
+    known = SimpleNamespace(encoder_deg=lambda tooth: 18.0 * tooth)
+    comparison: Any = SimpleNamespace(
+        aligned=[None, None], alignment=SimpleNamespace(numbered=(True, True)), gears=(known, known)
+    )
+    one = Unearned(claim=claim("tooth_thickness", 1, 9.0), rms=2e-3, posterior=None)
+    (entry,) = with_causes(comparison, (), (one,), ((),), ())
+    assert entry.kind == "condition" and entry.probability is None and entry.rms_um == 2.0

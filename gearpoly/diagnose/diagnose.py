@@ -132,9 +132,8 @@ def diagnose(
     findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
-    left_over = with_causes(
-        comparison, left_over, unearned, [causes_of(model, one.posterior) for one in unearned], flank_curves(search)
-    )
+    could_be = [() if one.posterior is None else causes_of(model, one.posterior) for one in unearned]
+    left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *on_wrong_sheets)
     refused = unseen is not None and unseen.refused and not left_over and not findings
@@ -292,7 +291,8 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
 def _of_the_file(unearned: Sequence[Unearned]) -> Iterator[str]:
     """Which keys of the pair file may be wrong, where something looks as though they were."""
     for one in unearned:
-        if one.claim.physics.name in AS_WRONG_KEYS and one.posterior.of(one.claim) > TOLD:
+        likely = one.posterior is not None and one.posterior.of(one.claim) > TOLD
+        if one.claim.physics.name in AS_WRONG_KEYS and likely:
             name, size = one.claim.physics.name.replace("_", " "), one.claim.values[0]
             yield (
                 f"a {name} off by {size:.0f} um would explain it, and so would a wrong profile_shift, "

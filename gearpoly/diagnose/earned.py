@@ -16,7 +16,7 @@ from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import leave
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
-from gearpoly.infer.posterior import CERTAIN, Posterior
+from gearpoly.infer.posterior import CERTAIN
 from gearpoly.infer.prior import order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
@@ -88,8 +88,8 @@ def earned(
 
 def _unweighed(search: Search, claim: Claim, judged: Judged | None) -> Unearned:
     """A place whose claim was not weighed to its end; nobody knows how likely it is."""
-    posterior = Posterior(claims=(), unknown=1.0, nothing=0.0) if judged is None else judged.posterior
-    return Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=posterior)
+    rms = search.model.rms_of(search.scenes, claim)
+    return Unearned(claim=claim, rms=rms, posterior=None if judged is None else judged.posterior)
 
 
 def _unearned(search: Search, claim: Claim, judged: Judged) -> Unearned:

@@ -23,6 +23,7 @@ from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.infer.load_wave import LOAD_WAVE
+from gearpoly.infer.prior import kind_of
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
@@ -109,6 +110,9 @@ def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     place, physics = claim.place, claim.physics
     recordings = place.recordings or tuple(range(len(comparison.aligned)))
     entry = Entry(kind="mesh_phase", phase=(0.0, 1.0), rms_um=rms / UM, p_value=1.0, recordings=recordings)
+    if kind_of(claim) == "means":
+        # Means compare with that of the first recording.
+        return replace(entry, kind="condition", phase=None, recordings=recordings[1:] or recordings)
     if physics.mean_tooth:
         return entry
     if physics.slow or place.gear is None:
@@ -133,7 +137,8 @@ def with_causes(
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
         same = [k for k, entry in enumerate(out) if _same_place(entry, place)]
-        if not same and (one.seen or one.posterior.nothing > EVEN):
+        there = None if one.posterior is None else 1.0 - one.posterior.nothing
+        if not same and (one.seen or (there is not None and there < 1.0 - EVEN)):
             continue
         if not same:
             out.append(place)
@@ -142,7 +147,7 @@ def with_causes(
         # What several claims about one tooth could have been stands once.
         before = {(cause.physics, cause.gear) for cause in out[at].could_be}
         more = tuple(cause for cause in could_be if (cause.physics, cause.gear) not in before)
-        there = max(out[at].probability or 0.0, 1.0 - one.posterior.nothing)
+        there = max((chance for chance in (out[at].probability, there) if chance is not None), default=None)
         if one.claim.physics is LOAD_WAVE:
             out[at] = replace(out[at], rivals=(*out[at].rivals, PULSES))
         out[at] = replace(out[at], could_be=(*out[at].could_be, *more), probability=there, curves=mine)
