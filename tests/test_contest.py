@@ -118,6 +118,7 @@ class Ends:
     def __init__(self, ends: dict[str, float], *, broken: str = "", graded: bool = False) -> None:
         self.ends, self.broken, self.noises = ends, broken, None
         self.asked: list[str] = []
+        self.rises: Any = None
         self.over = False
         self.scenes = (SimpleNamespace(bends=True),)
         gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from gearpoly.diagnose.exchange import LIKELY, Exchange
 from gearpoly.diagnose.fit import BETTER, Kept, without_columns
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
@@ -53,9 +54,11 @@ class Road:
 
 @dataclass(kw_only=True, eq=False)
 class Search(Exchange):
-    """The search in progress; ``disowned`` counts claims that were taken back since they did not end."""
+    """The search in progress; ``disowned`` counts claims that were taken back since they did not end, ``rises`` is by
+    how much the misfit rose at a linear system without the claims that were kept there."""
 
     disowned: int = 0
+    rises: tuple[Linear, dict[tuple[object, ...], float]] | None = None
 
     def run(self) -> list[Candidate]:
         """Make claims until none pays; return the candidates of the last look.
@@ -281,6 +284,8 @@ class Search(Exchange):
         lost = 2.0 * few - self.gained(begun)
         if self.significant(Candidate(claim=claim, gain=lost, freedoms=few)):
             self.restore(begun)
+            before = self.rises[1] if self.rises is not None and self.rises[0] is self.linear else {}
+            self.rises = self.linear, {**before, claim.key: lost}
             return False
         return True
 
@@ -290,6 +295,8 @@ class Search(Exchange):
         claim, begun = self.model.claims[k], self.kept()
         if self.over or not self._settled_for(claim):
             return None
+        if self.rises is not None and self.rises[0] is self.linear and claim.key in self.rises[1]:
+            return self.rises[1][claim.key]
         there = self.linear.system.misfit
         try:
             self._fit_without(k)
