@@ -27,7 +27,7 @@ def page(diagnosis: Diagnosis) -> str:
         fit=words.fit(diagnosis),
         unseen=words.unseen(diagnosis),
         told_from=number(words.told_from(diagnosis) / UM, 3),
-        where=tables.entries(comparison.located.entries, sky=sky),
+        where=tables.entries(comparison.located.where, sky=sky),
         unexplained=tables.entries(diagnosis.unexplained, sky=sky),
         as_built=tables.as_built(diagnosis),
         alignment=tables.alignment(diagnosis),

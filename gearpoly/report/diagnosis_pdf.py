@@ -159,7 +159,7 @@ class _Report:
         comparison = self.diagnosis.comparison
         sky = sky_of(comparison)
         out = [self._said("Where recordings and declared simulation differ", self.head)]
-        entries = comparison.located.entries
+        entries = comparison.located.where
         out += self._listed(entries, sky) or [
             self._said("Nothing beyond noise, and beyond what inspection or grade leave open of each tooth.")
         ]

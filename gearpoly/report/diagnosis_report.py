@@ -48,7 +48,7 @@ def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise_um": diagnosis.noise / UM,
         "noise_um_by_recording": [level / UM for level in diagnosis.noise_by_recording],
         "alignment": alignment_json(diagnosis.comparison),
-        "where": entries_json(located.entries, sky),
+        "where": entries_json(located.where, sky),
         "missing": [_finding_json(one) | finding_json(one, located, sky) for one in diagnosis.findings],
         "as_built": built,
         "unexplained": entries_json(diagnosis.unexplained, sky),

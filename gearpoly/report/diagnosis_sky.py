@@ -47,7 +47,7 @@ def _order(one: Finding) -> int | None:
 def _wave(located: Located, gear: str | None, order: int) -> Entry | None:
     mine = [
         entry
-        for entry in (*located.entries, *located.where)
+        for entry in located.where
         if entry.order == order and entry.gear == gear and entry.amplitude_um is not None and entry.of_the_pair
     ]
     return max(mine, key=lambda entry: abs(entry.amplitude_um or 0.0), default=None)

@@ -184,7 +184,7 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
         "open": [
             name for name, told in zip(("driving", "driven"), comparison.alignment.numbered, strict=True) if not told
         ],
-        "where": [_entry(entry, comparison) for entry in comparison.located.entries],
+        "where": [_entry(entry, comparison) for entry in comparison.located.where],
     }
 
 
