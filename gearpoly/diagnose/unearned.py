@@ -10,9 +10,11 @@ from gearpoly.physics.base import Claim
 
 @dataclass(frozen=True, kw_only=True)
 class Unearned:
-    """A ``claim`` that did not earn its name: the ``rms`` in mm of what it did, and the probabilities at its place, none
-    where time was over first; ``seen``: it is told only where something is located there in the end, since no claim was
-    ever fitted."""
+    """A ``claim`` that did not earn its name, with the ``rms`` in mm of what it did.
+
+    ``posterior`` the probabilities at its place, none where time was over first; ``seen``: it is told only where
+    something is located there in the end, since no claim was ever fitted.
+    """
 
     claim: Claim
     rms: float
