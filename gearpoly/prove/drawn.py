@@ -67,7 +67,8 @@ def draw_reliability(boards: Sequence[dict[str, Any]], labels: Sequence[str], ta
             )
             for one in some:  # counts of several runs one above the other
                 at = (one["stated"], one["right"]["rate"])
-                shift = (-5, 5 + 9 * k) if one["stated"] > 0.5 else (5, -12 - 9 * k)
+                # Towards the middle, where there is room.
+                shift = -5 if one["stated"] > 0.5 else 5, -12 - 9 * k if one["right"]["rate"] > 0.5 else 5 + 9 * k
                 side = "right" if one["stated"] > 0.5 else "left"
                 axes.annotate(
                     str(one["right"]["of"]), at, shift, textcoords="offset points", fontsize=7, color=colour, ha=side
