@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearpoly.compare.columns import Dense, Scattered, Waves
+from gearpoly.compare.columns import Dense, Scattered, waves
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.regression import Stack, solve
 from gearpoly.compare.sharing import Carried
@@ -24,7 +24,7 @@ def test_columns_that_differ_at_some_samples_give_the_same_normal_matrix(kind: s
         parts = [
             Scattered(columns=20, index=index, value=weight),
             Dense(columns=slow),
-            Waves(x=u, frequency=np.array([0.1, 0.7])),
+            waves(u, np.array([0.1, 0.7])),
         ]
         ends = np.cumsum([part.size for part in parts])
         return Stack(
@@ -85,3 +85,18 @@ def test_pairs_carry_the_load_between_them() -> None:
     touching = deviation - gap > after
     np.testing.assert_allclose(carried.weights(deviation) > 0.0, touching)
     np.testing.assert_allclose(np.sum(carried.weights(deviation), axis=0), 1.0, rtol=1e-12)
+
+
+def test_waves_are_the_same_held_or_made_piece_by_piece(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Columns that an earlier fit held are those of their frequency, in whatever place it stands now."""
+    rng = np.random.default_rng(4)
+    u, values, beta = rng.uniform(0.0, 90.0, 40_000), rng.normal(size=40_000), rng.normal(size=6)
+    first = waves(u, np.array([0.1, 0.7, 1.3]))
+    held = waves(u, np.array([1.3, 0.2, 0.1]), before=first)
+    monkeypatch.setattr("gearpoly.compare.columns.HELD", 0)
+    piecewise = waves(u, np.array([1.3, 0.2, 0.1]))
+    assert held.held is not None and piecewise.held is None
+    np.testing.assert_allclose(held.apply(beta), piecewise.apply(beta), atol=1e-12)
+    np.testing.assert_allclose(held.adjoint(values), piecewise.adjoint(values), atol=1e-9)
+    np.testing.assert_array_equal(held.rows(slice(5, 9)), piecewise.rows(slice(5, 9)))
+    assert held.changed(first).all() and not held.changed(piecewise).any()

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.unstated import SEEN, _step, grade_of
+from gearpoly.diagnose.unstated import SEEN, _step, grade_of, like_its_mate
 from gearpoly.infer.unknown import plainest_first
 
 Z = 40
@@ -54,3 +54,11 @@ def test_forms_of_one_cause_share_its_weight() -> None:
     assert plainest_first(1) == [1.0]
     assert sum(plainest_first(7)) == pytest.approx(1.0, abs=1e-15)
     assert plainest_first(7)[0] == 0.5
+
+
+def test_a_gear_whose_teeth_say_nothing_is_made_like_its_mate() -> None:
+    """One that is inspected or graded is not among those that nobody stated, and stays as it is."""
+    assert like_its_mate({1: 4.0}, (0, 1)) == {0: 4.0, 1: 4.0}
+    assert like_its_mate({0: 2.0, 1: 4.0}, (0, 1)) == {0: 2.0, 1: 4.0}
+    assert like_its_mate({1: 4.0}, (1,)) == {1: 4.0}
+    assert like_its_mate({}, (0, 1)) == {}
