@@ -164,6 +164,10 @@ class Ends:
         me: Any = self
         Search._fit_without(me, k)
 
+    def _rises_here(self) -> Any:
+        me: Any = self
+        return Search._rises_here(me)
+
     def _settled_for(self, claim: Any) -> bool:
         me: Any = self
         return Search._settled_for(me, claim)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gearpoly.errors import NotConvergedError
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.balance import balance
 from gearpoly.mesh.compliance import ContactPair, contact_deflection
 from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import LEAST_LOAD, Elasticity, PairCompliance, pair_compliance
-from gearpoly.mesh.loaded import load_reach, loaded
+from gearpoly.mesh.loaded import Sharing, load_reach, loaded
 from gearpoly.mesh.pair import Flank, mount
 from gearpoly.units import NM, UM
 from tests.made_loaded import (
@@ -251,3 +252,15 @@ def test_a_pair_that_friction_turns_backward_stays_open_or_locks(closing_2: floa
     if not locked:
         np.testing.assert_allclose(force, [moment / 27.0, 0.0], rtol=1e-12)
         assert phi[0] == pytest.approx(moment * softness / (17.0 * 27.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("sharing", ["equilibrium", "paper"])
+def test_teeth_that_friction_locks_do_not_settle(sharing: Sharing) -> None:
+    """Friction of three times the load turns every pair backward that slides against it."""
+    rng = np.random.default_rng(5)
+    pair = perfect()
+    driving, driven = tables(pair, rng)
+    compliance = PairCompliance(pair=pair, elasticity=Elasticity(friction=3.0), b=20.0, driving=driving, driven=driven)
+    contacts = random_contacts(pair, rng, positions=60, spread=0.2 * UM)
+    with pytest.raises(NotConvergedError, match="friction"):
+        loaded(contacts, compliance, torque=25.0 * NM, sharing=sharing)

@@ -11,9 +11,12 @@ import pytest
 
 from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.families import SHARES, line_threshold, sigma_threshold
+from gearpoly.compare.lines import Peak
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.maps import tooth_maps
+from gearpoly.compare.masked import settle_waves
 from gearpoly.compare.noise import estimate_noise
+from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried, sharing_from_rows
 from tests.residuals import healthy, noise, residual, samples, tooth_signal
@@ -372,3 +375,24 @@ def test_json_has_the_contracts_names() -> None:
     assert data["kind"] == "tooth" and data["gear"] == "driving" and data["tooth"] == 7 and data["rms_um"] == 4.0
     wave = Entry(kind="mesh_order", order=1.0, amplitude_um=0.9, std_um=0.01, recordings=(0,), p_value=0.0)
     assert wave.to_json()["order"] == 1 and "tooth" not in wave.to_json()
+
+
+def test_waves_that_move_keep_their_own_size() -> None:
+    """Gains of two waves in white noise stand as the squares of their amplitudes, in whichever order they are moved."""
+    data = healthy(np.random.default_rng(8), z_1=18, z_2=25, cycles=2, kind="white")
+    large, small = 4.41 / 18, 7.73 / 18
+    waves = 2.0 * UM * np.cos(2 * np.pi * large * data.u) + 0.5 * UM * np.cos(2 * np.pi * small * data.u)
+    search = Search([plus(data, waves)], inspected(18, 25), 0.0)
+    state = search.states[0]
+    off = 0.05 / state.search.span
+    for frequency in (large + off, small + off):
+        state.orders.append(
+            Peak(domain="order", frequency=frequency, std=off, gain=1.0, log_false=-9.0, known=False)
+        )  # fmt: skip
+    search.renew_noise(search.fit(passes=1))
+    assert settle_waves(search, search.fit(passes=1))
+    moved = {round(18 * one.frequency, 2): one.gain for one in (*state.orders, *state.times) if one.domain == "order"}
+    assert sorted(moved) == [4.41, 7.73]
+    level = state.search.rest_at("order", np.array([large, small]), state.noise)[0]
+    # The lesser wave stands 48 standard errors above noise: its square is known to 4 %; three times that is allowed.
+    assert moved[4.41] * level[0] / (moved[7.73] * level[1]) == pytest.approx(16.0, rel=0.125)

@@ -65,7 +65,8 @@ class Dense:
 
 
 HELD = 2**23
-"""Values of cosines and sines that are held, 64 MB; of longer recordings they are made piece by piece at each use."""
+"""Values of cosines and sines that are held, 64 MB: the 40 waves at most of a search fit, over its 40960 samples, twice
+over. Of more samples they are made piece by piece at each use. A judgement."""
 
 
 def cosine_and_sine(x: FloatArray, frequency: FloatArray) -> FloatArray:

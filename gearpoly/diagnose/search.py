@@ -54,8 +54,9 @@ class Road:
 
 @dataclass(kw_only=True, eq=False)
 class Search(Exchange):
-    """The search in progress; ``disowned`` counts claims that were taken back since they did not end, ``rises`` is by
-    how much the misfit rose at a linear system without the claims that were kept there."""
+    """The search in progress; ``disowned`` counts claims that were taken back since they did not end. ``rises``: a
+    linear system, and by how much the misfit (sigmas squared) rises from it without a claim, by its key, where all was
+    fitted again without; so no such fit is made twice."""
 
     disowned: int = 0
     rises: tuple[Linear, dict[tuple[object, ...], float]] | None = None
@@ -284,10 +285,13 @@ class Search(Exchange):
         lost = 2.0 * few - self.gained(begun)
         if self.significant(Candidate(claim=claim, gain=lost, freedoms=few)):
             self.restore(begun)
-            before = self.rises[1] if self.rises is not None and self.rises[0] is self.linear else {}
-            self.rises = self.linear, {**before, claim.key: lost}
+            self.rises = self.linear, {**self._rises_here(), claim.key: lost}
             return False
         return True
+
+    def _rises_here(self) -> dict[tuple[object, ...], float]:
+        """What ``rises`` knows of the present linear system."""
+        return self.rises[1] if self.rises is not None and self.rises[0] is self.linear else {}
 
     def rise_without(self, k: int) -> float | None:
         """By how much the misfit rises where all is fitted to its end without claim ``k``, by the present noise; None
@@ -295,8 +299,8 @@ class Search(Exchange):
         claim, begun = self.model.claims[k], self.kept()
         if self.over or not self._settled_for(claim):
             return None
-        if self.rises is not None and self.rises[0] is self.linear and claim.key in self.rises[1]:
-            return self.rises[1][claim.key]
+        if claim.key in (known := self._rises_here()):
+            return known[claim.key]
         there = self.linear.system.misfit
         try:
             self._fit_without(k)

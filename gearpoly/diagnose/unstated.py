@@ -59,9 +59,12 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
     found = like_its_mate(seen, unstated)
     says = tuple(
         f"no grade of the {('driving', 'driven')[gear]} gear is stated, and "
-        + ("its teeth deviate as those of" if gear in seen else "it is taken to be as its mate, of")
-        + f" grade {grade_of(by)}{' do' if gear in seen else ''}: what such teeth may have is not looked for; "
-        "state a grade, or inspect it"
+        + (
+            f"its teeth deviate as those of grade {grade_of(by)} do"
+            if gear in seen
+            else f"it is taken to be of grade {grade_of(by)} as its mate"
+        )
+        + ": what such teeth may have is not looked for; state a grade, or inspect it"
         for gear, by in found.items()
     )
     return (limited(model, found, others=OTHER_LIMITS) if found else model), says

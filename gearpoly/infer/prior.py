@@ -112,8 +112,8 @@ def kind_of(claim: Claim) -> Kind:
 
 
 def kinds_of(claim: Claim) -> set[Kind]:
-    """The kinds of places at which a claim shows: what moves the axes apart shows at every mesh, and in the backlash
-    between recordings as well."""
+    """The kinds of places at which a claim shows: axes that stand apart show at every mesh, and in the backlash, which
+    sets the means of recordings apart, as well."""
     return {kind_of(claim), "means"} if claim.physics.name in AS_WRONG_KEYS else {kind_of(claim)}
 
 

@@ -266,6 +266,8 @@ def _studys(problem: _Problem, compliance: PairCompliance, contacts: FlankContac
         phi = turns[at, m]
         touches = there & (np.arange(closing.shape[1]) <= m[:, None])
         before, force = force, k * lever_1 * np.where(touches, phi[:, None] - np.where(there, closing, 0.0), 0.0)
+        if np.any(touches & (lever_2 <= 0.0)):
+            break  # friction locks the teeth
         if np.max(np.abs(force - before)) <= BALANCED * whole:
             return phi, force[grid.position, grid.place]
     raise NotConvergedError(UNSETTLED)
