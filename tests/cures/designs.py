@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from pathlib import Path
 
 from gearpoly.files.rexs.source import SIZE_LIMIT
 from tests.cures.cure import Cure, command, put
@@ -24,9 +25,9 @@ def design(
 ) -> Cure:
     """A design that is refused, and one that becomes a pair file."""
 
-    def attempt(folder: object, content: str | bytes, name: str, words: tuple[str, ...]) -> None:
-        put(folder, name, content)  # type: ignore[arg-type]
-        command("pair", "--from", folder / name, folder / "pair.toml", *words)  # type: ignore[operator]
+    def attempt(folder: Path, content: str | bytes, name: str, words: tuple[str, ...]) -> None:
+        put(folder, name, content)
+        command("pair", "--from", folder / name, folder / "pair.toml", *words)
 
     return Cure(
         name=name,

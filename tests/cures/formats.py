@@ -202,18 +202,6 @@ def mat(keys: dict[str, Any] | None = None, *, packed: bool = False, **columns: 
     )
 
 
-def objects(kind: str) -> Callable[[Path], None]:
-    """A table of MATLAB's, kept as an object of another class."""
-
-    def run(file: Path) -> None:
-        frame = importlib.import_module("pandas").DataFrame({"a": T})
-        importlib.import_module("matio").save_to_mat(str(file), {"T": frame}, version="v7")
-        if kind != "table":
-            raise NotImplementedError
-
-    return run
-
-
 def _saved_twice(file: Path) -> None:
     mat()(file)
     with file.open("ab") as stream:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import gearpoly
 from tests.cures.cure import Cure, command, put
@@ -45,17 +46,17 @@ def sheet(
     """A sheet, its map (``layout``), what is asked for and a pair file that is there: refused, and put right."""
 
     def attempt(
-        folder: object, content: str | bytes, lines: str | None, words: tuple[str, ...], there: str | None
+        folder: Path, content: str | bytes, lines: str | None, words: tuple[str, ...], there: str | None
     ) -> None:
-        target = folder / "pair.toml"  # type: ignore[operator]
+        target = folder / "pair.toml"
         target.unlink(missing_ok=True)
         if there is not None:
-            put(folder, "pair.toml", there)  # type: ignore[arg-type]
-        put(folder, file, content)  # type: ignore[arg-type]
+            put(folder, "pair.toml", there)
+        put(folder, file, content)
         if lines is not None:
-            put(folder, "map.toml", lines)  # type: ignore[arg-type]
-        more = () if lines is None else ("--map", folder / "map.toml")  # type: ignore[operator]
-        command("pair", "--from", folder / file, target, *words, *more)  # type: ignore[operator]
+            put(folder, "map.toml", lines)
+        more = () if lines is None else ("--map", folder / "map.toml")
+        command("pair", "--from", folder / file, target, *words, *more)
 
     return Cure(
         name=name,
