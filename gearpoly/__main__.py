@@ -35,38 +35,54 @@ def command() -> None:
 def main() -> None:
     """Run the command line; turn a user's errors into one message and exit code 2."""
     try:
-        from gearpoly.errors import GearpolyError, SelfCheckError
+        from gearpoly.files.environment import check_arguments, check_environment
+        from gearpoly.files.streams import told_output
 
-        try:
-            from gearpoly.files.environment import check_arguments, check_environment
-            from gearpoly.files.streams import told_output
+        with told_output():
+            check_arguments(sys.argv[1:])
+            check_environment(os.environ)
+            from gearpoly.cli import app
 
-            with told_output():
-                check_arguments(sys.argv[1:])
-                check_environment(os.environ)
-                from gearpoly.cli import app
-
-                app()
-        except GearpolyError as error:
-            _say(str(error))
-            raise SystemExit(2) from None
-        except MemoryError:
-            _say("out of memory; want a smaller recording, fewer positions or fewer workers, or a larger machine")
-            raise SystemExit(2) from None
-        except SelfCheckError as error:
-            _say(f"a check of gearpoly itself failed: {error}")
-            raise SystemExit(1) from None
-    except (KeyboardInterrupt, SystemExit) as end:
-        # What runs commands turns an interrupt into an exit, silently.
-        cause: BaseException | None = end
-        while cause is not None and not isinstance(cause, KeyboardInterrupt):
-            cause = cause.__cause__ or cause.__context__
-        if cause is None:
+            app()
+    except BaseException as end:
+        code = _told(end)
+        if code is None:
             raise
+        raise SystemExit(code) from None
+
+
+def _told(end: BaseException) -> int | None:
+    """Say in one message why a command ended, and return its exit code; None where there is no message for it."""
+    interrupt = _interrupt_behind(end)
+    if interrupt is not None:
         with contextlib.suppress(ValueError):  # not the main thread
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # the message is on its way
-        _say(f"interrupted; {str(cause) or 'nothing half-written was left behind'}")
-        raise SystemExit(INTERRUPTED) from None
+        _say(f"interrupted; {str(interrupt) or 'nothing half-written was left behind'}")
+        return INTERRUPTED
+    from gearpoly.errors import GearpolyError, SelfCheckError
+
+    if isinstance(end, GearpolyError):
+        _say(str(end))
+        return 2
+    if isinstance(end, MemoryError):
+        _say("out of memory; want a smaller recording, fewer positions or fewer workers, or a larger machine")
+        return 2
+    if isinstance(end, SelfCheckError):
+        _say(f"a check of gearpoly itself failed: {end}")
+        return 1
+    return None
+
+
+def _interrupt_behind(end: BaseException) -> KeyboardInterrupt | None:
+    """The interrupt that made an error or an exit, if one did.
+
+    What runs commands turns an interrupt into an exit, silently. One that arrives while a lock is taken or given back
+    leaves that lock's own error in its place.
+    """
+    cause: BaseException | None = end
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return cause
 
 
 def _say(message: str) -> None:

@@ -39,7 +39,9 @@ def read_until(terminal: int, words: str | None, *, of: subprocess.Popen[str], p
         left = until - time.monotonic()
         if left < 0.0 or not select.select([terminal], [], [], left)[0]:
             of.send_signal(signal.SIGABRT)
-            raise AssertionError(f"waited {patience:g} s for {words or 'the end'!r} of\n{seen}{_last(terminal)}")
+            seen += _last(terminal)
+            of.wait(PATIENCE)  # or the next test that collects garbage is told of it
+            raise AssertionError(f"waited {patience:g} s for {words or 'the end'!r} of\n{seen}")
         more = _read(terminal)
         if not more:
             assert words is None, seen

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from gearpoly.__main__ import main
 from gearpoly.threads import each
 from tests.made_process import begun, read_until
 
@@ -57,3 +58,26 @@ def test_an_interrupt_waits_for_no_thread(tmp_path: Path) -> None:
     os.close(ours)
     assert run.wait(60.0) == 130
     assert "gearpoly: interrupted" in seen
+
+
+def _hidden() -> None:
+    """What an interrupt leaves that arrives while a lock is being given back (``threading.Condition.wait``)."""
+    try:
+        raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        raise RuntimeError("cannot release un-acquired lock") from None
+
+
+def test_an_interrupt_behind_the_error_of_a_lock_is_an_interrupt(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["gearpoly"])
+    monkeypatch.setattr("gearpoly.cli.app", _hidden)
+    heeded = signal.getsignal(signal.SIGINT)
+    try:
+        with pytest.raises(SystemExit) as end:
+            main()
+    finally:
+        signal.signal(signal.SIGINT, heeded)
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "gearpoly: interrupted; nothing half-written was left behind\n"
