@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import with_sheets_stated
+from gearpoly.assemble import assemble, with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
+from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import pooled_level
+from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
@@ -36,6 +39,7 @@ from gearpoly.diagnose.leftovers import (
     with_causes,
 )
 from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.misdeclared import every_mesh, misdeclared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.prepare import prepare
@@ -43,7 +47,7 @@ from gearpoly.diagnose.remounted import remounted
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
-from gearpoly.diagnose.sheets import as_read, reread
+from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
@@ -58,10 +62,6 @@ from gearpoly.units import FloatArray
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
 the next, two of three sizes are less than three times the least."""
-
-DOUBTED = 2.0
-"""Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
-noise."""
 
 
 def diagnose(
@@ -88,10 +88,24 @@ def diagnose(
     model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
     preparing = watch.stage("prepare")
     wrong = reread(model, waves, preparing)
-    on_wrong_sheets = [one for sheet in wrong if not sheet.opposite for one in located_on(comparison, sheet.gear)]
     misread: tuple[str, ...] = ()
+    on_wrong_sheets: list[Entry] = []
+    if sign_may_be_wrong(file, recordings, wrong):
+        # Teeth hand over where either is ahead of the other: of the other sign no teeth fit, and no order of theirs.
+        other = compare(file, opposite(recordings), path=path, step=watch.stage("compare"))
+        begun_so = _begun(file, other, Path(path), method or Method(), budget)
+        if not reread(*begun_so, preparing):
+            comparison, (model, waves), misread, wrong = other, begun_so, (OPPOSITE,), []
     if wrong:
+        on_wrong_sheets = [one for sheet in wrong if not sheet.opposite for one in located_on(comparison, sheet.gear)]
         file, recordings, misread = as_read(file, recordings, wrong)
+        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
+        model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
+    on_wrong_keys = every_mesh(comparison)
+    begin = partial(_begun_beside, comparison, model, budget)
+    keys = misdeclared(file, begin, preparing) if on_wrong_keys else None
+    if keys is not None:
+        file, misread = keys.file, (*misread, keys.says)
         comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
         model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
     model, seen = as_seen(model, waves, preparing)
@@ -132,10 +146,10 @@ def diagnose(
     findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
     watch.stage("leftovers")("looking for what is left")
     left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
-    could_be = [() if one.posterior is None else causes_of(model, one.posterior) for one in unearned]
+    could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
-    left_over = (*left_over, *on_wrong_sheets)
+    left_over = (*left_over, *on_wrong_sheets, *(on_wrong_keys if keys is not None else ()))
     refused = unseen is not None and unseen.refused and not left_over and not findings
     if anew is not None or refused:
         left_over = comparison.located.entries[:FOREMOST]
@@ -189,6 +203,14 @@ def _begun(
     model = replace(prepare(file, comparison, path=path), method=method, strangers=strangers(entries), budget=budget)
     model.observed = beside_jumps(model.observed, jumps(comparison))
     return model, foreign(comparison, model, entries)
+
+
+def _begun_beside(
+    comparison: Comparison, model: Model, budget: Budget, file: PairFile
+) -> tuple[Model, list[FloatArray]]:
+    """The same of the pair of another ``file`` beside the recordings that ``model`` is of."""
+    assembled = assemble(known_file(file), path=model.path, seed=0)
+    return _begun(file, replace(comparison, assembled=assembled), model.path, model.method, budget)
 
 
 def _finding(
@@ -311,11 +333,11 @@ def _untouched(findings: Sequence[Finding]) -> Iterator[str]:
 def _of_another_pair(search: Search) -> Iterator[str]:
     """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
     claims, left = len(search.model.claims), search.linear.system.whiteness
-    if claims >= MOST or left > DOUBTED or search.disowned:
+    if claims >= MOST or search.doubted or search.disowned:
         named = f"{claims} physics are named" if claims else "nothing is named"
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
-        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if left > DOUBTED else ""
+        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if search.doubted else ""
         yield (
             f"{named}{more}: perhaps something beside the gears is recorded, or the pair file is of another pair, or "
             "of another state of this one"

@@ -25,6 +25,10 @@ own."""
 MOST = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
+DOUBTED = 2.0
+"""Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
+noise."""
+
 MANY = 4
 """Claims from which on one end is doubted however well it fits: so many may each take a little of what two are."""
 
@@ -89,6 +93,11 @@ class Search(Exchange):
         self.withdraw()
         self.widen()
         return found
+
+    @property
+    def doubted(self) -> bool:
+        """Whether as much is left as is noise, so that the pair file is doubted as a whole."""
+        return self.linear.system.whiteness > DOUBTED
 
     @property
     def strained(self) -> bool:

@@ -45,6 +45,12 @@ nearest came to 0.38 with 18 teeth, 0.49 with 25, and below 0.35 in 1 of 150 wit
 ROUNDS = 1
 """Rounds of simulating and fitting: to first order about the sheet its teeth are told to a tenth of their steps."""
 
+OPPOSITE = (
+    "the transmission error of the recordings fits the inspection only with the opposite sign, and was taken so; check "
+    "the sign of te_um (positive where the driven gear is ahead), or of pitch_um"
+)
+"""What to tell of recordings whose transmission error has the other sign."""
+
 Ordered = tuple[float, int, bool, float]
 """How near in um the steps lie, and the order in which they do: the number on the sheet of tooth 0, whether it counts
 back, and its sign."""
@@ -131,25 +137,28 @@ def as_read(
 ) -> tuple[PairFile, Sequence[Recording], tuple[str, ...]]:
     """The pair file and the recordings as they bear each other out, and what to tell of that. A rig that computed the
     transmission error is likelier to have its sign wrong than every sheet."""
-    every = {one.gear for one in wrong} == set(_listed_gears(file))
-    if every and all(one.opposite for one in wrong) and all(one.computed for one in recordings):
-        says = (
-            "the transmission error of the recordings fits the inspection only with the opposite sign, and was taken "
-            "so; check the sign of te_um (positive where the driven gear is ahead), or of pitch_um"
-        )
-        return file, [_opposite(one) for one in recordings], (says,)
+    if all(one.opposite for one in wrong) and sign_may_be_wrong(file, recordings, wrong):
+        return file, opposite(recordings), (OPPOSITE,)
     for one in wrong:
         file = on_gear(file, one.gear, inspection=one.inspection)
     return file, recordings, tuple(one.says for one in wrong)
 
 
-def _opposite(one: Recording) -> Recording:
-    """The recording with the other sign of its transmission error."""
-    return replace(
-        one,
-        te_rad=None if one.te_rad is None else -one.te_rad,
-        te_mm=None if one.te_mm is None else -one.te_mm,
-    )
+def sign_may_be_wrong(file: PairFile, recordings: Sequence[Recording], wrong: Sequence[Reread]) -> bool:
+    """Whether every sheet is wrong and rigs computed the transmission error: its sign may be what is."""
+    return {one.gear for one in wrong} == set(_listed_gears(file)) and all(one.computed for one in recordings)
+
+
+def opposite(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings with the other sign of their transmission error."""
+    return [
+        replace(
+            one,
+            te_rad=None if one.te_rad is None else -one.te_rad,
+            te_mm=None if one.te_mm is None else -one.te_mm,
+        )
+        for one in recordings
+    ]
 
 
 def _teeth(fit: Fit, model: Model, gear: int) -> Teeth:

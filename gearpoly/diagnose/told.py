@@ -14,6 +14,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.search import Search
 from gearpoly.infer.posterior import Posterior
+from gearpoly.infer.prior import FILE_RIGHT
 from gearpoly.physics.base import Claim
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
@@ -37,18 +38,19 @@ def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) 
     return tuple(
         one
         if posterior is None
-        else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search.model, posterior))
+        else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search, posterior))
         for one, posterior in found
     )
 
 
-def causes_of(model: Model, found: Posterior) -> tuple[Cause, ...]:
-    """The physics that may be behind a place, each with its probability."""
+def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
+    """The physics that may be behind a place, each with its probability: as far as the pair file is right."""
+    model, right = search.model, FILE_RIGHT if search.doubted else 1.0
     return tuple(
         Cause(
             physics=claim.physics.name,
             gear=None if claim.place.gear is None else GEAR_NAMES[claim.place.gear],
-            probability=chance,
+            probability=right * chance,
             parameters=tuple(
                 (name, value)
                 for name, (value, _) in parameters(model, claim, np.zeros((len(claim.values),) * 2)).items()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -73,6 +74,32 @@ def test_a_wrong_pressure_angle_is_no_centre_distance() -> None:
     wrong = at(known, 22.5)
     found = verdict(wrong, record(known, LOADED, replace(COAST, torque_nm=40.0)), within=120.0)
     assert not found.missing, found.told
+
+
+def shifted(file: PairFile, by: float) -> PairFile:
+    """The pair with so much more profile shift of the driving gear, and less of the driven one, on the same axes."""
+    for gear, more in ((0, by), (1, -by)):
+        file = on_gear(file, gear, profile_shift=more)
+    return file
+
+
+def test_a_wrong_profile_shift_is_told_and_no_relief_named() -> None:
+    """Teeth shifted by 0.3 of the module of which the file knows nothing: tips end elsewhere, roots are thicker."""
+    true, known = graded((15, 28), bends=True)
+    found = verdict(known, record(shifted(true, 0.3), Condition(torque_nm=10.0), LOADED), within=120.0)
+    assert not found.missing, found.told
+    assert remark(found, "check profile_shift in the drawing"), found.json["remarks"]
+    told = next(one for one in found.json["remarks"] if "check profile_shift" in one)
+    shifts = [float(one) for one in re.findall(r"(-?\d\.\d+) \((?:driving|driven)\)", told)][:2]
+    assert shifts == pytest.approx([0.3, -0.3], abs=0.02)  # tried in steps of 0.0125
+
+
+def test_the_right_profile_shift_stays() -> None:
+    """A relief as deep as what another shift makes at every mesh: the keys are not it."""
+    true, known = graded((15, 28), bends=True)
+    true = hidden(true, "tip_relief", (15.0, 0.9), gear=0, form="linear")
+    found = verdict(known, record(true, Condition(torque_nm=10.0), LOADED), within=120.0)
+    assert not remark(found, "in the drawing"), found.json["remarks"]
 
 
 def test_an_unloaded_pair_of_another_sheet_is_not_explained_tooth_by_tooth() -> None:
