@@ -93,7 +93,10 @@ def some_left(n: int = 400, *, burst: float = 0.0) -> tuple[Left, FloatArray, Fl
     values[100:110] += burst
     normal = white.T @ white + np.diag(precision)
     beta = np.linalg.solve(normal, white.T @ values)
-    left = Left(white=white, beta=beta, covariance=np.linalg.inv(normal), rest=values - white @ beta, noise=noise)
+    left = Left(
+        white=white, stepped=noise.beside_steps(white), beta=beta, covariance=np.linalg.inv(normal),
+        rest=values - white @ beta, noise=noise,
+    )  # fmt: skip
     return left, columns, precision
 
 

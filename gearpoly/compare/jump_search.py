@@ -167,6 +167,7 @@ class JumpSearch(JointModel):
         places = np.concatenate([where for _, where in stack.parts])
         left = Left(
             white=stack.white,
+            stepped=stack.stepped,
             beta=solution.beta[places],
             covariance=solution.covariance[np.ix_(places, places)],
             rest=stack.noise.whitened(solution.left[k]),

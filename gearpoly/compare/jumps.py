@@ -45,10 +45,12 @@ WANDERING = (4, 16)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Left:
-    """One recording as the joint fit leaves it: ``white`` (n, m) whitened columns of the fit, ``beta`` (m,) in mm with
-    its ``covariance`` (m, m), ``rest`` (n,) whitened samples that are left, and the ``noise`` that whitened both."""
+    """One recording as the joint fit leaves it: ``white`` (n, m) whitened columns of the fit and what they make of a
+    step at each sample, ``stepped`` (n, m); ``beta`` (m,) in mm with its ``covariance`` (m, m), ``rest`` (n,) whitened
+    samples that are left, and the ``noise`` that whitened both."""
 
     white: FloatArray
+    stepped: FloatArray
     beta: FloatArray
     covariance: FloatArray
     rest: FloatArray
@@ -60,12 +62,11 @@ class Left:
             return self
         toward = self.covariance[:, places] @ np.linalg.inv(self.covariance[np.ix_(places, places)])
         moved = toward @ self.beta[places]
-        return Left(
-            white=self.white,
+        return replace(
+            self,
             beta=self.beta - moved,
             covariance=self.covariance - toward @ self.covariance[places],
             rest=self.rest + self.white @ moved,
-            noise=self.noise,
         )
 
     def beside(self, columns: FloatArray) -> Left:
@@ -77,6 +78,7 @@ class Left:
         mixed = -toward @ own
         return Left(
             white=np.concatenate((self.white, columns), axis=1),
+            stepped=np.concatenate((self.stepped, self.noise.beside_steps(columns)), axis=1),
             beta=np.concatenate((self.beta - toward @ b, b)),
             covariance=np.block([[self.covariance + toward @ own @ toward.T, mixed], [mixed.T, own]]),
             rest=self.rest - columns @ b + self.white @ (toward @ b),
@@ -182,7 +184,7 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     length = n - np.arange(low, high)
     own = squares[np.minimum(length, response.size) - 1]
     own = own + np.maximum(length - response.size, 0) * response[-1] ** 2
-    information = own - _explained(left, response, low=low, high=high)
+    information = own - _explained(left, low=low, high=high)
     safe = np.maximum(information, TOLD * own)
     score = np.where((information > TOLD * own) & ~barred[low:high], score[low:high], 0.0)
     falls = np.minimum(0.5 * _bump(noise, AR_ORDER) / safe, 1.0) / AR_ORDER
@@ -199,15 +201,10 @@ def sharpened(left: Left, steps: Steps, *, barred: BoolArray) -> Steps:
     return replace(steps, information=information)
 
 
-def _explained(left: Left, response: FloatArray, *, low: int, high: int) -> FloatArray:
+def _explained(left: Left, *, low: int, high: int) -> FloatArray:
     """Information (high - low,) of steps that the fitted columns share."""
-    n = left.rest.size
     at = np.unique(np.linspace(low, high - 1, min(PLACES, high - low)).astype(np.int64))
-    sums = np.add.reduceat(left.white, at, axis=0)
-    cross = np.cumsum(sums[::-1], axis=0)[::-1] * response[-1]
-    for late, early in enumerate(response[:-1] - response[-1]):
-        here = at + late < n
-        cross[here] += early * left.white[at[here] + late]
+    cross = left.stepped[at]
     shared = np.einsum("qm,qm->q", cross @ left.covariance, cross)
     return np.asarray(np.interp(np.arange(low, high), at, shared))
 

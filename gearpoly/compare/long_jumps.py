@@ -75,7 +75,14 @@ def _suspect(
     normal = np.asarray(np.linalg.inv(white.T @ white), dtype=np.float64)
     target = noise.whitened(short)
     beta = normal @ (white.T @ target)
-    left = Left(white=white, beta=beta, covariance=normal, rest=target - white @ beta, noise=noise)
+    left = Left(
+        white=white,
+        stepped=noise.beside_steps(white),
+        beta=beta,
+        covariance=normal,
+        rest=target - white @ beta,
+        noise=noise,
+    )
     turn = STAYS * max(gear.z for gear in gears)
     low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turn, u[-1] - turn))
     steps = weigh_steps(left, low=low, high=high, barred=barred[: size * group : group])
