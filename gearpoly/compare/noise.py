@@ -12,15 +12,15 @@ between the shaft orders of both gears, and ``basis`` says so.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.noise_spectrum import ar_model, smooth_spectrum
-from gearpoly.compare.pieces import PIECE, pieces
+from gearpoly.compare.pieces import pieces
 from gearpoly.compare.slow import Slow
 from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
+from gearpoly.compare.whitening import backward, forward
 from gearpoly.units import BoolArray, FloatArray, IntArray, read_only
 
 WHOLE = 0.003
@@ -84,15 +84,7 @@ class Noise:
     def whitened(self, values: FloatArray) -> FloatArray:
         """Values (n,) or columns (n, m) with this noise made white, of variance 1; the first samples, which have no
         past, are 0."""
-        out = np.empty(values.shape)
-        for here in _rows(values):
-            piece = np.divide(values[here], self.innovation, out=out[here])
-            for k, a in enumerate(self.ar, start=1):
-                low = max(here.start, k)
-                if low < here.stop:
-                    piece[low - here.start :] -= (a / self.innovation) * values[low - k : here.stop - k]
-        out[: self.ar.size] = 0.0
-        return out
+        return forward(_columns(values), self.ar, self.innovation).reshape(values.shape)
 
     def whitened_at(self, values: FloatArray, where: IntArray) -> FloatArray:
         """What ``whitened`` makes of columns (n, m) that are 0 but at the samples ``where`` (r,), at the samples (s,)
@@ -107,13 +99,7 @@ class Noise:
     def score(self, whitened: FloatArray) -> FloatArray:
         """The whitening of ``whitened`` (n,) run backward: its product with any column, (n,) or (n, m), is that
         column's score."""
-        out = np.empty(whitened.shape)
-        for here in _rows(whitened):
-            piece = np.divide(whitened[here], self.innovation, out=out[here])
-            for k, a in enumerate(self.ar, start=1):
-                later = whitened[here.start + k : here.stop + k]
-                piece[: len(later)] -= (a / self.innovation) * later
-        return out
+        return backward(_columns(whitened), self.ar, self.innovation).reshape(whitened.shape)
 
     def beside_steps(self, whitened: FloatArray) -> FloatArray:
         """Products (n, m) of whitened columns (n, m) with a step of 1 mm at each sample, whitened too: the sums of
@@ -152,9 +138,9 @@ class Noise:
         return out
 
 
-def _rows(values: FloatArray) -> Iterator[slice]:
-    """Pieces of ``values`` (n,) or (n, m) that fit into a cache."""
-    return pieces(len(values), size=max(PIECE // max(1, math.prod(values.shape[1:])), 256))
+def _columns(values: FloatArray) -> FloatArray:
+    """The same (n,) or (n, m) as columns (n, m) that lie row by row."""
+    return np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
 
 
 def spacing_of(u: FloatArray) -> float:

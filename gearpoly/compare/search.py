@@ -39,6 +39,10 @@ ONE_WAVE = 0.3
 RIVALRY = 30.0
 """Ratio of gains within which a tooth and a wave are both tried before one is taken, and a jump before either."""
 
+CALMER = 0.8
+"""Noise over that in which no jump stood, from which on jumps are looked for again, and at the end: a wave that is
+found meanwhile leaves them as they were."""
+
 FOLLOWED_WAVE, FOLLOWED_TOOTH = 0.03, 0.12
 """Parts of the as-built teeth's own signal that the linear sharing does not follow (contact points move, stiffness is
 not constant): a wave's amplitude over the rms, and the rms over one tooth's contact. An inspection leaves little to
@@ -168,7 +172,7 @@ class Search(JumpSearch):
         for _ in range(2):
             self.renew_noise(solution)
             solution = self.fit(passes=1)
-        largest = 0.0
+        largest, refused_at = 0.0, math.inf
         for turn in range(ROUNDS):
             if len(self.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in self.states) > MOST:
                 break
@@ -178,9 +182,11 @@ class Search(JumpSearch):
             best_tooth = teeth[0].gain if teeth else 0.0
             best = max(best_wave, best_tooth)
             # A jump raises the noise under its own gain more than under a wave's, until it is fitted.
-            solution, jumped = self.jump(solution, least=best / RIVALRY)
-            if jumped:
-                continue
+            if self.level < CALMER * refused_at:
+                solution, jumped = self.jump(solution, least=best / RIVALRY)
+                if jumped:
+                    continue
+                refused_at = self.level
             if best == 0.0:
                 waves = self.faint_candidates(solution)
                 best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
@@ -191,7 +197,12 @@ class Search(JumpSearch):
                         continue
             largest = max(largest, best)
             if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
-                break
+                if self.level == refused_at:
+                    break
+                solution, jumped = self.jump(solution, least=best / RIVALRY)
+                if not jumped:
+                    break
+                continue
             self.refused = []
             if self._tooth_first(waves, best_wave, teeth):
                 for _ in range(1 if turn < ONE_BY_ONE else 4):
@@ -202,6 +213,11 @@ class Search(JumpSearch):
                 self._take_waves(waves, best_wave)
             solution = self._settled_waves(self.fit(passes=3 if self.finds else 2))
         return solution
+
+    @property
+    def level(self) -> float:
+        """Rms in mm of the innovations of all recordings."""
+        return math.sqrt(sum(s.noise.innovation**2 for s in self.states) / len(self.states))
 
     def _settled_waves(self, solution: Solution) -> Solution:
         """The noise renewed and the waves of no known order moved to where everything else leaves them."""

@@ -101,6 +101,7 @@ def diagnose(
         file, recordings, misread = as_read(file, recordings, wrong)
         comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
         model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
+    model, seen = as_seen(model, waves, preparing)
     on_wrong_keys = every_mesh(comparison)
     begin = partial(_begun_beside, comparison, model, budget)
     keys = misdeclared(file, begin, preparing) if on_wrong_keys else None
@@ -108,7 +109,7 @@ def diagnose(
         file, misread = keys.file, (*misread, keys.says)
         comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
         model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
-    model, seen = as_seen(model, waves, preparing)
+        model, seen = as_seen(model, waves, preparing)
     placed(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
     anew = remounted(model, search.linear, deflection=search.deflection)
@@ -208,9 +209,11 @@ def _begun(
 def _begun_beside(
     comparison: Comparison, model: Model, budget: Budget, file: PairFile
 ) -> tuple[Model, list[FloatArray]]:
-    """The same of the pair of another ``file`` beside the recordings that ``model`` is of."""
+    """The same of the pair of another ``file`` beside the recordings that ``model`` is of, its teeth as well known."""
     assembled = assemble(known_file(file), path=model.path, seed=0)
-    return _begun(file, replace(comparison, assembled=assembled), model.path, model.method, budget)
+    other, waves = _begun(file, replace(comparison, assembled=assembled), model.path, model.method, budget)
+    scope = replace(other.scope, inspected=model.scope.inspected, form=model.scope.form)
+    return replace(other, as_built=model.as_built, scope=scope), waves
 
 
 def _finding(

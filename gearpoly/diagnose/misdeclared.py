@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Entry
 from gearpoly.diagnose.budget import Step
@@ -46,6 +48,10 @@ what the stated ones did, and reliefs two thirds of that or more."""
 RIVALS = 2
 """Physics of all teeth that are fitted in its place, beside reliefs of both gears."""
 
+HARMONICS, MOSTLY = 8, 0.3
+"""Harmonics of the mesh of a curve that is the same at every mesh, and the part of the misfit that such curves have to
+explain: what is not amiss at every mesh alike is a matter of teeth."""
+
 FOREMOST = 2
 """Places at every mesh that are told where another key explains them."""
 
@@ -78,7 +84,7 @@ def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
     if not any(scene.bends for scene in roughly.scenes):
         return None
     stated = _fit(begin, file, close=True)
-    if stated is None:
+    if stated is None or _of_every_mesh(stated) < MOSTLY:
         return None
     beside = [stated, *(_fit(begin, file, close=True, beside=claims) for claims in _rivals(stated))]
     if any(one is not None and _beyond(one, by=one) < DOUBTED for one in beside):
@@ -89,6 +95,20 @@ def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
     best, fit = found
     missing = min(_beyond(one, by=fit) for one in beside if one is not None)
     return best if _beyond(fit, by=fit) < OF_RIVALS * missing else None
+
+
+def _of_every_mesh(fit: Fit) -> float:
+    """Part of the misfit beyond noise that curves over the mesh explain, one for each recording."""
+    white = []
+    for k, (scene, noise) in enumerate(zip(fit.scenes, fit.linear.noises, strict=True)):
+        meshes = scene.samples.theta_2 / fit.model.scope.gears[1].tau
+        angle = 2.0 * np.pi * np.outer(meshes, np.arange(1, HARMONICS + 1))
+        curves = np.zeros((meshes.size, len(fit.scenes), 2 * HARMONICS))
+        curves[:, k] = np.concatenate((np.cos(angle), np.sin(angle)), axis=1)
+        white.append(noise.whitened(curves.reshape(meshes.size, -1)))
+    score, information = fit.linear.system.scores(white)
+    gain = float(score @ np.linalg.lstsq(information, score, rcond=None)[0])
+    return gain / max(fit.linear.system.beyond, 1e-300)
 
 
 def _closely(file: PairFile, likeliest: OtherKeys | None, begin: Begin) -> tuple[OtherKeys, Fit] | None:
