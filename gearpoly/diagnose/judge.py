@@ -11,7 +11,7 @@ import numpy as np
 from gearpoly.diagnose.absent import misfit_without_mesh, misfit_without_sheet, of_the_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
-from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fidelity import FAINT, OF_CORNERS
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
@@ -117,7 +117,7 @@ def judge(
     less = 0.5 * min(0.0, rise) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
-        explanations = _as_far_as_simulated(trial, claim, explanations)
+        explanations = _as_far_as_simulated(trial, claim, explanations, effect)
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
@@ -141,17 +141,25 @@ def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float)
     return [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
 
 
-def _as_far_as_simulated(trial: Trial, claim: Claim, explanations: Sequence[Explanation]) -> list[Explanation]:
-    """The same where the claim is ahead of all others only by more than the simulation itself is known to: what turns
-    once with a shaft differs in second order alone, and chords and contacts leave as much now and then."""
+def _as_far_as_simulated(
+    trial: Trial, claim: Claim, explanations: Sequence[Explanation], effect: Sequence[FloatArray]
+) -> list[Explanation]:
+    """The same where the claim is ahead of each other only by more than the simulation itself is known to: what turns
+    once with a shaft differs in second order alone, and chords and contacts leave as much now and then, corners a part
+    of its ``effect``."""
     mine = next(one for one in explanations if one.claim is not None and one.claim.key == claim.key)
-    others = [one for one in explanations if one is not mine]
-    best = max((one.log_evidence for one in others), default=0.0)
     level = math.sqrt(float(np.mean([noise.innovation**2 for noise in trial.linear.noises])))
-    faint = math.sqrt(trial.plain.samples) * FAINT / level
-    ahead = math.sqrt(2.0 * trial.dispersion * max(0.0, mine.log_evidence - best))
-    told = best + 0.5 * max(0.0, ahead - faint) ** 2 / trial.dispersion
-    return [replace(mine, log_evidence=min(mine.log_evidence, told)), *others]
+    rms = math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
+    faint = math.sqrt(trial.plain.samples) * max(FAINT, OF_CORNERS * rms) / level
+
+    def told(one: Explanation) -> Explanation:
+        ahead = math.sqrt(2.0 * trial.dispersion * max(0.0, mine.log_evidence - one.log_evidence))
+        if not 0.0 < ahead < math.inf:
+            return one
+        behind = 0.5 * max(0.0, ahead - faint) ** 2 / trial.dispersion
+        return replace(one, log_evidence=mine.log_evidence - behind)
+
+    return [told(one) for one in explanations]
 
 
 def _standing(
