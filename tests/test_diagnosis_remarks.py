@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 from gearpoly.diagnose.diagnose import _of_another_pair
-from gearpoly.diagnose.search import MOST
+from gearpoly.diagnose.search import MOST, Search
 
 
 def ended(claims: int, left: float, disowned: int) -> Any:
     """A search that named so much, took so much back, and leaves that mean square, in noise."""
-    system, model = SimpleNamespace(whiteness=left), SimpleNamespace(claims=[None] * claims)
-    return SimpleNamespace(model=model, linear=SimpleNamespace(system=system), disowned=disowned)
+    model, linear = SimpleNamespace(claims=[None] * claims), SimpleNamespace(system=SimpleNamespace(whiteness=left))
+    doubted = cast(Any, Search.doubted).fget(SimpleNamespace(linear=linear))
+    return SimpleNamespace(model=model, linear=linear, disowned=disowned, doubted=doubted)
 
 
 @pytest.mark.parametrize(

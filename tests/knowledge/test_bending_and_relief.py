@@ -71,7 +71,6 @@ def test_a_gap_across_the_face_is_no_softness() -> None:
     assert found.size(gap, "lead_um") == pytest.approx(25.0, abs=4.0)  # three stated errors
 
 
-@pytest.mark.xfail(strict=False, reason="a crowning that one torque of two contradicts is named, with a misalignment")
 def test_a_crowning_that_another_torque_contradicts_has_no_name() -> None:
     """1.5 um under 20 N m and hollow by 0.3 um without load: no gear changes its form with the torque."""
     known = bending()

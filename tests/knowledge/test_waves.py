@@ -117,7 +117,6 @@ def test_many_waves_of_other_parts_are_no_damage() -> None:
     assert not found.missing, found.told
 
 
-@pytest.mark.xfail(strict=False, reason="a hum at a whole order of a shaft is named an encoder's line, with no rival")
 def test_a_hum_at_a_whole_order_is_no_encoder_s_line() -> None:
     """50 Hz while the shaft turns ten times a second, all along: order 5, and nothing tells whose it is."""
     known = inspected()
