@@ -70,6 +70,12 @@ TIE = 6.0
 """Difference in likelihood (twice its log) below which a wave may as well be fixed in time as in angle: odds of 20."""
 
 
+def placed_to(gain: float, *, span: float) -> float:
+    """Standard error of the frequency of a wave that gains so much, in cycles per unit of the record's ``span``: half a
+    turn of phase over the record costs the line, so sqrt(12) / (2 pi sqrt(gain)) of a line."""
+    return math.sqrt(12.0) / (2.0 * math.pi * span * math.sqrt(gain))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Peak:
     """A wave found: ``frequency`` in cycles per mesh, or in Hz; ``gain`` twice the log likelihood that it brings;
@@ -212,8 +218,7 @@ class LineSearch:
                 there, _ = self.rest_at(domain, np.array([best]), noise)
                 sums = (np.sum(white[k] * np.exp((-2j * np.pi * best) * x[k])) for k in pieces(x.size))
                 here_z = float(abs(sum(sums)) ** 2) / (white.size * float(there[0]))
-            # Half a turn of phase over the record costs the line; a wave of z is placed to sqrt(12)/(2 pi sqrt(2 z)).
-            std = 0.551 / span / math.sqrt(2.0 * here_z)
+            std = placed_to(2.0 * here_z, span=span)
             peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
             told = self._told_from_image(peak, white)
             if told is not None and all(abs(told.frequency - p.frequency) * span >= APART for p in out):

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.families import SHARES, log_false_any
-from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, refined
+from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, placed_to, refined
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.compare.pieces import pieces
@@ -21,6 +21,10 @@ from gearpoly.compare.regression import Solution
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.compare.slow import slow_curves
 from gearpoly.units import FloatArray
+
+CLEARLY = 25.0
+"""Gain by which a frequency of its own must fit better than a sum or a difference of two orders: five standard
+deviations."""
 
 FARTHEST, STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
@@ -118,7 +122,8 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
     """Move every fitted wave of no known order to the frequency, over angle or over time, that the fit of everything
     asks for; whether any moved by more than a hundredth of its error.
 
-    A wave was placed while others were not yet taken off, and raised the noise that it was weighed in.
+    A wave was placed while others were not yet taken off, and raised the noise that it was weighed in: it may have been
+    taken for a sum or a difference of two orders, and be none.
     """
     moved = False
     for s, left, places in zip(model.states, solution.left, model.places, strict=True):
@@ -126,12 +131,18 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
         # The fit has them in this order; what moves goes to the end.
         held = {"orders": list(s.orders), "times": list(s.times)}
         for name, j, peak in [(name, j, p) for name, peaks in held.items() for j, p in enumerate(peaks)]:
-            if peak.known or peak.faint:
+            if peak.faint or (peak.known and any(_whole(z * peak.frequency) for z in (model.z_1, model.z_2))):
                 continue
             ab = solution.beta[places[name][2 * j : 2 * j + 2]]
             values = left + _rows(s.search.over(peak.domain)[0], peak.frequency) @ ab
             other: Domain = "order" if peak.domain == "time" else "time"
             settled = _settled(s, values, slow, peak, peak.frequency)
+            if peak.known:
+                there = _settled(s, values, slow, peak, peak.frequency, steps=0)
+                if settled.gain < there.gain + CLEARLY:
+                    continue
+                std = placed_to(settled.gain, span=s.search.over(peak.domain)[2])
+                settled = replace(settled, known=False, std=std)
             if s.search.time_grid is not None:
                 turned = peak.frequency * s.search.over(peak.domain)[3] / s.search.over(other)[3]
                 as_other = _settled(s, values, slow, replace(peak, domain=other), turned)
@@ -142,12 +153,18 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
     return moved
 
 
+def _whole(order: float) -> bool:
+    return abs(order - round(order)) < 1e-6
+
+
 def _rows(x: FloatArray, frequency: float) -> FloatArray:
     """Cosine and sine (n, 2)."""
     return cosine_and_sine(x, np.array([frequency]))
 
 
-def _settled(s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float) -> Peak:
+def _settled(
+    s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float, *, steps: int = STEPS
+) -> Peak:
     """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside the curves that span the orthonormal,
     white columns ``slow`` (n, q): to first order a frequency is one more column, x times the wave turned by a
     quarter."""
@@ -160,14 +177,14 @@ def _settled(s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequen
 
     without = beside(values)
     gain = 0.0
-    for step in range(STEPS + 1):
+    for step in range(steps + 1):
         waves = _rows(x, frequency)
         columns = beside(waves)
         inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
         beta = inverse @ (columns.T @ without)
         rest = without - columns @ beta
         gain = float(without @ without - rest @ rest)
-        if step == STEPS:
+        if step == steps:
             break
         turned = beside(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
         turned -= columns @ (inverse @ (columns.T @ turned))

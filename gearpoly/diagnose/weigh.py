@@ -27,10 +27,10 @@ ECHO = 0.004
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
 
-SETS_IN = 0.5
+SETS_IN = 0.25
 """Part of the form that a grade leaves open by which tips may fall off that nobody relieved: a reference of the tool
 that is not straight does that. Of printed gears as grade 8 to 11 has them, 1.2 and 3.1 um were named a relief; they
-were 0.3 and 0.16 of it."""
+were 0.22 and 0.16 of it."""
 
 ALONG = 0.1
 """Part of what is seen of an effect below which it hardly changes along recordings."""
