@@ -130,6 +130,7 @@ def diagnose(
     unseen = checked(search, begun, start_linear, comparison)
     shapes = forms(search)
     judged, unearned = earned(search, refitted)
+    stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
     search.step("asking how deep")
     named = [k for k, one in enumerate(model.claims) if one.key in judged]
     leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
