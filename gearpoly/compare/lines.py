@@ -19,7 +19,7 @@ from gearpoly.compare.noise import Noise, spacing_of
 from gearpoly.compare.orders import known_orders
 from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.regression import WaveSums
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import Grid, placed_to
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 Domain = Literal["order", "time"]
@@ -68,12 +68,6 @@ within which a wave of any frequency may be one of them."""
 
 TIE = 6.0
 """Difference in likelihood (twice its log) below which a wave may as well be fixed in time as in angle: odds of 20."""
-
-
-def placed_to(gain: float, *, span: float) -> float:
-    """Standard error of the frequency of a wave that gains so much, in cycles per unit of the record's ``span``: half a
-    turn of phase over the record costs the line, so sqrt(12) / (2 pi sqrt(gain)) of a line."""
-    return math.sqrt(12.0) / (2.0 * math.pi * span * math.sqrt(gain))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,13 +13,14 @@ import numpy as np
 
 from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.families import SHARES, log_false_any
-from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, placed_to, refined
+from gearpoly.compare.lines import SLOWEST, Domain, LineSearch, Peak, refined
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.spectrum import placed_to
 from gearpoly.units import FloatArray
 
 CLEARLY = 25.0

@@ -44,6 +44,12 @@ _BETA = 2.30 * WIDTH
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
+def placed_to(gain: float, *, span: float) -> float:
+    """Standard error of the frequency of a wave that gains so much, in cycles per unit of the record's ``span``: half a
+    turn of phase over the record costs the line, so sqrt(12) / (2 pi sqrt(gain)) of a line."""
+    return math.sqrt(12.0) / (2.0 * math.pi * span * math.sqrt(gain))
+
+
 def _bell(z: FloatArray) -> FloatArray:
     """The bell at ``z`` in [-1, 1]."""
     out = 1.0 - z * z
