@@ -193,10 +193,11 @@ class JumpSearch(JointModel):
         return self.fit(passes=1)
 
     def _settled(self, k: int) -> Solution:
-        """Fit everything until the jumps of recording ``k`` are where each fits best beside the others, with the noise
-        renewed once: some samples farther on a jump leaves it as it is."""
-        self.renew_noise(self.fit(passes=1))
+        """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
+        others."""
         for turn in range(SETTLED):
+            solution = self.fit(passes=1)
+            self.renew_noise(solution)
             solution = self.fit(passes=1)
             if turn == SETTLED - 1:
                 break
