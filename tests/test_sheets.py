@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
-from gearpoly.diagnose.sheets import Teeth, order_of, reread
+from gearpoly.diagnose.sheets import Reread, Teeth, order_of, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import on_gear
@@ -125,7 +125,30 @@ def test_nothing_is_reread_where_no_sheet_lists_teeth() -> None:
         model = SimpleNamespace(
             declared=pair_file(Z, driving={"inspection": sheet}), budget=SimpleNamespace(over=False)
         )
-        assert reread(cast(Any, model), [], lambda _: None) == []
+        assert reread(cast(Any, model), [], lambda _: None) is None
+
+
+def test_where_time_is_over_no_sheet_is_found_right() -> None:
+    model = SimpleNamespace(declared=rough(Z), budget=SimpleNamespace(over=True))
+    assert reread(cast(Any, model), [], lambda _: None) is None
+
+
+@pytest.mark.parametrize(
+    ("sheets", "wrong", "computed", "may_be"),
+    [
+        (2, (0, 1), True, True),
+        (2, (0, 1), False, False),  # two encoders were read: the rig computed nothing
+        (2, (0,), True, False),  # the mate's sheet fits as it is
+        (2, (), True, False),
+        (0, (), True, False),  # no sheet says what the sign is
+    ],
+)
+def test_a_sign_is_doubted_where_every_sheet_contradicts_it(
+    sheets: int, wrong: tuple[int, ...], computed: bool, may_be: bool
+) -> None:
+    file = rough(Z) if sheets else pair_file(Z)
+    found = [Reread(gear=gear, inspection=None, opposite=False, says="") for gear in wrong]
+    assert sign_may_be_wrong(file, [cast(Any, SimpleNamespace(computed=computed))], found) is may_be
 
 
 def teeth(off: FloatArray, sheet: FloatArray, *, uncertainty: float = 0.5) -> Teeth:

@@ -12,6 +12,7 @@ between the shaft orders of both gears, and ``basis`` says so.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -325,6 +326,11 @@ class NoiseEstimator:
 def estimate_noise(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int) -> Noise:
     """The noise in ``residual`` (n,) in mm, as ``NoiseEstimator`` gives it."""
     return NoiseEstimator(u, z_1=z_1, z_2=z_2).estimate(residual)
+
+
+def mean_innovation(noises: Sequence[Noise]) -> float:
+    """Rms in mm of the innovations of the noise of several recordings, each counted alike."""
+    return math.sqrt(sum(one.innovation**2 for one in noises) / len(noises))
 
 
 def pooled_level(noises: list[Noise], sizes: list[int]) -> float:

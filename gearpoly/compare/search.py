@@ -13,6 +13,7 @@ from gearpoly.compare.jump_search import JumpSearch
 from gearpoly.compare.lines import APART, TIE, Peak
 from gearpoly.compare.masked import masked_wave, settle_waves
 from gearpoly.compare.model import State
+from gearpoly.compare.noise import mean_innovation
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 
@@ -41,7 +42,8 @@ RIVALRY = 30.0
 
 CALMER = 0.8
 """Noise over that in which no jump stood, from which on jumps are looked for again, and at the end: a wave that is
-found meanwhile leaves them as they were."""
+found meanwhile leaves them as they were. Looked for after every find, jumps that never stood took 25 of 37 s with two
+recordings of worn teeth; the jumps of all tests are found with it."""
 
 FOLLOWED_WAVE, FOLLOWED_TOOTH = 0.03, 0.12
 """Parts of the as-built teeth's own signal that the linear sharing does not follow (contact points move, stiffness is
@@ -217,7 +219,7 @@ class Search(JumpSearch):
     @property
     def level(self) -> float:
         """Rms in mm of the innovations of all recordings."""
-        return math.sqrt(sum(s.noise.innovation**2 for s in self.states) / len(self.states))
+        return mean_innovation([s.noise for s in self.states])
 
     def _settled_waves(self, solution: Solution) -> Solution:
         """The noise renewed and the waves of no known order moved to where everything else leaves them."""

@@ -14,7 +14,8 @@ from gearpoly.units import FloatArray
 
 @compiled
 def forward(values: FloatArray, ar: FloatArray, innovation: float) -> FloatArray:
-    """Columns (n, m) less what ``ar`` (p,) foretells of them, over ``innovation``; the first p samples are 0."""
+    """Columns (n, m) less what the coefficients ``ar`` (p,) foretell of them from earlier samples, over ``innovation``
+    in the columns' unit; the first p samples are 0."""
     n, m = values.shape
     p = ar.size
     by = ar / innovation
@@ -37,7 +38,7 @@ def forward(values: FloatArray, ar: FloatArray, innovation: float) -> FloatArray
 
 @compiled
 def backward(values: FloatArray, ar: FloatArray, innovation: float) -> FloatArray:
-    """Columns (n, m) less what ``ar`` (p,) foretells of them from later samples, over ``innovation``."""
+    """The same from later samples: the transpose of ``forward``, but for the first p samples of what comes in."""
     n, m = values.shape
     by = ar / innovation
     out = np.empty((n, m))

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import assemble, with_sheets_stated
+from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.compare import compare
-from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import pooled_level
-from gearpoly.compare.stand_in import known_file
+from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
@@ -23,15 +19,14 @@ from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
-from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
+from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
-from gearpoly.diagnose.heldout import Rms, beside_jumps, cross_validated
+from gearpoly.diagnose.heldout import Rms, cross_validated
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
-    located_on,
     not_excluded,
     slow_or_sudden,
     taken_back,
@@ -39,25 +34,20 @@ from gearpoly.diagnose.leftovers import (
     with_causes,
 )
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.misdeclared import every_mesh, misdeclared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
-from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.remounted import remounted
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
-from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
-from gearpoly.diagnose.unstated import as_seen
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import TOLD
 from gearpoly.infer.prior import AS_WRONG_KEYS
 from gearpoly.recording.recording import Recording
-from gearpoly.units import FloatArray
 
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
@@ -84,32 +74,9 @@ def diagnose(
     """
     watch, budget = Watch(step, reached), Budget(seconds=within)
     file = with_sheets_stated(file, path=path)
-    comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-    model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
+    start = begin(file, recordings, path=Path(path), method=method or Method(), budget=budget, watch=watch)
+    file, comparison, model, waves = start.file, start.comparison, start.model, start.waves
     preparing = watch.stage("prepare")
-    wrong = reread(model, waves, preparing)
-    misread: tuple[str, ...] = ()
-    on_wrong_sheets: list[Entry] = []
-    if sign_may_be_wrong(file, recordings, wrong):
-        # Teeth hand over where either is ahead of the other: of the other sign no teeth fit, and no order of theirs.
-        other = compare(file, opposite(recordings), path=path, step=watch.stage("compare"))
-        begun_so = _begun(file, other, Path(path), method or Method(), budget)
-        if not reread(*begun_so, preparing):
-            comparison, (model, waves), misread, wrong = other, begun_so, (OPPOSITE,), []
-    if wrong:
-        on_wrong_sheets = [one for sheet in wrong if not sheet.opposite for one in located_on(comparison, sheet.gear)]
-        file, recordings, misread = as_read(file, recordings, wrong)
-        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-        model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
-    model, seen = as_seen(model, waves, preparing)
-    on_wrong_keys = every_mesh(comparison)
-    begin = partial(_begun_beside, comparison, model, budget)
-    keys = misdeclared(file, begin, preparing) if on_wrong_keys else None
-    if keys is not None:
-        file, misread = keys.file, (*misread, keys.says)
-        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-        model, waves = _begun(file, comparison, Path(path), method or Method(), budget)
-        model, seen = as_seen(model, waves, preparing)
     placed(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
     anew = remounted(model, search.linear, deflection=search.deflection)
@@ -151,7 +118,7 @@ def diagnose(
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
-    left_over = (*left_over, *on_wrong_sheets, *(on_wrong_keys if keys is not None else ()))
+    left_over = (*left_over, *start.contradicted)
     refused = unseen is not None and unseen.refused and not left_over and not findings
     if anew is not None or refused:
         left_over = comparison.located.entries[:FOREMOST]
@@ -183,9 +150,9 @@ def diagnose(
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,
-            *seen,
+            *start.assumed,
             *_untouched(findings),
-            *misread,
+            *start.misread,
             *(() if anew is None else (anew.says,)),
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
@@ -195,26 +162,6 @@ def diagnose(
         unseen=unseen,
         seconds=watch.seconds(),
     )
-
-
-def _begun(
-    file: PairFile, comparison: Comparison, path: Path, method: Method, budget: Budget
-) -> tuple[Model, list[FloatArray]]:
-    """The working state before any physics is claimed, and the columns of what no pair makes."""
-    entries = foreign_entries(comparison)
-    model = replace(prepare(file, comparison, path=path), method=method, strangers=strangers(entries), budget=budget)
-    model.observed = beside_jumps(model.observed, jumps(comparison))
-    return model, foreign(comparison, model, entries)
-
-
-def _begun_beside(
-    comparison: Comparison, model: Model, budget: Budget, file: PairFile
-) -> tuple[Model, list[FloatArray]]:
-    """The same of the pair of another ``file`` beside the recordings that ``model`` is of, its teeth as well known."""
-    assembled = assemble(known_file(file), path=model.path, seed=0)
-    other, waves = _begun(file, replace(comparison, assembled=assembled), model.path, model.method, budget)
-    scope = replace(other.scope, inspected=model.scope.inspected, form=model.scope.form)
-    return replace(other, as_built=model.as_built, scope=scope), waves
 
 
 def _finding(

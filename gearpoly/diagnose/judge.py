@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.absent import misfit_without_mesh, misfit_without_sheet, of_the_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
@@ -148,9 +149,8 @@ def _as_far_as_simulated(
     once with a shaft differs in second order alone, and chords and contacts leave as much now and then, corners a part
     of its ``effect``."""
     mine = next(one for one in explanations if one.claim is not None and one.claim.key == claim.key)
-    level = math.sqrt(float(np.mean([noise.innovation**2 for noise in trial.linear.noises])))
     rms = math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
-    faint = math.sqrt(trial.plain.samples) * max(FAINT, OF_CORNERS * rms) / level
+    faint = math.sqrt(trial.plain.samples) * max(FAINT, OF_CORNERS * rms) / mean_innovation(trial.linear.noises)
 
     def told(one: Explanation) -> Explanation:
         ahead = math.sqrt(2.0 * trial.dispersion * max(0.0, mine.log_evidence - one.log_evidence))

@@ -105,6 +105,11 @@ def located_on(comparison: Comparison, gear: int) -> list[Entry]:
     return whole[:FOREMOST]
 
 
+def located_at_every_mesh(comparison: Comparison) -> list[Entry]:
+    """The foremost of what ``compare`` located at every mesh, before anything was fitted."""
+    return [one for one in comparison.located.entries if one.kind in EVERY_MESH][:FOREMOST]
+
+
 def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did: the place alone, and no cause."""
     place, physics = claim.place, claim.physics

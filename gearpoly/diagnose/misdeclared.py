@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import EVERY_MESH, Entry
 from gearpoly.diagnose.budget import Step
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
@@ -22,6 +20,7 @@ from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import polished, scan
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
+from gearpoly.infer.unknown import mesh_curves
 from gearpoly.keys.edit import GEARS, gear_section, on_gear
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
@@ -31,12 +30,12 @@ SHIFTS, FINER, FINEST = tuple(0.1 * k for k in range(-6, 7) if k), (0.05, 0.025)
 much beside the best. At another sum the axes stand apart, which is a physics of its own."""
 
 ANGLES = (14.5, 17.5, 20.0, 22.5, 25.0)
-"""Pressure angles in deg of racks on sale (ISO 53, AGMA, older American and aviation practice)."""
+"""Pressure angles in deg that racks have: 20 by ISO 53:1998, the others a judgement."""
 
 ADDENDA = (0.8, 1.0, 1.2)
-"""Addenda of stub, standard and long teeth over the module."""
+"""Addenda over the module of stub, standard and long teeth. A judgement."""
 
-DOUBTED = 0.1
+AMISS = 0.1
 """Misfit beyond noise over noise's own from which on another value is looked for, and below which a physics does as
 well: of pairs with another shift or angle 0.16 to 3.2 was left, of 14 of ordinary ones 0.05 at most. An angle that is
 off by 2.5 deg is told from axes that stand 110 to 180 um apart by nothing: it is not taken."""
@@ -48,12 +47,9 @@ what the stated ones did, and reliefs two thirds of that or more."""
 RIVALS = 2
 """Physics of all teeth that are fitted in its place, beside reliefs of both gears."""
 
-HARMONICS, MOSTLY = 8, 0.3
-"""Harmonics of the mesh of a curve that is the same at every mesh, and the part of the misfit that such curves have to
-explain: what is not amiss at every mesh alike is a matter of teeth."""
-
-FOREMOST = 2
-"""Places at every mesh that are told where another key explains them."""
+OF_MISFIT = 0.3
+"""Part of the misfit that curves which are the same at every mesh have to explain, or what is amiss is a matter of
+teeth: it was 0.57 to 0.89 in four pairs with another shift, 0.13 in one with a pit."""
 
 Begin = Callable[[PairFile], tuple[Model, list[FloatArray]]]
 """The working state, and the columns of what no pair makes, of a pair that another file declares."""
@@ -69,25 +65,20 @@ class OtherKeys:
     shift: float | None = None
 
 
-def every_mesh(comparison: Comparison) -> list[Entry]:
-    """Where the recordings differ from the stated pair at every mesh, the foremost first."""
-    return [one for one in comparison.located.entries if one.kind in EVERY_MESH][:FOREMOST]
-
-
 def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
     """Other keys of the pair ``file`` that leave hardly anything of what is amiss at every mesh, where no physics does;
-    None where there are none. Raises what ``begin`` does for the file itself."""
+    None where there are none, or time is over."""
     step("holding the keys of the pair file against every mesh")
     roughly = _fit(begin, file, close=False)
-    if roughly is None or roughly.over or _beyond(roughly, by=roughly) < DOUBTED:
+    if roughly is None or roughly.over or _beyond(roughly, by=roughly) < AMISS:
         return None
     if not any(scene.bends for scene in roughly.scenes):
         return None
     stated = _fit(begin, file, close=True)
-    if stated is None or _of_every_mesh(stated) < MOSTLY:
+    if stated is None or _of_every_mesh(stated) < OF_MISFIT:
         return None
     beside = [stated, *(_fit(begin, file, close=True, beside=claims) for claims in _rivals(stated))]
-    if any(one is not None and _beyond(one, by=one) < DOUBTED for one in beside):
+    if any(one is not None and _beyond(one, by=one) < AMISS for one in beside):
         return None
     found = _closely(file, _likeliest(file, begin, by=roughly), begin)
     if found is None or stated.over:
@@ -98,14 +89,9 @@ def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
 
 
 def _of_every_mesh(fit: Fit) -> float:
-    """Part of the misfit beyond noise that curves over the mesh explain, one for each recording."""
-    white = []
-    for k, (scene, noise) in enumerate(zip(fit.scenes, fit.linear.noises, strict=True)):
-        meshes = scene.samples.theta_2 / fit.model.scope.gears[1].tau
-        angle = 2.0 * np.pi * np.outer(meshes, np.arange(1, HARMONICS + 1))
-        curves = np.zeros((meshes.size, len(fit.scenes), 2 * HARMONICS))
-        curves[:, k] = np.concatenate((np.cos(angle), np.sin(angle)), axis=1)
-        white.append(noise.whitened(curves.reshape(meshes.size, -1)))
+    """Part of the misfit beyond noise that curves over the mesh explain, one for each condition."""
+    by_condition = mesh_curves(fit.scenes)[-1].columns
+    white = [noise.whitened(one) for noise, one in zip(fit.linear.noises, by_condition, strict=True)]
     score, information = fit.linear.system.scores(white)
     gain = float(score @ np.linalg.lstsq(information, score, rcond=None)[0])
     return gain / max(fit.linear.system.beyond, 1e-300)
@@ -137,14 +123,15 @@ def _likeliest(file: PairFile, begin: Begin, *, by: Fit) -> OtherKeys | None:
 
 def other_keys(file: PairFile) -> list[OtherKeys]:
     """The values that are tried first, one key at a time."""
-    shifts = map(_shifted(file), SHIFTS)
+    shifts = (_shifted(file, shift) for shift in SHIFTS)
     return [*shifts, *_both(file, "pressure_angle_deg", ANGLES), *_both(file, "addendum", ADDENDA)]
 
 
 def _rivals(stated: Fit) -> Iterator[Sequence[Claim]]:
     """Physics of all teeth that may do what other keys would: reliefs of both gears, and those that gain most."""
     model = stated.model
-    yield relieved(model)
+    if both := relieved(model):
+        yield both
     places = [
         (physics, place)
         for physics in model.method.physics
@@ -152,11 +139,9 @@ def _rivals(stated: Fit) -> Iterator[Sequence[Claim]]:
         for place in filter(model.scope.shows, physics.places(model.scope))
     ]
     found, _ = scan(model, stated.scenes, stated.linear, only=places)
-    seen: set[str] = set()
-    for one in found:
-        if one.claim.physics.name not in seen and len(seen) < RIVALS:
-            seen.add(one.claim.physics.name)
-            yield [polished(model, stated.scenes, stated.linear, one, roughly=True).claim]
+    best = {one.claim.physics.name: one for one in reversed(found)}  # of each physics the one that gains most
+    for one in sorted(best.values(), key=lambda one: -one.gain)[:RIVALS]:
+        yield [polished(model, stated.scenes, stated.linear, one, roughly=True).claim]
 
 
 def _try(tried: dict[float, OtherKeys], one: OtherKeys, begin: Begin, *, by: Fit) -> None:
@@ -167,11 +152,13 @@ def _try(tried: dict[float, OtherKeys], one: OtherKeys, begin: Begin, *, by: Fit
 
 
 def _fit(begin: Begin, file: PairFile, *, close: bool, beside: Sequence[Claim] = ()) -> Fit | None:
-    """A short fit of the pair of a ``file`` with claims ``beside``; None where it cannot run."""
+    """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one; None where it cannot
+    run."""
+    few, rounds = (FEW[-1], TRIALS[-1]) if close else (FEW[0], TRIALS[0])
     try:
-        model, columns = shortened(*begin(file), few=FEW[close])
+        model, columns = shortened(*begin(file), few=few)
         model.claims = list(beside)
-        return Fit.begun(model, columns, lambda _: None, trial=TRIALS[close])
+        return Fit.begun(model, columns, lambda _: None, trial=rounds)
     except GearpolyError:
         return None
 
@@ -184,21 +171,15 @@ def _beyond(fit: Fit, *, by: Fit) -> float:
 
 def _beside(file: PairFile, best: OtherKeys, apart: float) -> list[OtherKeys]:
     """Profile shifts on either side of the ``best``."""
-    return [] if best.shift is None else [_shifted(file)(best.shift + by) for by in (-apart, apart)]
+    return [] if best.shift is None else [_shifted(file, best.shift + by) for by in (-apart, apart)]
 
 
-def _shifted(file: PairFile) -> Callable[[float], OtherKeys]:
-    """What makes the pair with so much more profile shift of the driving gear, and so much less of the driven one."""
-
-    def by(shift: float) -> OtherKeys:
-        stated = [float(gear_section(file, gear).profile_shift) for gear in (0, 1)]
-        now = [stated[0] + shift, stated[1] - shift]
-        other = file
-        for gear in (0, 1):
-            other = on_gear(other, gear, profile_shift=now[gear])
-        return OtherKeys(file=other, says=_says("profile_shift", now, stated), shift=shift)
-
-    return by
+def _shifted(file: PairFile, shift: float) -> OtherKeys:
+    """The pair with so much more profile shift of the driving gear, and so much less of the driven one."""
+    stated = [float(gear_section(file, gear).profile_shift) for gear in (0, 1)]
+    now = [stated[0] + shift, stated[1] - shift]
+    other = on_gear(on_gear(file, 0, profile_shift=now[0]), 1, profile_shift=now[1])
+    return OtherKeys(file=other, says=_says("profile_shift", now, stated), shift=shift)
 
 
 def _both(file: PairFile, key: str, values: Sequence[float]) -> Iterator[OtherKeys]:

@@ -112,17 +112,18 @@ class Reread:
     says: str
 
 
-def reread(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> list[Reread]:
-    """What is wrong with the sheets of inspected gears, if anything is: in ``model`` nothing is claimed yet."""
+def reread(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> list[Reread] | None:
+    """What is wrong with the sheets of inspected gears: in ``model`` nothing is claimed yet. None where nobody can
+    tell: no sheet lists teeth, time is over, or gears with other teeth cannot run."""
     listed = _listed_gears(model.declared)
     if not listed or model.budget.over:
-        return []
+        return None
     step("holding the inspection against the teeth")
     try:
         wide = limited(model, dict.fromkeys(listed, COARSEST))
         fit = Fit.begun(*shortened(wide, foreign, few=FEW[-1]), step, trial=ROUNDS)
     except GearpolyError:
-        return []  # so rough are no gears that run: the sheets are not that far off
+        return None  # so rough are no gears that run: the sheets are not that far off
     teeth = [_teeth(fit, model, gear) for gear in listed]
     z_1, z_2 = (gear.z for gear in fit.model.as_built.gears)
     if z_1 == z_2:
@@ -132,21 +133,18 @@ def reread(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     return [_reread(one, model.declared) for one in teeth if one.contradicted]
 
 
-def as_read(
-    file: PairFile, recordings: Sequence[Recording], wrong: Sequence[Reread]
-) -> tuple[PairFile, Sequence[Recording], tuple[str, ...]]:
-    """The pair file and the recordings as they bear each other out, and what to tell of that. A rig that computed the
-    transmission error is likelier to have its sign wrong than every sheet."""
-    if all(one.opposite for one in wrong) and sign_may_be_wrong(file, recordings, wrong):
-        return file, opposite(recordings), (OPPOSITE,)
+def as_read(file: PairFile, wrong: Sequence[Reread]) -> tuple[PairFile, tuple[str, ...]]:
+    """The pair file with its sheets as the recordings bear them out, and what to tell of that."""
     for one in wrong:
         file = on_gear(file, one.gear, inspection=one.inspection)
-    return file, recordings, tuple(one.says for one in wrong)
+    return file, tuple(one.says for one in wrong)
 
 
 def sign_may_be_wrong(file: PairFile, recordings: Sequence[Recording], wrong: Sequence[Reread]) -> bool:
-    """Whether every sheet is wrong and rigs computed the transmission error: its sign may be what is."""
-    return {one.gear for one in wrong} == set(_listed_gears(file)) and all(one.computed for one in recordings)
+    """Whether there are sheets, all of them wrong, and rigs that computed the transmission error: its sign is likelier
+    to be wrong than every sheet."""
+    every = bool(wrong) and {one.gear for one in wrong} == set(_listed_gears(file))
+    return every and all(one.computed for one in recordings)
 
 
 def opposite(recordings: Sequence[Recording]) -> list[Recording]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gearpoly.compare.lines import SNAP
+from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
@@ -29,8 +30,8 @@ PARTLY, MOSTLY = 0.03, 0.1
 
 SETS_IN = 0.25
 """Part of the form that a grade leaves open by which tips may fall off that nobody relieved: a reference of the tool
-that is not straight does that. Of printed gears as grade 8 to 11 has them, 1.2 and 3.1 um were named a relief; they
-were 0.22 and 0.16 of it."""
+that is not straight does that. Of printed gears as grade 8 to 11 has them, 3.1 um were named a relief, 0.16 of it. Of
+another 1.3 to 1.5 um still are, 0.3 to 0.35 of it: where 0.3 um of 1 um counts as the gear's own, so do pits."""
 
 ALONG = 0.1
 """Part of what is seen of an effect below which it hardly changes along recordings."""
@@ -108,8 +109,7 @@ class Weigh(Softness):
 
     def size(self, one: Candidate) -> float:
         """Rms in mm of what a candidate adds and nothing else explains."""
-        level = math.sqrt(float(np.mean([noise.innovation**2 for noise in self.noises])))
-        return level * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
+        return mean_innovation(self.noises) * math.sqrt(max(one.gain, 0.0) / self.linear.system.samples)
 
     def graded(self, one: Candidate) -> bool:
         """Whether what all teeth of a gear have is no more than its grade leaves open: a slope, a bulge, and a part of

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,12 +35,16 @@ PLACES = [
 ]  # fmt: skip
 
 
+def _surveyed(file: Path, chart: Path) -> Any:
+    return survey(file, read_map(chart))
+
+
 @pytest.mark.parametrize("place", PLACES)
 def test_any_value_at_any_place_of_a_map(tmp_path: Path, place: str) -> None:
     file = written(tmp_path, table(list(run(60).values()), ("t", "Winkel 1", "Winkel 2", "M")), name="log.txt")
     for value in VALUES:
         chart = written(tmp_path, place.format(value) + "\n", name="map.toml")
-        judged("maps, value by value", lambda chart=chart: survey(file, read_map(chart)))  # type: ignore[misc]
+        judged("maps, value by value", partial(_surveyed, file, chart))
 
 
 HUGE = (np.nan, 1e308, -1e308, 1e16, 5e-324, 0.0)
@@ -72,7 +78,7 @@ def test_forth_and_back_with_anything_in_it(folder: Path, columns: dict[str, np.
     file = written(folder, own(columns), name="rec.csv")
     judged("forth and back, surveyed", lambda: survey(file))
     for one in judged("forth and back", lambda: read_recordings(file)) or ():
-        judged("forth and back, cleaned", lambda one=one: clean(one, ratio=0.72, r_b2=23.0))  # type: ignore[misc]
+        judged("forth and back, cleaned", partial(clean, one, ratio=0.72, r_b2=23.0))
 
 
 def test_a_clock_that_was_set_tries_no_endless_list_of_turns(tmp_path: Path) -> None:

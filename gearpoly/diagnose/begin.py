@@ -1,0 +1,103 @@
+"""From a pair file and recordings to the state that the search begins with. What the recordings contradict of the file
+is put right first: inspection sheets, the sign of a transmission error, keys of the gears' shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from gearpoly.assemble import assemble
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.stand_in import known_file
+from gearpoly.diagnose.budget import Budget, Watch
+from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
+from gearpoly.diagnose.heldout import beside_jumps
+from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
+from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.misdeclared import misdeclared
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
+from gearpoly.diagnose.unstated import as_seen
+from gearpoly.files.models import PairFile
+from gearpoly.recording.recording import Recording
+from gearpoly.units import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Begun:
+    """The pair ``file`` and the recordings as they bear each other out: their ``comparison``, the working ``model``
+    before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes. ``assumed``:
+    what to tell of gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare``
+    located what that explains."""
+
+    file: PairFile
+    recordings: Sequence[Recording]
+    comparison: Comparison
+    model: Model
+    waves: list[FloatArray]
+    assumed: tuple[str, ...] = ()
+    misread: tuple[str, ...] = ()
+    contradicted: tuple[Entry, ...] = ()
+
+
+def begin(
+    file: PairFile, recordings: Sequence[Recording], *, path: Path, method: Method, budget: Budget, watch: Watch
+) -> Begun:
+    """The state to begin with. Raises what ``compare`` does."""
+
+    def beside(file: PairFile, recordings: Sequence[Recording]) -> Begun:
+        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
+        model, waves = _before_claims(file, comparison, path=path, method=method, budget=budget)
+        return Begun(file=file, recordings=recordings, comparison=comparison, model=model, waves=waves)
+
+    now = beside(file, recordings)
+    wrong = reread(now.model, now.waves, watch.stage("prepare")) or []
+    if sign_may_be_wrong(file, recordings, wrong):
+        # Teeth hand over where either is ahead of the other: of the other sign no teeth fit, and no order of theirs.
+        other = beside(file, opposite(recordings))
+        if reread(other.model, other.waves, watch.stage("prepare")) == []:
+            now, wrong = replace(other, misread=(OPPOSITE,)), []
+    if wrong:
+        sheets = [one for one in wrong if not one.opposite]
+        contradicted = tuple(entry for one in sheets for entry in located_on(now.comparison, one.gear))
+        file, misread = as_read(file, wrong)
+        now = replace(beside(file, now.recordings), misread=misread, contradicted=contradicted)
+    model, assumed = as_seen(now.model, now.waves, watch.stage("prepare"))
+    now = replace(now, model=model, assumed=assumed)
+    if not (at_every_mesh := located_at_every_mesh(now.comparison)):
+        return now
+    keys = misdeclared(now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"))
+    if keys is None:
+        return now
+    right = beside(keys.file, now.recordings)
+    model, assumed = as_seen(right.model, right.waves, watch.stage("prepare"))
+    return replace(
+        right,
+        model=model,
+        assumed=assumed,
+        misread=(*now.misread, keys.says),
+        contradicted=(*now.contradicted, *at_every_mesh),
+    )
+
+
+def _before_claims(
+    file: PairFile, comparison: Comparison, *, path: Path, method: Method, budget: Budget
+) -> tuple[Model, list[FloatArray]]:
+    """The working state before any physics is claimed, and the columns of what no pair makes."""
+    entries = foreign_entries(comparison)
+    model = replace(prepare(file, comparison, path=path), method=method, strangers=strangers(entries), budget=budget)
+    model.observed = beside_jumps(model.observed, jumps(comparison))
+    return model, foreign(comparison, model, entries)
+
+
+def _of_other_keys(now: Begun, file: PairFile) -> tuple[Model, list[FloatArray]]:
+    """The same of the pair of another ``file`` beside the same recordings, its teeth as well known."""
+    model = now.model
+    comparison = replace(now.comparison, assembled=assemble(known_file(file), path=model.path, seed=0))
+    other, waves = _before_claims(file, comparison, path=model.path, method=model.method, budget=model.budget)
+    scope = replace(other.scope, inspected=model.scope.inspected, form=model.scope.form)
+    return replace(other, as_built=model.as_built, scope=scope), waves
