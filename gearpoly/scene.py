@@ -181,7 +181,8 @@ class Scene:
         at, _, moved = standing_off(rows, pair, by)
         out = np.zeros(self.samples.size)
         if at.size:
-            out[where[at]] = whole.mesh.met(moved).te * pair.r_b2 - whole.mesh_te[at]
+            carried = Met(contacts=moved, load=whole.mesh.carried(moved))
+            out[where[at]] = carried.te * pair.r_b2 - whole.mesh_te[at]
         return out
 
     def _whole(self, gear: int, tooth: int) -> tuple[IntArray, Scene]:

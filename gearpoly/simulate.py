@@ -161,7 +161,7 @@ def simulate(
     """
     mesh = assembled.under(condition if off is None else replace(condition, varies=float(np.max(np.abs(off)))))
     backlash = both_flanks(mesh.pair, theta_2, near=mesh.near, fast=fast, progress=progress)
-    met = mesh.met(backlash.coast if condition.coast else backlash.drive)
+    met = mesh.met(backlash.coast if condition.coast else backlash.drive, fast=fast)
     ratio = None
     if evenly and met.load is None:
         ratio = mean_pairs(mesh.pair, met.contacts, fast=fast)

@@ -74,3 +74,19 @@ def test_conditions_that_teeth_do_not_tell_apart_share_their_compliance() -> Non
     assert first is not None
     assert assembled.under(replace(one, torque=9.0 * NM, speed=3.0)).compliance is first
     assert assembled.under(replace(one, flank="coast")).compliance is not first
+
+
+@pytest.mark.parametrize("flank", FLANKS)
+@pytest.mark.parametrize("varies", [0.0, 0.5])
+def test_pairs_that_a_load_reaches_are_found_however_near_they_were_looked_for(flank: Flank, varies: float) -> None:
+    """A tooth that is alone in mesh with a corner has less lever than any on the line of action, and gives more than
+    the pair was thought to reach: the contacts are then found anew. Looked for within 0.1 um they end as within the
+    whole reach, to the certified rotation (2.5e-13 rad) times what a load makes of it."""
+    assembled = made(pair_file(points=300))
+    theta_2 = one_pitch(assembled, 24)
+    mesh = assembled.under(Condition(flank=flank, torque=20.0 * NM, varies=varies))
+    wide, narrow = mesh.at(theta_2, fast=True), mesh.at(theta_2, near=1e-4, fast=True)
+    assert narrow.load is not None and wide.load is not None
+    assert narrow.contacts.near >= (1.0 + varies) * np.max(narrow.load.approach)
+    np.testing.assert_allclose(narrow.te, wide.te, rtol=0.0, atol=1e-11)
+    np.testing.assert_array_equal(narrow.pairs, wide.pairs)

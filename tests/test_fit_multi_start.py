@@ -12,6 +12,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.search import Search
+from gearpoly.keys.edit import changed
 from tests.knowledge.rigs import UNLOADED, graded, record
 
 
@@ -63,3 +64,21 @@ def test_what_is_begun_again_is_never_worse_and_the_same_each_time(tmp_path: Pat
         fit.restore(before)
     assert ends[0] <= there
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+
+
+def test_what_gears_cannot_run_with_is_not_tried(tmp_path: Path) -> None:
+    """Gears that do not reach each other from where a fit begins once more are no better ones: all is as before, and
+    nothing reaches the user. With axes 60 mm apart no tip of this pair reaches its mate."""
+    fit = begun(tmp_path)
+    there, built, scenes = fit.linear.system.misfit, fit.model.built, fit.scenes
+
+    def apart() -> None:
+        fit.model.built = built + 1e-3
+        fit.model.declared = changed(fit.model.declared, pair=changed(fit.model.declared.pair, centre_distance_mm=60.0))
+        fit.settle()
+
+    declared = fit.model.declared
+    assert not fit.tried(apart, better=-np.inf)
+    fit.model.declared = declared
+    np.testing.assert_array_equal(fit.model.built, built)
+    assert fit.linear.system.misfit == there and fit.scenes is scenes

@@ -170,13 +170,13 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
     assert repeats(one, tooth) == again
 
 
-def test_a_refusal_and_an_unchecked_tooth_are_told() -> None:
+def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
     wave, tooth = claim("eccentricity", 0, 1.0, 0.0), claim("tooth_pitch", 0, 3.0)
     figures = {"declared": 1.2, "as_built": 1.1, "named": 1.15, "std": 0.02, "rms": (2e-3, 3e-3), "noise": 1e-3}
-    refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=(tooth,)).says
+    refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=((tooth, 2e-3),)).says
     assert "unseen data fit no better" in refused and "rms 3 um with names, 2 without" in refused
     assert "mean square" in refused and "eccentricity" in refused and "1.15 with names" in refused
-    assert "tooth pitch" in unchecked and "came once only" in unchecked
+    assert "not named" in unchecked and "tooth pitch" in unchecked and "came once only" in unchecked
 
 
 @pytest.mark.parametrize(

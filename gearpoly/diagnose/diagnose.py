@@ -119,11 +119,11 @@ def diagnose(
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *start.contradicted)
-    refused = unseen is not None and unseen.refused and not left_over and not findings
-    if anew is not None or refused:
+    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked)
+    if anew is not None or back:
         left_over = comparison.located.entries[:FOREMOST]
-    if unseen is not None and not left_over and not findings:
-        left_over = tuple(taken_back(comparison, one, rms) for one, rms in unseen.refused)
+    if back and not left_over:
+        left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
     scale = compliance_scale(search)
     status: Status = "nothing_missing"
     if findings:

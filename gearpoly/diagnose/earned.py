@@ -52,13 +52,18 @@ def earned(
                     without=search.rise_without(k),
                 )  # fmt: skip
         judged: dict[Key, Judged] = {
-            claim.key: _doubted(plain[claim.key], doubts.get(_tooth(claim))) for claim in named
+            claim.key: _doubted(claim, plain[claim.key], doubts.get(_tooth(claim))) for claim in named
         }
         better = _likelier(search, judged, taken)
         if better is not None:
             stands, claim = better
             taken |= {stands.key, claim.key}
+            there, noises = search.linear.system.misfit, search.noises
             if _take(search, stands, [claim]):
+                # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
+                behind = there - search.linear.under(noises).system.misfit
+                cost = 2.0 * (len(stands.values) - len(claim.values))
+                fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=behind + cost))
                 # What was believed beside the one may have no place beside the other.
                 search.withdraw()
                 plain.clear()
@@ -69,7 +74,7 @@ def earned(
             doubts[tooth] = unknown_in_stead(search, *tooth)
             if doubts[tooth] > 1.0 - CERTAIN:
                 mine = [claim for claim in named if _tooth(claim) == tooth]
-                gone += [_unearned(search, claim, _doubted(judged[claim.key], doubts[tooth])) for claim in mine]
+                gone += [_unearned(search, claim, _doubted(claim, judged[claim.key], doubts[tooth])) for claim in mine]
                 give_way(search, mine)
                 plain.clear()
             continue
@@ -138,12 +143,14 @@ def _tooth(claim: Claim) -> tuple[int, int]:
     return (-1, -1) if claim.place.tooth is None else (claim.place.gear or 0, claim.place.tooth)
 
 
-def _doubted(judged: Judged, unknown: float | None) -> Judged:
+def _doubted(claim: Claim, judged: Judged, unknown: float | None) -> Judged:
     """The same where a curve of no cause was fitted to its end in the stead of all names of a tooth: no column tells
-    so well what it would do."""
+    so well what it would do. But for a ``claim`` about how far the tooth gives: one curve of a flank cannot do that
+    under every torque, so that its losing tells nothing, and what columns allow each torque for itself counts."""
     if unknown is None:
         return judged
-    return replace(judged, posterior=judged.posterior.with_unknown(max(unknown, judged.in_vain)))
+    least = judged.posterior.unknown if claim.physics.softens else 0.0
+    return replace(judged, posterior=judged.posterior.with_unknown(max(unknown, judged.in_vain, least)))
 
 
 def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -67,8 +68,13 @@ class Exchange(Weigh):
             if better is None:
                 return
             k, _, claims = better
-            self.join(claims, instead=[k])
-            self.settle()
+            begun = self.kept()
+            try:
+                self.join(claims, instead=[k])
+                self.settle()
+            except GearpolyError:  # first order promised what gears that run cannot do
+                self.restore(begun)
+                return
             self.drop_idle()
 
     def _better(self, k: int) -> list[tuple[int, float, list[Claim]]]:
@@ -176,19 +182,20 @@ class Exchange(Weigh):
             twins = [j for j, other in enumerate(self.model.claims) if _are_twins(one, other)]
             if not twins:
                 continue
-            before, there = self.kept(), self.linear.system.misfit
             both = np.array([one.values, self.model.claims[twins[0]].values])
             values = tuple(np.mean(both, axis=0).tolist())
             if np.all(np.ptp(both, axis=0) < ALIKE * np.abs(values)):
                 return
-            for j in (k, twins[0]):
-                self.model.claims[j] = replace(self.model.claims[j], values=values)
-            self.take_declared_law()
-            self.settle()
-            self.choose_law()
-            if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
-                self.restore(before)
+            self.tried(partial(self._alike, (k, twins[0]), values), better=BETTER)
             return
+
+    def _alike(self, ones: Sequence[int], values: tuple[float, ...]) -> None:
+        """Fit on from the same ``values`` of the claims of these numbers, by the declared compliance law."""
+        for j in ones:
+            self.model.claims[j] = replace(self.model.claims[j], values=values)
+        self.take_declared_law()
+        self.settle()
+        self.choose_law()
 
     def drop_idle(self) -> None:
         """Take back claims that no longer gain more than chance would, weakest first.
@@ -209,8 +216,13 @@ class Exchange(Weigh):
                 return
             gone, begun = self.model.claims[weakest], self.kept()
             promised = self.promised(gone)
-            del self.model.claims[weakest]
-            self.settle()
+            try:
+                del self.model.claims[weakest]
+                self.settle()
+            except GearpolyError:  # gears that cannot run without it need it
+                self.restore(begun)
+                needed.add(gone.key)
+                continue
             lost = 2.0 * len(gone.values) - self.gained(begun) - promised
             if gone.simulated and self.significant(replace(ones[weakest], gain=lost)):
                 self.restore(begun)

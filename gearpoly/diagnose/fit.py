@@ -209,10 +209,23 @@ class Fit:
     def _better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
         better, and is kept."""
+
+        def from_there() -> None:
+            self.model.built, self.model.shift = built, shift
+            self.settle()
+
+        return self.tried(from_there, better=BETTER)
+
+    def tried(self, change: Callable[[], None], *, better: float) -> bool:
+        """Whether a ``change`` of the state, all fitted again, leaves less misfit by more than ``better``, by the noise
+        of before. The state comes back where it does not, and where gears cannot run so: nobody asked for those."""
         before, there = self.kept(), self.linear.system.misfit
-        self.model.built, self.model.shift = built, shift
-        self.settle()
-        if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
+        try:
+            change()
+        except GearpolyError:
+            self.restore(before)
+            return False
+        if self.linear.under(before[1]["noises"]).system.misfit > there - better:
             self.restore(before)
             return False
         return True
@@ -220,9 +233,13 @@ class Fit:
     def share(self) -> None:
         """Let both flanks of graded gears share what the recordings say they do."""
         made = told(self.model, self.scenes, self.linear)
-        if made is not self.model.as_built:
+
+        def shared() -> None:
             self.model.as_built = made
             self.settle()
+
+        if made is not self.model.as_built:
+            self.tried(shared, better=-math.inf)
 
     def forget(self) -> None:
         """Let go of waves of unknown make that are now explained: they tell nothing any more, and where two of them are
@@ -319,10 +336,14 @@ class Fit:
         best = int(np.argmax(gains))
         if gains[best] < CLEARLY:
             return
-        self.model.law = list(changes)[best]
-        self.model.soften(list(changes.values())[best].ratio)
-        self.laws = None
-        self.settle()
+
+        def by_that_law() -> None:
+            self.model.law = list(changes)[best]
+            self.model.soften(list(changes.values())[best].ratio)
+            self.laws = None
+            self.settle()
+
+        self.tried(by_that_law, better=-math.inf)
 
     def measure(self) -> None:
         """Measure once what candidates are compared with: the largest effect of a claim, what laws may leave of claims

@@ -36,8 +36,8 @@ class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
     of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were
-    taken back, each with the rms in mm of what it does; ``unchecked``: those that nothing repeats, so that nothing
-    unseen tells of them."""
+    taken back, each with the rms in mm of what it does; ``unchecked``: those that were since nothing repeats them, so
+    that nothing unseen tells of them."""
 
     declared: float
     as_built: float
@@ -46,7 +46,7 @@ class Checked:
     rms: tuple[float, float]
     noise: float
     refused: tuple[tuple[Claim, float], ...] = ()
-    unchecked: tuple[Claim, ...] = ()
+    unchecked: tuple[tuple[Claim, float], ...] = ()
 
     @property
     def says(self) -> Iterator[str]:
@@ -63,10 +63,10 @@ class Checked:
                 f"{self.declared:.4g} as declared, +- {self.std:.2g}; rms {with_ / UM:.4g} um with names, "
                 f"{without / UM:.4g} without)"
             )
-        for one in self.unchecked:
+        for one, _ in self.unchecked:
             yield (
-                f"the {one.physics.name.replace('_', ' ')} that is named could not be checked on unseen data: in these "
-                "recordings it came once only; record more turns"
+                f"not named, since no unseen data tell of it: {one.physics.name.replace('_', ' ')} (in these "
+                "recordings it came once only; record more turns)"
             )
 
 

@@ -24,6 +24,7 @@ from gearpoly.infer.prior import (
     AS_WRONG_KEYS,
     LEAST_SHARE,
     PRESENT,
+    TIPS,
     WRONG_KEY,
     WRONG_UM,
     log_size,
@@ -89,7 +90,7 @@ def judge(
     mine += 0.5 * more / trial.dispersion
     found: dict[Key, tuple[Claim, float]] = {claim.key: (claim, mine)}
     for refit in refitted:
-        found[refit.claim.key] = (refit.claim, mine - 0.5 * max(0.0, refit.behind) / trial.dispersion)
+        found[refit.claim.key] = (refit.claim, mine - 0.5 * _behind(claim, refit, gain) / trial.dispersion)
     # Look-alikes are drawn to first order, so the claim is too where it is weighed against them.
     flat = replace(trial, plain=bare.system.without(trial.dropped))
     plainly = (flat.sized(claim, columns, effect, loose=loose) for loose in (False, True))
@@ -114,6 +115,9 @@ def judge(
         likelier = log_size(claim.values[0], WRONG_UM) - log_size(claim.values[0], usual)
         weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
+        if len(model.as_built.flanks) < 2 and not all(model.scope.inspected):
+            as_likely = (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
+            explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
@@ -121,6 +125,15 @@ def judge(
         explanations = _as_far_as_simulated(trial, claim, explanations, effect)
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
+
+
+def _behind(claim: Claim, refit: Refitted, gain: float) -> float:
+    """How far a rival that was fitted to its end is behind the ``claim`` in misfit. Each freedom that either has more
+    costs as much as it might have told (Schwarz 1978), of which a refit counts 2: a spall that ends at the tip makes
+    all that a missing tip makes, and has edges, a wall and a depth to make it with."""
+    price = max(2.0, math.log(max(gain, 1.0))) - 2.0
+    more = len(refit.claim.values) - len(claim.values)
+    return max(0.0, refit.behind) + more * price
 
 
 def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float) -> list[Explanation]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -138,9 +139,14 @@ class Search(Exchange):
             return
         ones = enumerate(self.model.claims)
         kept = [one for k, one in ones if one.place.tooth is None and self.gain_without(k) > left]
-        self.disowned = len(self.model.claims) - len(kept)
-        self.model.claims = kept
-        self.settle()
+        gone = len(self.model.claims) - len(kept)
+
+        def taken_back() -> None:
+            self.model.claims = kept
+            self.settle()
+
+        if self.tried(taken_back, better=-math.inf):
+            self.disowned = gone
         self.drop_idle()
 
     def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:

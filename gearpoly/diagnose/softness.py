@@ -26,11 +26,12 @@ class Softness(Fit):
         want of a physics is in the way once that is found."""
         if self.model.law is None:
             return
-        before, there = self.kept(), self.linear.system.misfit
-        self.take_declared_law()
-        self.settle()
-        if self.linear.under(before[1]["noises"]).system.misfit > there + CLEARLY:
-            self.restore(before)
+
+        def as_declared() -> None:
+            self.take_declared_law()
+            self.settle()
+
+        self.tried(as_declared, better=-CLEARLY)
 
     def declared_softness(self) -> None:
         """Begin once more with teeth as soft as declared where they came out far from it, if that ends better: what
@@ -41,11 +42,12 @@ class Softness(Fit):
         softer = self.model.scale * self.declared_ratio()
         if abs(softer - 1.0) < SOFT * SCALE_STD:
             return
-        before, there = self.kept(), self.linear.system.misfit
-        self.model.soften(1.0 / softer)
-        self.settle()
-        if self.linear.under(before[1]["noises"]).system.misfit > there - BETTER:
-            self.restore(before)
+
+        def as_soft() -> None:
+            self.model.soften(1.0 / softer)
+            self.settle()
+
+        self.tried(as_soft, better=BETTER)
 
     def take_declared_law(self) -> None:
         """Take the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
@@ -75,5 +77,10 @@ class Softness(Fit):
         met = self.linear.system.solution[self.linear.layout.nuisance][-modes:]
         wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
         if wider > WIDER:
-            self.laws = self.laws.widened(wider)
-            self.settle()
+            laws = self.laws.widened(wider)
+
+            def widened() -> None:
+                self.laws = laws
+                self.settle()
+
+            self.tried(widened, better=-math.inf)

@@ -65,6 +65,14 @@ class LoadedContacts:
         return float(np.mean(self.pairs))
 
 
+class TooNearError(OutOfRangeError):
+    """Pairs closed by ``approach`` mm under a load, farther than they were looked for: others may carry too."""
+
+    def __init__(self, message: str, *, approach: float) -> None:
+        super().__init__(message)
+        self.approach = approach
+
+
 def load_reach(compliance: PairCompliance, torque: float) -> float:
     """The most that a pair alone under the whole ``torque`` (N.mm) can give, mm: near pairs up to this may carry
     load. Never above ``SMALL`` of the module, from where on ``loaded`` refuses the torque, whatever stands behind."""
@@ -82,8 +90,10 @@ def loaded(
 ) -> LoadedContacts:
     """Share ``torque`` (N.mm on the driven shaft) among the near pairs of ``contacts``.
 
-    The contacts must hold every pair that closes within ``load_reach``. Raises ``OutOfRangeError`` for a negative
-    torque or deflections that are no longer small, ``NotConvergedError`` where forces do not settle.
+    The contacts must hold every pair that closes under the load: within ``load_reach``, but for a tooth that is alone
+    in mesh with a corner, where a normal off the line of action has less lever. Raises ``TooNearError`` where they may
+    not, ``OutOfRangeError`` for a negative torque or deflections that are no longer small, ``NotConvergedError`` where
+    forces do not settle.
     """
     check_torque(torque)
     pair = compliance.pair
@@ -105,10 +115,11 @@ def loaded(
             f"{SMALL:.0%} of the module; small deflections no longer hold, so lower the torque or widen the faces"
         )
     if torque > 0.0 and phi[worst] * pair.r_b1 > contacts.near:
-        raise OutOfRangeError(
+        raise TooNearError(
             f"pairs were looked for within {contacts.near / UM:.1f} um of the first touch, but "
             f"torque {torque / NM:g} N.m closes "
-            f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near=load_reach(...)"
+            f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near= above that",
+            approach=float(phi[worst]) * pair.r_b1,
         )
     position, positions = contacts.position, contacts.theta_2.size
     least = np.maximum(force, LEAST_LOAD * torque / pair.r_b2)

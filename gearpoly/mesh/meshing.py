@@ -10,13 +10,17 @@ import numpy as np
 
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity, PairCompliance, pair_compliance
-from gearpoly.mesh.loaded import LoadedContacts, Sharing, load_reach, loaded
+from gearpoly.mesh.loaded import LoadedContacts, Sharing, TooNearError, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.mesh.transmission import NEAR, SAMPLES, FlankContacts, contacts
 from gearpoly.mesh.varied import GENTLE, giving
 from gearpoly.units import FloatArray, IntArray, read_only
+
+FARTHER = 1.2
+"""How far pairs are looked for once more, as a multiple of how far they closed: another pair that comes to carry only
+lowers that, so once more is enough."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,12 +79,24 @@ class Meshing:
         """
         within = self.near if near is None else near
         return self.met(
-            contacts(self.pair, theta_2, flank=self.condition.flank, near=within, fast=fast, certified=certified)
+            contacts(self.pair, theta_2, flank=self.condition.flank, near=within, fast=fast, certified=certified),
+            fast=fast,
         )
 
-    def met(self, rows: FlankContacts) -> Met:
-        """The load on contacts that were found already; raises what ``loaded`` does."""
-        return Met(contacts=rows, load=self.carried(rows))
+    def met(self, rows: FlankContacts, *, fast: bool = True) -> Met:
+        """The load on contacts that were found already; raises what ``at`` does. They are found anew, ``fast`` or each
+        certified, where the load closes pairs that had not been looked for."""
+        try:
+            met = Met(contacts=rows, load=self.carried(rows))
+        except TooNearError as short:
+            approach = short.approach
+        else:
+            if met.load is None:
+                return met
+            approach = float(np.max(met.load.approach)) * self.condition.heaviest / self.condition.torque
+            if approach <= rows.near:
+                return met
+        return self.at(rows.theta_2, near=FARTHER * approach, fast=fast)
 
     def carried(self, rows: FlankContacts) -> LoadedContacts | None:
         """How contacts share the torque; None where nothing bends."""
