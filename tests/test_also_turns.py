@@ -54,8 +54,8 @@ def test_turns_are_counted_per_turn_of_the_driven_gear() -> None:
 
 def test_what_a_recording_does_not_resolve_falls_together() -> None:
     """Half a line is half a wave over the whole recording."""
-    assert lines_at([MOTOR], 4.0, turns=4.0) == ("the motor's turn",)
-    assert lines_at([MOTOR], 4.0, turns=6.0) == ()
+    assert lines_at((MOTOR,), 4.0, turns=4.0) == ("the motor's turn",)
+    assert lines_at((MOTOR,), 4.0, turns=6.0) == ()
 
 
 def wave(**more: object) -> Entry:

@@ -37,7 +37,7 @@ def _with_parts(
         return entry
     std = (entry.order_std or 0.0) / (entry.order or 1.0) + (entry.hz_std or 0.0) / (entry.hz or 1.0)
     length = min(turns[longest], HALF_A_LINE / max(SURE * std * order, 1e-300))
-    return replace(entry, parts=lines_at(parts, order, turns=length))
+    return replace(entry, parts=lines_at(tuple(parts), order, turns=length))
 
 
 def _per_driven(entry: Entry, z: tuple[int, int], speed: float | None) -> float | None:

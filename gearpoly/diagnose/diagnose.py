@@ -17,7 +17,6 @@ from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.earned import earned, flank_curves
-from gearpoly.diagnose.fit import without_columns
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
@@ -25,6 +24,7 @@ from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.heldout import Rms, cross_validated
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
+from gearpoly.diagnose.kept import without_columns
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
     not_excluded,

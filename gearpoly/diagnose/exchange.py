@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, Kept
+from gearpoly.diagnose.fit import BETTER
+from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
 from gearpoly.diagnose.weigh import Weigh

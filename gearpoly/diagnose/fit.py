@@ -6,13 +6,14 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.foreign import faded
+from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.left_open import nuisance_of
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
@@ -43,9 +44,6 @@ BETTER = 10.0
 
 RELAXED = 8
 """Times that a fit begins once more with teeth alike."""
-
-Kept = tuple[dict[str, Any], dict[str, Any]]
-"""A state to come back to: of the model, and of the fit."""
 
 
 @dataclass(kw_only=True, eq=False)
@@ -326,13 +324,8 @@ class Fit:
         at = self.linear.layout.nuisance
         modes = list(range(at.stop - (0 if self.laws is None else len(self.laws.mix)), at.stop))
         bare = self.linear.without(modes)
-        whites = [
-            np.column_stack([noise.whitened(change.parts[k]) for change in changes.values()])
-            for k, noise in enumerate(self.noises)
-        ]
-        score, information = bare.system.scores(whites)
         # The change as it is, with all else fitted again beside it.
-        gains = 2.0 * score - np.diag(information)
+        gains = bare.gains([change.parts for change in changes.values()])
         best = int(np.argmax(gains))
         if gains[best] < CLEARLY:
             return
@@ -364,8 +357,3 @@ class Fit:
     def deflection(self) -> float:
         """The largest mean deflection in mm of any recording."""
         return max(self.deflections, default=0.0)
-
-
-def without_columns(kept: Kept) -> Kept:
-    """A state without what the next fit makes anew, which is large: a hundred columns at all samples."""
-    return kept[0], {name: value for name, value in kept[1].items() if name not in ("scenes", "linear")}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,6 +99,13 @@ class Linear:
             (noise.score(left), noise.score(white))
             for noise, left, white in zip(self.noises, self.system.left, self.system.white, strict=True)
         ]
+
+    def gains(self, effects: Sequence[Sequence[FloatArray]]) -> FloatArray:
+        """By how much the misfit falls (q,) with each of ``effects``, (n_k,) in mm of every recording, as it is, all
+        else fitted again beside it."""
+        whites = [np.column_stack([noise.whitened(one[k]) for one in effects]) for k, noise in enumerate(self.noises)]
+        score, information = self.system.scores(whites)
+        return np.asarray(2.0 * score - np.diag(information))
 
     def sums(self, k: int, columns: FloatArray, *, where: IntArray | None = None) -> Sums:
         """What recording ``k`` says of further columns (n_k, q) in mm, which are 0 but at the samples ``where``."""

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gearpoly.diagnose.exchange import LIKELY, Exchange
-from gearpoly.diagnose.fit import BETTER, Kept, without_columns
+from gearpoly.diagnose.fit import BETTER
+from gearpoly.diagnose.kept import Kept, without_columns
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.relieved import relieved

@@ -17,8 +17,8 @@ from scipy.linalg import cho_factor, cho_solve
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
-from gearpoly.diagnose.fit import Kept
 from gearpoly.diagnose.heldout import Checked, cross_validated, held
+from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import FLOOR, System, scales_of

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from gearpoly.keys.sections import AlsoTurns
 
@@ -63,7 +64,8 @@ def parts_of(stated: Iterable[AlsoTurns], *, z_1: int, z_2: int) -> tuple[Part, 
     )
 
 
-def lines_at(parts: Iterable[Part], order: float, *, turns: float) -> tuple[str, ...]:
+@lru_cache(maxsize=16384)
+def lines_at(parts: tuple[Part, ...], order: float, *, turns: float) -> tuple[str, ...]:
     """What of ``parts`` has a line at ``order`` per turn of the driven gear, in words, as far as a recording of so many
     ``turns`` of it resolves."""
     found = (one.line(order, HALF_A_LINE / turns) for one in parts)

@@ -38,7 +38,7 @@ wide at most."""
 
 def certify(m: Meeting, jobs: Jobs) -> BoolArray:
     """Certify every contact on whole faces; solves again what fails. Returns which rows were repaired."""
-    failed = _uncertified(m, jobs)
+    failed = uncertified(m, jobs)
     repaired = np.zeros(len(jobs), dtype=bool)
     for attempt in range(AIMS + 1):
         rows = np.flatnonzero(failed)
@@ -52,7 +52,7 @@ def certify(m: Meeting, jobs: Jobs) -> BoolArray:
             bad.at_fixed,
         )
         repaired[rows] = True
-        failed[rows] = _uncertified(m, bad)
+        failed[rows] = uncertified(m, bad)
     if np.any(failed):
         worst = int(np.argmax(failed))
         raise NotConvergedError(
@@ -68,7 +68,7 @@ def overlapping(m: Meeting, jobs: Jobs) -> BoolArray:
     return ~_clear(m, jobs, jobs.rotation)
 
 
-def _uncertified(m: Meeting, jobs: Jobs) -> BoolArray:
+def uncertified(m: Meeting, jobs: Jobs) -> BoolArray:
     """Which rows lack a certificate: clear on whole faces just before, crossing near the contact (hence somewhere)
     just after."""
     mine, mates = jobs.windows(m)

@@ -14,7 +14,7 @@ solved again where that fails; pairs that the windows left out are shown to stan
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import shapely
@@ -28,7 +28,7 @@ from gearpoly.mesh.bodies import (
     coordinates,
     lines,
 )
-from gearpoly.mesh.certificate import CERTIFIED, certify, overlapping
+from gearpoly.mesh.certificate import CERTIFIED, certify, overlapping, uncertified
 from gearpoly.mesh.features import Feature as Feature  # part of what Closings says
 from gearpoly.mesh.features import describe
 from gearpoly.mesh.impact import coarse, refine
@@ -61,6 +61,12 @@ class Closings:
     overrun: FloatArray
     repaired: BoolArray
 
+    def at(self, poses: IntArray) -> Closings:
+        """The rows of these ``poses`` (k,), rising, which are counted anew from 0."""
+        rows = np.flatnonzero(np.isin(self.pose, poses))
+        arrays = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name not in ("positions", "pose")}
+        return Closings(positions=poses.size, pose=np.searchsorted(poses, self.pose[rows]), **arrays)
+
     def first(self) -> IntArray:
         """Row of the first touch of each pose that has any."""
         return np.flatnonzero(np.diff(self.pose, prepend=-1))
@@ -88,6 +94,32 @@ def closing_rotations(
         part = slice(start, start + CHUNK)
         jobs, repaired = _solve(m, tree, poses[part], guesses[part], near=near)
         yield _describe(m, jobs, repaired, start=start, positions=poses[part].size, near=near)
+
+
+def all_certified(
+    turning: Body,
+    fixed: Body,
+    known: Closings,
+    *,
+    axis_distance: float,
+    poses: FloatArray,
+    guesses: FloatArray,
+    near: float,
+) -> bool:
+    """Whether closings that are ``known`` of all ``poses`` pass the certificate as they stand: each pair clear on whole
+    faces just before and crossing just after, and no other pair in contact by where the last that is near closes.
+    Arguments as for ``closing_rotations``."""
+    m = Meeting(turning=turning, fixed=fixed, a=axis_distance)
+    turn, back = np.exp(1j * poses)[known.pose], np.exp(-1j * guesses)[known.pose]
+    place = complex_points(known.point) * back * np.exp(-1j * known.rotation)
+    jobs = Jobs(
+        known.pose, known.turning, known.fixed, turn, back, known.rotation.copy(),
+        np.argmin(np.abs(m.turning.points[known.turning] - place[:, None]), axis=1), np.zeros_like(known.pose),
+    )  # fmt: skip
+    seen = jobs.seen(m, m.fixed.points[jobs.fixed], jobs.rotation)
+    jobs.at_fixed = np.argmin(np.abs(seen - place[:, None]), axis=1)
+    tree = shapely.STRtree(shapely.polygons(m.turning.hulls))
+    return not np.any(uncertified(m, jobs)) and len(_missed(m, tree, jobs, poses, guesses, near=near)) == 0
 
 
 def _solve(

@@ -11,7 +11,7 @@ import numpy as np
 
 from gearpoly.errors import SelfCheckError
 from gearpoly.mesh.bodies import Body, coordinates
-from gearpoly.mesh.contact import Closings, closing_rotations
+from gearpoly.mesh.contact import Closings, all_certified, closing_rotations
 from gearpoly.mesh.features import describe
 from gearpoly.units import FloatArray, IntArray
 
@@ -81,7 +81,8 @@ def spot_check(
     samples: int = 64,
     rng: np.random.Generator | None = None,
 ) -> float:
-    """Certify ``samples`` positions of a fast run with the polygon kernel; returns the worst difference in rad.
+    """Certify ``samples`` positions of a fast run with the polygon kernel; returns the worst difference in rad, 0 where
+    all pass its certificate as they stand. Where one does not, the kernel solves them itself.
 
     ``closings`` of ``closing_rotations_fast`` with the same other arguments. The positions are evenly spaced over the
     run, or drawn by ``rng``. Raises ``SelfCheckError`` where a closing differs by more than ``AGREEMENT`` or where
@@ -98,6 +99,11 @@ def spot_check(
     )
     worst = 0.0
     start = 0
+    known = closings.at(chosen)
+    if all_certified(
+        turning, fixed, known, axis_distance=axis_distance, poses=poses[chosen], guesses=guesses[chosen], near=near
+    ):
+        return worst
     for part in closing_rotations(
         turning, fixed, axis_distance=axis_distance, poses=poses[chosen], guesses=guesses[chosen], near=near
     ):
