@@ -47,7 +47,8 @@ def test_modules_come_after_what_they_import_and_once() -> None:
     made = bundle("a/x.js", files.__getitem__)
     lines = [line for line in made.splitlines() if line and not line.startswith("//")]
     assert lines == [
-        "(() => {", '"use strict";', "const z = 1; // import nothing", "function y() { return z; }", "const x = y + z;",
+        "window.started = (async () => {", '"use strict";',
+        "const z = 1; // import nothing", "function y() { return z; }", "const x = y + z;",
         "})();",
     ]  # fmt: skip
     files["b/z.js"] = 'import { x } from "../a/x.js";\n'
