@@ -43,6 +43,7 @@ PARSED = {
 SLOW = (
     "gearpoly diagnose",
     "gearpoly plan",
+    "gearpoly pair --new",
     "gearpoly view data/recordings",
     "gearpoly study data/studies/robot_joint.toml",
     "gearpoly simulate data/recordings",
