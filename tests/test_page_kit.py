@@ -85,6 +85,13 @@ def test_pages_name_nothing_outside_and_forbid_it() -> None:
     assert "default-src 'none'" in part("page/kit/page.html")
 
 
+def test_every_page_prints_on_a4() -> None:
+    """All pages have the kit's style, and none a size of its own."""
+    assert "@page { size: A4;" in part("page/kit/kit.css")
+    styles = [file.read_text(encoding="utf-8") for file in PACKAGE.rglob("page/*.css")]
+    assert styles and not any("@page" in style for style in styles)
+
+
 def test_a_type_checker_finds_nothing_in_the_scripts() -> None:
     """TypeScript reads them as JavaScript with types in comments; a name that is not imported is an error, too."""
     found = shutil.which("tsc")
