@@ -26,8 +26,9 @@ run: $(VENV)/.core
 	@printf 'What was hidden: $(RECORDED).truth.json\n'
 	@printf 'Commands of the documentation run as they stand after this line:\n  . $(BIN)/activate\n'
 
+# A file stays with one worker, so that what its tests share is made once. The twenty slowest are listed at the end.
 test: lint
-	$(BIN)/pytest -n $(JOBS) -m "not slow"
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --durations=20 -m "not slow"
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +45,8 @@ def main() -> None:
     for torque in (5.0 * NM, 25.0 * NM, 120.0 * NM):
         near = NEAR + load_reach(compliance, torque)
         found = contacts(pair, theta_2, near=near, fast=True)
-        bare = seconds(lambda near=near: contacts(pair, theta_2, near=near, fast=True)) / POSITIONS * 1e6
-        load = seconds(lambda found=found, torque=torque: loaded(found, compliance, torque=torque)) / POSITIONS * 1e6
+        bare = seconds(partial(contacts, pair, theta_2, near=near, fast=True)) / POSITIONS * 1e6
+        load = seconds(partial(loaded, found, compliance, torque=torque)) / POSITIONS * 1e6
         print(f"| {torque / NM:g} | {bare:.1f} | {load:.1f} | {load / bare:.0%} |")
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
+from gearpoly.mesh.condition import Condition
 from gearpoly.units import NM
 from gearpoly.view.document import document
 from gearpoly.view.html import page_text
@@ -32,7 +33,7 @@ def main() -> None:
                 assemble(file, path=path, seed=0),
                 name=file.name,
                 path=path,
-                torque=file.torque_nm * NM,
+                condition=Condition(flank="drive", torque=file.torque_nm * NM),
                 progress=lambda done: None,
             )
             page = Path(folder) / f"{path.stem}.html"

@@ -179,12 +179,13 @@ class Chromium:
         self.send("Emulation.setEmulatedMedia", features=[scheme])
 
     def open(self, page: Path) -> None:
-        """Open a file and wait until it has loaded."""
+        """Open a file and wait until it has loaded and its scripts have started."""
         self._loaded = False
         self.send("Page.navigate", url=page.resolve().as_uri())
         until = time.monotonic() + PATIENCE
         while not self._loaded:
             self._receive(until)
+        self.run("window.started")
 
     def run(self, script: str) -> Any:
         """The JSON value of an expression, promises awaited; raises ``RuntimeError`` where it throws."""

@@ -86,6 +86,7 @@ def test_zeros_and_noise_are_found_from_nothing_and_nothing_else(tmp_path: Path)
     assert found["where"] == []
 
 
+@pytest.mark.slow  # the shipped recording shows the same below
 def test_a_wave_of_no_integer_order_is_located(tmp_path: Path) -> None:
     found = compared(*record(tmp_path, order=5.37, amplitude=0.5))
     assert len(found["where"]) == 1

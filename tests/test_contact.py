@@ -214,7 +214,7 @@ def rough(n: int = 300) -> tuple[Body, Body, float]:
     return sides[0], sides[1], a
 
 
-def worst_error(turning: Body, fixed: Body, a: float, *, count: int = 400, seed: int = 0) -> float:
+def worst_error(turning: Body, fixed: Body, a: float, *, count: int = 200, seed: int = 0) -> float:
     poses, guesses = settings(count, seed)
     found = run(turning, fixed, a=a, poses=poses, guesses=guesses)
     first = found.first()

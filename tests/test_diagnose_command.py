@@ -7,6 +7,7 @@ import math
 import os
 import signal
 import subprocess
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -56,13 +57,20 @@ def begun(*arguments: object, stderr: int = subprocess.PIPE) -> subprocess.Popen
 
 
 @pytest.fixture(scope="module")
-def printed(bench: Path) -> str:
-    """What a diagnosis prints while it writes verdict.json, page.html and fitted.toml."""
-    targets = "--json", bench / "v.json", "--html", bench / "v.html", "--fitted", bench / "fit.toml"
-    run = begun(bench / "pair.toml", bench / "rec.csv", *targets)
+def said(bench: Path) -> tuple[str, str]:
+    """What a diagnosis prints and says on standard error while it writes all that it can."""
+    targets = {"json": "v.json", "html": "v.html", "fitted": "fit.toml", "figures": "pictures"}
+    if find_spec("reportlab") is not None:
+        targets["pdf"] = "report.pdf"
+    run = begun(bench / "pair.toml", bench / "rec.csv", *(w for k, v in targets.items() for w in (f"--{k}", bench / v)))
     out, err = run.communicate(timeout=300)
     assert run.returncode == 0, err
-    return out
+    return out, err
+
+
+@pytest.fixture(scope="module")
+def printed(said: tuple[str, str]) -> str:
+    return said[0]
 
 
 class Strict(BaseModel):
@@ -249,13 +257,23 @@ def test_the_fitted_file_simulates_and_compares_to_the_noise(
     assert (bench / "v.html").read_text().startswith("<!")
 
 
-def test_only_the_verdict_goes_to_standard_output(bench: Path, printed: str) -> None:
-    """The same recording gives the same verdict to the last digit, whichever way it goes out."""
-    run = begun(bench / "pair.toml", bench / "rec.csv", "--json", "-")
-    out, err = run.communicate(timeout=300)
-    assert run.returncode == 0, err
-    assert verdict_of(out).status == "explained"
-    assert out.rstrip("\n") == (bench / "v.json").read_text().rstrip("\n")
+def test_the_command_writes_a_report_and_pictures(
+    bench: Path, said: tuple[str, str], gearpoly_command: Command
+) -> None:
+    report, pictures = bench / "report.pdf", bench / "pictures"
+    assert f"wrote {pictures}: every picture" in said[1] and (pictures / "fit.svg").is_file()
+    if find_spec("reportlab") is not None:
+        assert f"wrote {report}: the report for paper" in said[1] and report.read_bytes().startswith(b"%PDF")
+    ran = gearpoly_command("diagnose", bench / "pair.toml", bench / "rec.csv", "--figures", bench / "rec.csv")
+    assert ran.code == 2 and "this is a file; want the name of a folder" in ran.err
+
+
+def test_only_the_verdict_goes_to_standard_output(bench: Path, printed: str, gearpoly_command: Command) -> None:
+    """The same recording gives the same verdict to the last digit, whichever way it goes out, here in this process."""
+    ran = gearpoly_command("diagnose", bench / "pair.toml", bench / "rec.csv", "--json", "-")
+    assert ran.code == 0, ran.err
+    assert verdict_of(ran.out).status == "explained"
+    assert ran.out.rstrip("\n") == (bench / "v.json").read_text().rstrip("\n")
 
 
 def test_an_interrupt_in_the_search_leaves_nothing_behind(bench: Path, tmp_path: Path) -> None:

@@ -18,9 +18,7 @@ from gearpoly.report.diagnosis_figures import curves_figure, fit_figure, write_f
 from gearpoly.report.diagnosis_page import page
 from gearpoly.units import UM
 from tests.chromium import Chromium
-from tests.made_command import Command
 from tests.made_diagnosis import E_UM, made_comparison, made_diagnosis
-from tests.test_diagnose_command import bench  # noqa: F401
 
 A4 = (595.3, 841.9)
 """Points."""
@@ -113,16 +111,3 @@ def test_the_page_prints_on_a4_in_the_light_look(browser: Chromium, diagnosis: D
     assert browser.run("document.documentElement.dataset.theme") == "light"
     browser.run("window.dispatchEvent(new Event('afterprint')); 0")
     assert browser.run("document.documentElement.dataset.theme ?? 'none'") == "none"
-
-
-def test_the_command_writes_both(bench: Path, tmp_path: Path, gearpoly_command: Command) -> None:  # noqa: F811
-    pytest.importorskip("reportlab")
-    out = tmp_path / "report.pdf", tmp_path / "pictures"
-    ran = gearpoly_command(
-        "diagnose", str(bench / "pair.toml"), str(bench / "rec.csv"), "--pdf", str(out[0]), "--figures", str(out[1])
-    )
-    assert ran.code == 0, ran.err
-    assert f"wrote {out[0]}: the report for paper" in ran.err and f"wrote {out[1]}: every picture" in ran.err
-    assert out[0].read_bytes().startswith(b"%PDF") and (out[1] / "fit.svg").is_file()
-    ran = gearpoly_command("diagnose", str(bench / "pair.toml"), str(bench / "rec.csv"), "--figures", str(out[0]))
-    assert ran.code == 2 and "this is a file; want the name of a folder" in ran.err

@@ -218,7 +218,7 @@ def test_places_survive_rounding_however_far_they_go() -> None:
     assert np.allclose(placed(places(x, 5000)), x, rtol=0.0, atol=0.51e-3)
 
 
-def test_three_recordings_of_18_000_samples_stay_below_1500_kb(diagnosis: Diagnosis) -> None:
+def test_three_recordings_of_18_000_samples_stay_below_900_kb(diagnosis: Diagnosis) -> None:
     """And so does any longer set."""
     one = diagnosis.comparison.aligned[0]
     for size, count in ((18_000, 3), (100_000, 4)):
@@ -236,7 +236,7 @@ def test_three_recordings_of_18_000_samples_stay_below_1500_kb(diagnosis: Diagno
             diagnosis, comparison=comparison, left=(residual[more],) * count, noise_by_recording=(3e-4,) * count
         )
         text = page(large)
-        assert len(text.encode()) < 1.5e6
+        assert len(text.encode()) < 0.9e6
         if size == 18_000:
             assert all(raw["curves"]["per_stretch"] == 1 for raw in data_of(text)["recordings"])
 

@@ -27,7 +27,7 @@ SPIKE = 700
 SPIKE_UM = 25.0
 
 ROUNDED = 1.5e-3
-"""um. Three decimals err by 0.5 nm, and 16 bits over the 40 um of a curve by as much."""
+"""um. Three decimals err by 0.5 nm, and the steps in which curves travel by as much."""
 
 BEFORE, AFTER = (0x9A, 0x6A, 0x00), (0x3F, 0x33, 0xB5)
 """Colours of curves by day."""

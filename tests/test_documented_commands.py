@@ -43,9 +43,11 @@ PARSED = {
 SLOW = (
     "gearpoly diagnose",
     "gearpoly plan",
+    "gearpoly pair --new",
     "gearpoly view data/recordings",
     "gearpoly study data/studies/robot_joint.toml",
     "gearpoly simulate data/recordings",
+    "gearpoly compare data/recordings/unknown",
     "gearpoly compare data/recordings/eccentric_low_tooth/pair.toml data/recordings/eccentric_low_tooth/rec_0.csv data",
 )
 """Commands, by how they begin, that take longer than a few seconds."""

@@ -47,7 +47,8 @@ def test_modules_come_after_what_they_import_and_once() -> None:
     made = bundle("a/x.js", files.__getitem__)
     lines = [line for line in made.splitlines() if line and not line.startswith("//")]
     assert lines == [
-        "(() => {", '"use strict";', "const z = 1; // import nothing", "function y() { return z; }", "const x = y + z;",
+        "window.started = (async () => {", '"use strict";',
+        "const z = 1; // import nothing", "function y() { return z; }", "const x = y + z;",
         "})();",
     ]  # fmt: skip
     files["b/z.js"] = 'import { x } from "../a/x.js";\n'
@@ -82,6 +83,13 @@ def test_pages_name_nothing_outside_and_forbid_it() -> None:
         text = file.read_text(encoding="utf-8")
         assert not re.search(r"https?:|//[a-z]+\.[a-z]|@import|fetch\(|XMLHttpRequest|import\(", text), file.name
     assert "default-src 'none'" in part("page/kit/page.html")
+
+
+def test_every_page_prints_on_a4() -> None:
+    """All pages have the kit's style, and none a size of its own."""
+    assert "@page { size: A4;" in part("page/kit/kit.css")
+    styles = [file.read_text(encoding="utf-8") for file in PACKAGE.rglob("page/*.css")]
+    assert styles and not any("@page" in style for style in styles)
 
 
 def test_a_type_checker_finds_nothing_in_the_scripts() -> None:

@@ -13,7 +13,7 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.report.plan_report import json_text
 
-GEAR = "teeth = {z}\nmodule_mm = 2.0\nface_width_mm = 20.0\npoints_per_flank = 600\n"
+GEAR = "teeth = {z}\nmodule_mm = 2.0\nface_width_mm = 20.0\npoints_per_flank = 300\n"
 KNOWN = "tooth_thickness_um = -60.0\nuncertainty_um = 0.0\n"
 
 

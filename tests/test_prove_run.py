@@ -315,7 +315,7 @@ def test_a_diagnosis_without_an_end_is_a_failed_case(
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_ground_that_cannot_be_written_is_refused(tmp_path: Path, workers: int) -> None:
-    few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:2]
+    few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:workers]
     (tmp_path / "cases").mkdir()
     for k in few:
         (tmp_path / "cases" / f"case_{k:03d}").touch()  # where its folder has to be

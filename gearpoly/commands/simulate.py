@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from gearpoly.assemble import Assembled
+    from gearpoly.files.models import PairFile
+    from gearpoly.mesh.condition import Condition
+    from gearpoly.units import FloatArray
 
 ORDER = 10
 
@@ -50,20 +57,15 @@ def simulate(
     ] = False,
 ) -> None:
     """Predict transmission error, backlash and contacts of a pair over its hunting cycle."""
-    import numpy as np
-
-    from gearpoly import positions
     from gearpoly.assemble import assemble, root_remarks
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import effective_defaults, read_pair
-    from gearpoly.mesh.condition import Condition
     from gearpoly.report.progress import watched
     from gearpoly.report.simulation_files import csv_text, json_text
     from gearpoly.report.terminal import Terminal
     from gearpoly.simulate import simulate as run
     from gearpoly.simulate import strength_remarks
-    from gearpoly.units import NM, RPM
 
     outputs = [target for target in (csv, json, plot) if target is not None]
     if sum(str(target) == "-" for target in outputs) > 1:
@@ -77,59 +79,27 @@ def simulate(
         check_format(plot)
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
-    remarks: list[str] = []
-    time = off = None
-    backward = False
-    torque, speed = file.torque_nm, file.pair.speed_rpm
-    side = flank.value if flank is not None else "drive"
-    if at is not None:
-        if turns is not None or points_per_mesh is not None:
-            raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
-        from gearpoly.recording.chain import corrected
-        from gearpoly.recording.load import relative_load
-        from gearpoly.recording.map_file import read_map
-        from gearpoly.recording.read import read_recording
-
-        recording = corrected(
-            read_recording(at, worm=file.worm, chart=None if map is None else read_map(map)),
-            *assembled.encoders,
-            ratio=assembled.pair.ratio,
-            r_b2=assembled.pair.r_b2,
-        )
-        there = positions.recording_positions(assembled.pair, recording)
-        theta_2, time = there.theta_2, there.time
-        remarks = [*there.remarks, *recording.remarks]
-        side = recording.flank if flank is None else side
-        backward = recording.backward
-        torque = positions.recorded_torque(recording, default=torque)
-        turned = float(np.ptp(theta_2)) / assembled.pair.driven.gear.tau
-        off = relative_load(there.torque, torque, meshes=turned)
-        speed = recording.speed_rpm if recording.speed_rpm is not None else speed
+    if at is None:
+        asked = _over_turns(assembled, file, flank=flank, turns=turns, points_per_mesh=points_per_mesh)
+    elif turns is not None or points_per_mesh is not None:
+        raise OutOfRangeError("--at brings its own positions; leave out --turns and --points-per-mesh")
     else:
-        theta_2 = positions.cycle_positions(
-            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
-        )
-    condition = Condition(
-        flank="coast" if side == "coast" else "drive",
-        torque=torque * NM,
-        speed=None if speed is None else speed * RPM,
-        backward=backward,
-    )
+        asked = _at_recording(assembled, file, at=at, map=map, flank=flank)
     to_stdout = any(str(target) == "-" for target in outputs)
     console = Terminal(stderr=to_stdout)
-    with watched(2 * theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
+    with watched(2 * asked.theta_2.size, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
         simulation = run(
             assembled,
-            theta_2,
-            condition,
+            asked.theta_2,
+            asked.condition,
             seed=seed,
             evenly=at is None,
             fast=fast,
-            time=time,
-            off=off,
+            time=asked.time,
+            off=asked.off,
             progress=progress,
         )
-    remarks += root_remarks(file) + strength_remarks(simulation)
+    remarks = [*asked.remarks, *root_remarks(file), *strength_remarks(simulation)]
     defaults = effective_defaults(file)
     if csv is not None:
         write_text(csv, csv_text(simulation))
@@ -144,3 +114,72 @@ def simulate(
     say_written(csv, "TE, backlash and touching pairs over the driven angle")
     say_written(json, "curves, contacts and key figures")
     say_written(plot, "curves of TE, backlash and touching pairs")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Asked:
+    """Where and under what the pair is simulated: driven angles (n,) in rad, times (n,) in s and relative deviations of
+    the torque (n,) where a recording has them, and what had to be assumed."""
+
+    theta_2: FloatArray
+    condition: Condition
+    time: FloatArray | None = None
+    off: FloatArray | None = None
+    remarks: tuple[str, ...] = ()
+
+
+def _over_turns(
+    assembled: Assembled, file: PairFile, *, flank: FlankChoice | None, turns: float | None, points_per_mesh: int | None
+) -> _Asked:
+    """Even places of whole meshes, under what the pair file states."""
+    from gearpoly import positions
+    from gearpoly.mesh.condition import Condition
+    from gearpoly.units import NM, RPM
+
+    speed = file.pair.speed_rpm
+    return _Asked(
+        theta_2=positions.cycle_positions(
+            assembled.pair, turns=turns, points_per_mesh=points_per_mesh or positions.POINTS_PER_MESH
+        ),
+        condition=Condition(
+            flank="coast" if flank is FlankChoice.coast else "drive",
+            torque=file.torque_nm * NM,
+            speed=None if speed is None else speed * RPM,
+        ),
+    )
+
+
+def _at_recording(
+    assembled: Assembled, file: PairFile, *, at: Path, map: Path | None, flank: FlankChoice | None
+) -> _Asked:
+    """The samples of a recording, under its condition; what it does not state is the pair file's."""
+    import numpy as np
+
+    from gearpoly import positions
+    from gearpoly.mesh.condition import Condition
+    from gearpoly.recording.chain import corrected
+    from gearpoly.recording.load import relative_load
+    from gearpoly.recording.map_file import read_map
+    from gearpoly.recording.read import read_recording
+    from gearpoly.units import NM, RPM
+
+    pair = assembled.pair
+    read = read_recording(at, worm=file.worm, chart=None if map is None else read_map(map))
+    recording = corrected(read, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2)
+    there = positions.recording_positions(pair, recording)
+    torque = positions.recorded_torque(recording, default=file.torque_nm)
+    turned = float(np.ptp(there.theta_2)) / pair.driven.gear.tau
+    speed = recording.speed_rpm if recording.speed_rpm is not None else file.pair.speed_rpm
+    coast = (recording.flank if flank is None else flank.value) == "coast"
+    return _Asked(
+        theta_2=there.theta_2,
+        condition=Condition(
+            flank="coast" if coast else "drive",
+            torque=torque * NM,
+            speed=None if speed is None else speed * RPM,
+            backward=recording.backward,
+        ),
+        time=there.time,
+        off=relative_load(there.torque, torque, meshes=turned),
+        remarks=(*there.remarks, *recording.remarks),
+    )

@@ -1,7 +1,8 @@
 """ES modules as one script: a page that is opened from disk can import nothing.
 
 Modules import by ``import { a, b } from "./other.js";`` and export what they declare at the top level. They are put one
-after the other, what they import first, and share one scope: no name may be declared at the top level of two.
+after the other, what they import first, and share one scope: no name may be declared at the top level of two. They may
+await at the top level; ``window.started`` is kept once all have run, for scripts and tests that ask the page.
 """
 
 from __future__ import annotations
@@ -31,4 +32,4 @@ def bundle(entry: str, read: Callable[[str], str]) -> str:
 
     add(entry, ())
     scripts = "\n".join(text.strip("\n") + "\n" for text in done.values())
-    return f'(() => {{\n"use strict";\n{scripts}}})();'
+    return f'window.started = (async () => {{\n"use strict";\n{scripts}}})();'

@@ -23,11 +23,11 @@ from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
 POINTS = 60_000
-"""Values per curve over all recordings: five curves and their angles are then 1.1 MB of text. Three recordings of
+"""Values per curve over all recordings: five curves and their angles are then 0.5 MB of text. Three recordings of
 18 000 samples are shown sample by sample."""
 
 LINES = 36_000
-"""Places per spectrum over all recordings: 0.3 MB with both spectra and the limit."""
+"""Places per spectrum over all recordings: 0.1 MB with both spectra and the limit."""
 
 MESHES = 6.5
 """Mesh orders that a spectrum shows; what lies beyond is mostly the rest of steps."""

@@ -1,8 +1,8 @@
 """A scene as the plain values that the page reads: flanks, simulated curves, and a recording's mismatch.
 
 Flanks travel as one ideal flank per gear in float64 and each tooth's deviation from it: the deviation at the form
-point in float64, what varies along the flank in float32. A float32 of 5 um is exact to 0.0003 nm, so that a view 10 nm
-wide still shows the polygons that were simulated.
+point in float64, what varies along the flank in steps of 0.0001 nm. That is a hundredth of a pixel of a view 10 nm
+wide, which thus still shows the polygons that were simulated.
 """
 
 from __future__ import annotations
@@ -26,11 +26,18 @@ from gearpoly.view.scene import Scene
 SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
 
-FINE = 1e-4
-"""Of forces and stiffness, as a part of the greatest: the page prints four figures at most."""
+FINE = 2e-5
+"""Of forces and stiffness, as a part of the greatest: a fifth of the fourth figure, the last that the page prints."""
 
 FINE_UM = 1e-3
 """Of backlash, in um: as fine as the page prints it."""
+
+TE_UM = 1e-5
+"""Of transmission error, in um: a hundredth of what the page prints, since its own kernel is held against it."""
+
+FLANK_UM = 1e-7
+"""Of what varies along a flank, in um. Neighbouring vertices touch within nanometres of each other: in steps of 1e-6
+another one led at one in 256 positions, 1.2 um aside."""
 
 CHECKS = 256
 """Positions whose contact points the page carries to compare its own kernel with."""
@@ -114,11 +121,11 @@ def _chipped(flanks: Flanks, tooth: int) -> dict[str, Any]:
 
 
 def _deviation(flanks: Flanks, turned: FloatArray) -> dict[str, Any]:
-    """Deviations (z, n) in um of one side, split so that float32 loses nothing. An angle times r_b is a normal
+    """Deviations (z, n) in um of one side: that at the form point, and the rest. An angle times r_b is a normal
     deviation, exactly so for involutes."""
     d = turned * flanks.gear.r_b / UM
     level = d[:, flanks.root.n - 1]
-    return {"level": packed(level, "f8"), "rest": packed(d - level[:, None], "f4")}
+    return {"level": packed(level, "f8"), "rest": rounded(d - level[:, None], to=FLANK_UM)}
 
 
 def _samples(simulation: Simulation) -> dict[str, Any]:
@@ -126,7 +133,7 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     who carries what."""
     load, found = simulation.load, simulation.contacts
     out = {
-        "te_um": packed(found.te * simulation.pair.r_b2 / UM, "f4"),
+        "te_um": rounded(found.te * simulation.pair.r_b2 / UM, to=TE_UM),
         "backlash_um": rounded(simulation.backlash.j_bn / UM, to=FINE_UM),
         "pairs": packed(simulation.pairs, "u1"),
     }
@@ -134,7 +141,7 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
         return out
     carrying = load.force > 0.0
     return out | {
-        "approach_um": packed(load.approach / UM, "f4"),
+        "approach_um": rounded(load.approach / UM, to=TE_UM),
         "stiffness_n_per_um": rounded(load.stiffness * UM, to=FINE * float(np.max(load.stiffness)) * UM),
         "carrying": packed(np.bincount(found.position[carrying], minlength=found.theta_2.size), "u1"),
         "driven": packed(found.driven[carrying], few(simulation.pair.driven.gear.z)),

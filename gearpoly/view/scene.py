@@ -17,7 +17,7 @@ from gearpoly.positions import POINTS_PER_MESH, cycle_positions
 from gearpoly.simulate import Simulation, simulate, strength_remarks
 from gearpoly.units import DEG
 
-POSITIONS = 80_000
+POSITIONS = 50_000
 """Positions over a cycle from which fewer are taken per pitch: they cost time and bytes, and the page finds the
 contacts between them itself."""
 

@@ -1,33 +1,62 @@
-// The page's data: plain values as JSON, arrays as little-endian bytes in base64.
+// The page's data: plain values as JSON, and in it arrays as `page/pack.py` packs them. DATA has typed arrays in place.
 
 const KINDS = {
-  f8: Float64Array, f4: Float32Array, u4: Uint32Array, u2: Uint16Array, i2: Int16Array, u1: Uint8Array, i1: Int8Array,
+  f8: Float64Array, f4: Float32Array, u4: Uint32Array, i4: Int32Array, u2: Uint16Array, i2: Int16Array,
+  u1: Uint8Array, i1: Int8Array,
 };
 
-export function unpack(pack) {
-  const text = atob(pack.base64);
-  const bytes = new Uint8Array(text.length);
-  for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
-  const raw = new KINDS[pack.kind](bytes.buffer);
-  if (pack.step === undefined) return raw;
-  const out = new Float32Array(raw.length);
-  for (let k = 0; k < raw.length; k++) {
-    const value = pack.middle + pack.step * raw[k];
-    out[k] = pack.log ? 10 ** value : value;
+if (!("DecompressionStream" in window)) {
+  const told = document.createElement("p");
+  told.setAttribute("role", "alert");
+  told.textContent = "This page needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4.";
+  document.body.prepend(told);
+  throw new Error(told.textContent);
+}
+
+async function inflated(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+async function unpacked(pack) {
+  const planes = await inflated(pack.deflated);
+  const width = KINDS[pack.kind].BYTES_PER_ELEMENT, size = planes.length / width;
+  const bytes = new Uint8Array(planes.length);
+  for (let j = 0; j < width; j++) for (let k = 0; k < size; k++) bytes[k * width + j] = planes[j * size + k];
+  const values = new KINDS[pack.kind](bytes.buffer);
+  if (pack.kind[0] === "f") return values;
+  const codes = new KINDS[`u${width}`](bytes.buffer); // the same numbers, without signs
+  for (let k = 0; k < size; k++) values[k] = (codes[k] >>> 1) ^ -(codes[k] & 1);
+  const row = pack.shape[pack.shape.length - 1];
+  for (let order = 0; order < pack.differences; order++) {
+    for (let k = 1; k < size; k++) if (k % row !== 0) values[k] += values[k - 1];
   }
-  return out;
+  if (pack.step === undefined) return values;
+  return Float64Array.from(values, (value) => {
+    const whole = pack.middle + pack.step * value;
+    return pack.log ? 10 ** whole : whole;
+  });
+}
+
+// The same value with every packed array in it as a typed array: browsers inflate only while the page goes on.
+async function withArrays(value) {
+  if (value === null || typeof value !== "object") return value;
+  if ("deflated" in value) return unpacked(value);
+  if (Array.isArray(value)) return Promise.all(value.map(withArrays));
+  const entries = Object.entries(value).map(async ([key, part]) => [key, await withArrays(part)]);
+  return Object.fromEntries(await Promise.all(entries));
 }
 
 // Places that increase: a straight line and what is left of it.
-export function placesOf(pack) {
-  const rest = pack.rest && unpack(pack.rest);
-  const out = new Float64Array(pack.size);
-  const step = pack.size > 1 ? (pack.last - pack.first) / (pack.size - 1) : 0;
-  for (let k = 0; k < pack.size; k++) out[k] = pack.first + step * k + (rest ? rest[k] : 0);
+export function placesOf({ first, last, size, rest }) {
+  const out = new Float64Array(size);
+  const step = size > 1 ? (last - first) / (size - 1) : 0;
+  for (let k = 0; k < size; k++) out[k] = first + step * k + (rest ? rest[k] : 0);
   return out;
 }
 
-export const DATA = JSON.parse(document.getElementById("data").textContent);
+export const DATA = await withArrays(JSON.parse(document.getElementById("data").textContent));
 export const DEG = Math.PI / 180;
 export const UM = 1e-3; // mm per um
 export const TURN = 2 * Math.PI;

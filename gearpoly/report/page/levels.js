@@ -1,6 +1,6 @@
 // Long curves in levels of detail: each keeps the least and the greatest of every stretch, so that no peak is lost.
 
-import { clamp, TURN, unpack } from "../../page/kit/data.js";
+import { clamp, TURN } from "../../page/kit/data.js";
 import { lowerBound } from "../../page/kit/charts.js";
 
 const TWO = 2; // values of one level under one of the next
@@ -8,9 +8,7 @@ const FEW = 512; // values that need no further level
 
 export class Curve {
   // low, high: arrays of one length; high null where each value stands for itself.
-  constructor(pack) {
-    const low = unpack(pack.low);
-    const high = pack.high ? unpack(pack.high) : null;
+  constructor({ low, high }) {
     this.whole = high === null;
     this.levels = [{ step: 1, low, high: high ?? low }];
     for (let last = this.levels[0]; last.low.length > FEW; last = this.levels[this.levels.length - 1]) {

@@ -1,6 +1,6 @@
 // The page's plots, the recording that they show, and what scripts and tests may ask.
 
-import { DATA, modulo, placesOf, signed, unpack } from "../../page/kit/data.js";
+import { DATA, modulo, placesOf, signed } from "../../page/kit/data.js";
 import { element, themes } from "../../page/kit/dom.js";
 import { Curve } from "./levels.js";
 import { colour, forgetColours, ROOM } from "./plot.js";
@@ -8,7 +8,7 @@ import { curvePlot, mapPlot, teethPlot } from "./painters.js";
 
 const [z1, z2] = DATA.z;
 const open = DATA.numbered.map((told) => (told ? "" : " (numbering open)"));
-const made = new Map(); // what has been unpacked, by recording
+const made = new Map(); // what has been made ready to draw, by recording
 let chosen = 0;
 
 function recording() {
@@ -23,7 +23,7 @@ function recording() {
       orders: placesOf(spectrum.x),
       spectrum: read(spectrum, ["before", "after", "limit"]),
       maps: Object.fromEntries(["before", "after"].flatMap((when) => ["driving", "driven"].map((gear) => [
-        `${gear}-${when}`, unpack(raw.maps[when][gear]),
+        `${gear}-${when}`, raw.maps[when][gear],
       ]))),
     });
   }
@@ -166,7 +166,7 @@ for (let k = 0; k < maps.length; k += 2) {
 const teeth = ["pitch", "slope"].flatMap((what) => GEARS.map((gear, k) => teethPlot(element(`${what}-${gear}`), {
   title: `${what === "pitch" ? "Pitch" : "Profile slope"} of every tooth of the ${gear} gear with its standard error`,
   yLabel: `${what} / \u00b5m`, paint: `--${gear}`,
-  source: { values: unpack(DATA.built[k][what]), stds: unpack(DATA.built[k][`${what}_std`]), marked: DATA.built[k].marked },
+  source: { values: DATA.built[k][what], stds: DATA.built[k][`${what}_std`], marked: DATA.built[k].marked },
 })));
 
 const plots = { te, residual, spectrum, maps, teeth };

@@ -1,7 +1,7 @@
 // One gear as drawn: an ideal flank, and each tooth's deviation from it. All teeth share one grid of radii; a tooth
 // whose tip is missing is drawn on as many of its own, and is whole on the common one.
 
-import { modulo, TURN, UM, unpack } from "../../page/kit/data.js";
+import { modulo, TURN, UM } from "../../page/kit/data.js";
 
 export class Gear {
   constructor(raw) {
@@ -10,26 +10,18 @@ export class Gear {
     this.r_b = raw.r_b;
     this.root = raw.root;
     this.tau = TURN / raw.z;
-    this.lines = unpack(raw.centre_lines);
-    this.radius = unpack(raw.radius);
-    this.psi = unpack(raw.psi);
+    this.lines = raw.centre_lines;
+    this.radius = raw.radius;
+    this.psi = raw.psi;
     this.n = this.radius.length;
-    this.sides = {};
-    for (const side of ["drive", "coast"]) {
-      this.sides[side] = { level: unpack(raw[side].level), rest: unpack(raw[side].rest) };
-    }
+    this.sides = { drive: raw.drive, coast: raw.coast };
     // Length along the ideal flank from mid space, by which detail is chosen.
     this.arc = new Float64Array(this.n);
     for (let k = 1; k < this.n; k++) {
       const [r, s] = [this.radius[k - 1], this.radius[k]];
       this.arc[k] = this.arc[k - 1] + Math.hypot(s - r, 0.5 * (r + s) * (this.psi[k] - this.psi[k - 1]));
     }
-    this.chipped = new Map(raw.chipped.map((one) => {
-      const side = (name) => ({ level: unpack(one[name].level), rest: unpack(one[name].rest) });
-      return [one.tooth, {
-        radius: unpack(one.radius), psi: unpack(one.psi), drive: side("drive"), coast: side("coast"),
-      }];
-    }));
+    this.chipped = new Map(raw.chipped.map((one) => [one.tooth, one]));
     this.mean = { drive: this.meanDeviation("drive"), coast: this.meanDeviation("coast") };
     this.widest = this.magnificationLimit();
     this.made = new Map();

@@ -1,6 +1,6 @@
 // The pair at one driven angle: which teeth touch, where, along which normal, and how far the others are.
 
-import { modulo, UM, unpack } from "../../page/kit/data.js";
+import { modulo, UM } from "../../page/kit/data.js";
 import { Gear } from "./gear.js";
 import { best, closing, describeTouch } from "./contact.js";
 
@@ -19,16 +19,16 @@ export class Pair {
     this.sense = data.flank === "drive" ? 1 : -1;
     const s = data.samples;
     this.step = this.tau / data.per_mesh;
-    this.te = unpack(s.te_um);
-    this.backlash = unpack(s.backlash_um);
-    this.counts = unpack(s.pairs);
+    this.te = s.te_um;
+    this.backlash = s.backlash_um;
+    this.counts = s.pairs;
     this.size = this.te.length;
     this.loaded = "approach_um" in s;
     if (this.loaded) {
-      this.approach = unpack(s.approach_um);
-      this.stiffness = unpack(s.stiffness_n_per_um);
-      this.carrying = unpack(s.carrying);
-      this.rows = { driving: unpack(s.driving), driven: unpack(s.driven), force: unpack(s.force_n) };
+      this.approach = s.approach_um;
+      this.stiffness = s.stiffness_n_per_um;
+      this.carrying = s.carrying;
+      this.rows = { driving: s.driving, driven: s.driven, force: s.force_n };
       this.start = new Uint32Array(this.size + 1);
       for (let k = 0; k < this.size; k++) this.start[k + 1] = this.start[k] + this.carrying[k];
     }
@@ -180,8 +180,8 @@ export class Pair {
   // The worst difference between this page's kernel and the simulation: TE in um, contact points in um.
   check() {
     const raw = this.data.check;
-    const position = unpack(raw.position), driving = unpack(raw.driving), driven = unpack(raw.driven);
-    const point = unpack(raw.point);
+    const position = raw.position, driving = raw.driving, driven = raw.driven;
+    const point = raw.point;
     let te_um = 0, point_um = 0;
     for (let k = 0; k < position.length; k++) {
       const found = this.flank(position[k] * this.step, this.data.flank, 1);

@@ -1,6 +1,6 @@
 // What is seen: the pair at the chosen angle, drawn and put into words.
 
-import { DATA, DEG, lengthText, modulo, placesOf, signed, UM, unpack } from "../../page/kit/data.js";
+import { DATA, DEG, lengthText, modulo, placesOf, signed, UM } from "../../page/kit/data.js";
 import { Chart, lowerBound } from "../../page/kit/charts.js";
 import { element } from "../../page/kit/dom.js";
 import { Pair } from "./pair.js";
@@ -16,8 +16,8 @@ class Recording {
     this.mean_um = raw.mean_um;
     this.pair = pair;
     this.theta_2 = placesOf(raw.theta_2);
-    this.recorded = unpack(raw.recorded_um);
-    this.mismatch = unpack(raw.mismatch_um);
+    this.recorded = raw.recorded_um;
+    this.mismatch = raw.mismatch_um;
     // Pitches about the cursor over which the mismatch is averaged: a sample of the simulation, or three recorded ones.
     this.window = Math.min(0.5, Math.max(1 / 40, (3 * pair.data.meshes) / this.theta_2.length));
   }
