@@ -53,6 +53,9 @@ LINE_LIMIT = 2**20
 each cell of which takes 60 bytes.
 """
 
+NEAR = 4096
+"""Bytes in which rows of a recording have a line end."""
+
 
 def read_csv(path: Path | str) -> Recording:
     """Read one recording.
@@ -151,15 +154,19 @@ def read_table(file: Path) -> Table:
 
 def _check_lines(file: Path) -> None:
     """Raise ``InputFileError`` where a line is longer than the limit; one of twice the limit is found for certain."""
-    with file.open("rb") as stream:
-        at = 0
-        while block := stream.read(LINE_LIMIT):
-            if len(block) == LINE_LIMIT and b"\n" not in block and b"\r" not in block:
+    with file.open("rb", buffering=0) as stream:
+        for at in range(0, file.stat().st_size - LINE_LIMIT + 1, LINE_LIMIT):
+            stream.seek(at)
+            # A line end among the first bytes of a block saves reading the rest of it.
+            if not _ends_line(stream.read(NEAR)) and not _ends_line(stream.read(LINE_LIMIT - NEAR)):
                 found = f"no line end from byte {at} to {at + LINE_LIMIT}"
                 raise InputFileError(
                     file, found=found, wish=f"want lines of at most {LINE_LIMIT} bytes, one for each row"
                 )
-            at += len(block)
+
+
+def _ends_line(part: bytes) -> bool:
+    return b"\n" in part or b"\r" in part
 
 
 def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:

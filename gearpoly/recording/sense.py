@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gearpoly.recording.finite import all_finite
 from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
@@ -37,7 +38,7 @@ class Pauses(NamedTuple):
 def turns_one_way(time: FloatArray | None, leader: FloatArray, *others: FloatArray) -> bool:
     """Whether nothing is missing, and the ``leader`` (n,) in rad, wrapped or not, turns one way from sample to sample:
     the commonest case, told from one look at millions of numbers."""
-    if leader.size < FEWEST or not all(_is_read(one) for one in others):
+    if leader.size < FEWEST or not all(all_finite(one) for one in others):
         return False
     longest = np.inf
     if time is not None:
@@ -62,12 +63,6 @@ def _steps(values: FloatArray, at: int, held: FloatArray) -> FloatArray:
     for every block would take five times as long."""
     later = values[at + 1 : at + held.size + 1]
     return np.subtract(later, values[at : at + later.size], out=held[: later.size])
-
-
-@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
-def _is_read(reading: FloatArray) -> bool:
-    """Whether every reading (n,) is a finite number, which a sum tells in half the time in nearly all recordings."""
-    return bool(np.isfinite(reading.sum()) or np.isfinite(reading).all())
 
 
 def _is_forward(step: FloatArray, least: float, largest: float) -> bool:

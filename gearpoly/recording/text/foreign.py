@@ -16,12 +16,13 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.comments import read_comment
+from gearpoly.recording.finite import all_finite
 from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
-from gearpoly.recording.text.encoding import decoded
+from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import holds_cells, no_reading, without
@@ -58,15 +59,15 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
-    text, encoding = decoded(file, stated=writing.encoding)
-    lines = Lines(text)
+    text, inside, encoding = coded(file, stated=writing.encoding)
+    lines = Lines(text, inside)
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
     separator = writing.separator or find_separator(file, lines)
     if writing.missing:
-        lines = Lines(without(text, writing.missing, separator))
+        lines = Lines(without(text.decode(inside), writing.missing, separator).encode("utf-8"), "utf-8")
     del text
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
@@ -123,25 +124,28 @@ class _Part:
     def ends(self, count: int) -> list[int]:
         """The numbers of the first and of the last ``count`` rows, of all where there are no more."""
         first, end = self.bounds
-        begin = list(itertools.islice(self._filled(range(first, end)), count))
-        rest = range(end - 1, begin[-1], -1) if begin else ()
-        return [*begin, *sorted(itertools.islice(self._filled(rest), count))]
-
-    def _filled(self, numbers: Iterable[int]) -> Iterator[int]:
-        return (k for k in numbers if holds_cells(self.lines[k]))
+        begin: list[int] = []
+        while len(begin) < count and first < end:
+            begin += self.rows(first, min(first + count, end))
+            first += count
+        first = begin[count - 1] + 1 if len(begin) > count else first
+        rest: list[int] = []
+        while len(rest) < count and first < end:
+            rest = self.rows(max(first, end - count), end) + rest
+            end -= count
+        return begin[:count] + rest[-count:]
 
     def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
         """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
         ``None`` where they are to be read cell by cell."""
-        text = self.lines.joined(first, end)
-        if self.separator == " " or (marks.thousands and marks.thousands in text):
+        if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
             return None
-        width = len(self.block.names)
-        data, size = text.encode("utf-8", "replace"), self.file.stat().st_size
+        width, size = len(self.block.names), self.file.stat().st_size
+        data = self.lines.coded(first, end)
         found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
-        if found is not None and all(one.size == end - first and np.isfinite(one).all() for one in found):
+        if found is not None and all(one.size == end - first and all_finite(one) for one in found):
             return found
-        rows = text.replace(marks.decimal, ".").split("\n")
+        rows = self.lines.joined(first, end).replace(marks.decimal, ".").split("\n")
         try:
             table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
         except ValueError:
@@ -154,9 +158,15 @@ class _Part:
         mark = self.separator
         cells = [
             [cell.strip() for cell in line.split(mark)] if mark != " " and '"' not in line else split(line, mark)
-            for line in (self.lines[k] for k in rows)
+            for line in self._texts(rows)
         ]
         return list(zip(*cells, strict=True))
+
+    def _texts(self, rows: Sequence[int]) -> Iterator[str]:
+        """The lines of some rows; neighbours are cut out together."""
+        for _, same in itertools.groupby(enumerate(rows), lambda one: one[1] - one[0]):
+            numbers = [row for _, row in same]
+            yield from self.lines[numbers[0] : numbers[-1] + 1]
 
     def bad(self, k: int, row: int, cell: str, wish: str) -> InputFileError:
         """The error for a cell of column ``k`` in a row, both from 0."""

@@ -9,9 +9,8 @@ from __future__ import annotations
 import importlib
 from typing import BinaryIO
 
-import numpy as np
-
 from gearpoly.recording.arrow import doubles
+from gearpoly.recording.finite import has_infinite
 from gearpoly.units import FloatArray
 
 LARGE_BYTES = 2**22
@@ -53,7 +52,7 @@ def parsed(
     for name in names:
         values = doubles(table.column(name))
         table = table.drop_columns([name])  # so that only one column is held twice
-        if values is None or not values.size or np.isinf(values).any():
+        if values is None or not values.size or has_infinite(values):
             return None
         out.append(values)
     return out
