@@ -40,7 +40,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
-from gearpoly.recording.text.encoding import wide
+from gearpoly.recording.text.encoding import shown
 from gearpoly.recording.text.foreign import read_foreign
 from gearpoly.recording.text.missing import no_reading
 from gearpoly.recording.text.parsed import parsed
@@ -268,7 +268,7 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
 
 def _recognises(head: bytes) -> bool:
     """Whether it may be text, of one or two bytes a character."""
-    return b"\0" not in head or bool(wide(head)) or head.startswith(b"\xff\xfe\0\0")
+    return b"\0" not in head or bool(shown(head))
 
 
 READER = Reader(

@@ -45,10 +45,15 @@ ZEROS = 0.4
 encoding of one byte."""
 
 
+def shown(head: bytes) -> str:
+    """The encoding that the first bytes of a text show for certain, by a byte order mark or as wide characters do; or
+    nothing."""
+    marked = "utf-8-sig" if head.startswith(codecs.BOM_UTF8) else ""
+    return marked or next((name for mark, name in MARKS if head.startswith(mark)), "") or wide(head)
+
+
 def wide(head: bytes) -> str:
-    """The encoding of two bytes a character that the first bytes of a text show, or nothing."""
-    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF32_BE)):
-        return "utf-16"
+    """The encoding of two bytes a character that the zero bytes among the first of a text show, or nothing."""
     part = head[: LOOKED_AT - LOOKED_AT % 2]
     first, second = part[0::2].count(0), part[1::2].count(0)
     least = ZEROS * (len(part) // 2)
@@ -119,8 +124,5 @@ def _is_utf8(name: str) -> bool:
 
 
 def _candidates(data: bytes) -> tuple[str, ...]:
-    if marked := next((name for mark, name in MARKS if data.startswith(mark)), ""):
-        return (marked,)
-    if two := wide(data[:LOOKED_AT]):
-        return (two,)
-    return ("utf-8", "cp1252", "latin-1")
+    certain = shown(data[:LOOKED_AT])
+    return (certain,) if certain else ("utf-8", "cp1252", "latin-1")
