@@ -156,7 +156,7 @@ def _stretches(leader: FloatArray, follower: FloatArray, cuts: BoolArray) -> lis
     limit, taken = backward_limit(leader), backward_limit(follower)
     out: list[_Stretch] = []
     for block, (begin, end) in enumerate(itertools.pairwise(edges)):
-        here = begin + np.flatnonzero(~single_spikes(leader[begin:end]))
+        here = begin + np.flatnonzero(~single_spikes(leader[begin:end], moving=True))
         turned_at = reversals(leader[here], limit)
         # What comes after the last that is looked for is no run of one sense.
         ends = [0, *turned_at, *([here.size - 1] if len(turned_at) < REVERSALS_LIMIT else [])]

@@ -46,7 +46,7 @@ def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None)
     position = time if time is not None and not np.any(time[1:] < time[:-1]) else rows.astype(np.float64)
     one = continuous(degrees * DEG, position, rows)
     angle = one.angle
-    spikes = single_spikes(angle)
+    spikes = single_spikes(angle, moving=True)
     held = np.flatnonzero(~spikes) if spikes.any() else None  # without spikes their numbers would be those of all
     plain = angle if held is None else angle[held]
     repeats = 0
