@@ -29,7 +29,7 @@ LATE_STEPS = 1.5
 before, one step off.
 """
 
-AROUND = np.array([-2, -1, 1, 2])
+AROUND: IntArray = np.array([-2, -1, 1, 2])
 """Places of the neighbours."""
 
 REPEAT_SHARE = 1.0 / 3.0
@@ -92,7 +92,8 @@ def _beside(x: FloatArray, at: IntArray) -> FloatArray:
     """The two samples before and the two after each of those ``at`` (k,), in their order (k, 4); mirrored at the
     ends."""
     numbers = np.abs(at[:, None] + AROUND)
-    return x[np.where(numbers < x.size, numbers, 2 * (x.size - 1) - numbers)]
+    held: FloatArray = x[np.where(numbers < x.size, numbers, 2 * (x.size - 1) - numbers)]
+    return held
 
 
 def _are_quiet(beside: FloatArray, size: FloatArray, *, moving: bool) -> BoolArray:
@@ -103,7 +104,8 @@ def _are_quiet(beside: FloatArray, size: FloatArray, *, moving: bool) -> BoolArr
     if not moving:
         return quiet
     even = (beside[:, 3:] - beside[:, :1]) * (AROUND / 4.0)
-    return quiet | ((np.ptp(beside - even, axis=1) < QUIET_SHARE * size) & (size > LATE_STEPS * spread / 4.0))
+    settled: BoolArray = (np.ptp(beside - even, axis=1) < QUIET_SHARE * size) & (size > LATE_STEPS * spread / 4.0)
+    return quiet | settled
 
 
 def _middle_beside(x: FloatArray) -> tuple[FloatArray, FloatArray]:

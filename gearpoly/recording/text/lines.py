@@ -58,7 +58,8 @@ class Lines(Sequence[str]):
 
     def hold(self, mark: str, first: int, end: int) -> bool:
         """Whether a ``mark`` stands in any of the lines from ``first`` to before ``end``."""
-        return first < end and self.text.find(mark.encode(), self._begin(first), int(self._ends[end - 1])) >= 0
+        held = mark.encode(self.encoding, "ignore")
+        return first < end and held != b"" and self.text.find(held, self._begin(first), int(self._ends[end - 1])) >= 0
 
     def _begin(self, k: int) -> int:
         return int(self._ends[k - 1]) + 1 if k else 0

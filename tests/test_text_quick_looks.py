@@ -1,0 +1,88 @@
+"""Quick looks at texts of millions of cells say what a look at each cell says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.recording.text import cells
+from gearpoly.recording.text.cells import marks_proved
+from gearpoly.recording.text.encoding import coded
+from gearpoly.recording.text.lines import WRITTEN, Lines, are_rows
+
+PIECES = ("1", "12,5", "-0.25", "3e5", "+4E-2", "7.", " 8 ", "1.000,5", "05.03.2026")
+ODD = ("", "-", "e5", "1e", "x", "1;2", "1\t2", ".e3", "\u00b0", "+", "1:2")
+
+
+def is_cell(cell: str) -> bool:
+    """Whether a cell has a digit and nothing but what numbers are written with, and powers behind digits alone."""
+    if not any("0" <= one <= "9" for one in cell) or not all(one.encode() in WRITTEN for one in cell):
+        return False
+    return all(k > 0 and "0" <= cell[k - 1] <= "9" for k, one in enumerate(cell) if one in "eE")
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t"])
+def test_rows_are_told_as_by_a_look_at_each_cell(separator: str) -> None:
+    rng = np.random.default_rng(3)
+    seen = set()
+    for trial in range(600):
+        width, odd = 2 + trial % 3, trial % 4
+        rows = [[PIECES[k] for k in rng.integers(0, len(PIECES), width)] for _ in range(rng.integers(1, 8))]
+        for _ in range(odd):
+            row = rows[rng.integers(0, len(rows))]
+            row[rng.integers(0, len(row))] = ODD[rng.integers(0, len(ODD))]
+        if odd == 3:
+            rows[rng.integers(0, len(rows))].append("1")
+        text = "\n".join(separator.join(row) for row in rows)
+        wanted = all(
+            line.count(separator) == width - 1 and all(is_cell(cell) for cell in line.split(separator))
+            for line in text.split("\n")
+        )
+        assert are_rows(text.encode("utf-8"), separator, width) == wanted, text
+        seen.add(wanted)
+    assert seen == {False, True}
+
+
+def test_one_mark_alone_proves_what_all_cells_prove(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(4)
+    ways = ("12,5", "1,234", "0,125", "1,234,567", "7", "3.5", "1.234", "-1234,567", "1,5e3", "nan", "")
+    columns = [[[ways[k] for k in rng.choice(len(ways), 3)] for _ in range(rng.integers(1, 4))] for _ in range(500)]
+    quick = [marks_proved(one, separator=";", quoted=False) for one in columns]
+    monkeypatch.setattr(cells, "_marked_once", lambda columns: None)
+    assert quick == [marks_proved(one, separator=";", quoted=False) for one in columns]
+    assert len({(one.decimal, one.thousands) if one else None for one in quick}) > 3
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(
+    ("encoding", "name", "stated"),
+    [
+        ("utf-8", "utf-8", ""),
+        ("utf-8-sig", "utf-8-sig", ""),
+        ("utf-8-sig", "UTF8", "UTF8"),
+        ("cp1252", "cp1252", ""),
+        ("utf-16", "utf-16", ""),
+        ("utf-16-le", "utf-16-le", ""),
+        ("utf-32", "utf-32", ""),
+        ("cp850", "cp850", "cp850"),
+    ],
+)
+@pytest.mark.parametrize("beyond", [False, True])
+def test_a_text_is_held_in_its_own_bytes_or_in_utf_8(
+    tmp_path: Path, encoding: str, name: str, stated: str, end: str, beyond: bool
+) -> None:
+    """With a sign beyond ASCII in the heading alone, and with one below the part that is looked at first."""
+    wanted = ["Winkel [\u00b0]", *["1,25;3,50"] * 9000, "\u00d8" if beyond else "0,5;1,5"]
+    file = tmp_path / "a.txt"
+    file.write_bytes(
+        end.join([*wanted, ""]).encode(encoding) + (b"" if "16" in encoding or "32" in encoding else b"\0")
+    )
+    text, inside, found = coded(file, stated=stated)
+    lines = Lines(text, inside)
+    assert found == name
+    assert [*lines] == [*wanted, ""]
+    assert lines[0] == wanted[0] and lines[-2] == wanted[-1]
+    assert lines.joined(1, 3) == "1,25;3,50\n1,25;3,50"
+    assert lines.hold("\u00b0", 0, 1) and not lines.hold("\u00b0", 1, 9) and not lines.hold("\u202f", 0, 9)
