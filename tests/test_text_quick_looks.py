@@ -7,9 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearpoly.recording.text import cells
+from gearpoly.errors import InputFileError
+from gearpoly.recording.read import read_tables
+from gearpoly.recording.table import Table
+from gearpoly.recording.text import cells, foreign, parsed
 from gearpoly.recording.text.cells import marks_proved
 from gearpoly.recording.text.encoding import coded
+from gearpoly.recording.text.even_stamps import Codes, EvenStamps
 from gearpoly.recording.text.lines import WRITTEN, Lines, are_rows
 
 PIECES = ("1", "12,5", "-0.25", "3e5", "+4E-2", "7.", " 8 ", "1.000,5", "05.03.2026")
@@ -40,7 +44,8 @@ def test_rows_are_told_as_by_a_look_at_each_cell(separator: str) -> None:
             line.count(separator) == width - 1 and all(is_cell(cell) for cell in line.split(separator))
             for line in text.split("\n")
         )
-        assert are_rows(text.encode("utf-8"), separator, width) == wanted, text
+        above = separator.join(["7"] * width).encode("ascii")
+        assert are_rows(text.encode("utf-8"), separator, above) == wanted, text
         seen.add(wanted)
     assert seen == {False, True}
 
@@ -86,3 +91,91 @@ def test_a_text_is_held_in_its_own_bytes_or_in_utf_8(
     assert lines[0] == wanted[0] and lines[-2] == wanted[-1]
     assert lines.joined(1, 3) == "1,25;3,50\n1,25;3,50"
     assert lines.hold("\u00b0", 0, 1) and not lines.hold("\u00b0", 1, 9) and not lines.hold("\u202f", 0, 9)
+
+
+BEGIN = np.datetime64("2026-03-05T23:59:50.000000")
+
+
+def stamped(form: str, count: int = 300) -> list[str]:
+    """Stamps every 0.25 s, over midnight, in a ``form`` of strftime; ``%f`` has six digits."""
+    return [(BEGIN + np.timedelta64(250_000 * k, "us")).item().strftime(form) for k in range(count)]
+
+
+def both(monkeypatch: pytest.MonkeyPatch, file: Path, taken: list[bool]) -> tuple[Table | str, Table | str]:
+    """What is read in one go and cell by cell: a table, or what is said of the fault; into ``taken``, whether stamps
+    were taken in one go."""
+    out: list[Table | str] = []
+    real = foreign.even_stamps
+    monkeypatch.setattr(parsed, "LARGE_BYTES", 0)
+
+    def asked(codes: Codes) -> EvenStamps | None:
+        found = real(codes)
+        taken.append(found is not None)
+        return found
+
+    for way in (asked, lambda codes: None):
+        monkeypatch.setattr(foreign, "even_stamps", way)
+        try:
+            out.append(read_tables(file)[0])
+        except InputFileError as error:
+            out.append(str(error))
+    return out[0], out[1]
+
+
+@pytest.mark.parametrize(
+    ("forms", "at_once"),
+    [
+        (("%Y-%m-%d %H:%M:%S,%f",), True),
+        (("%Y-%m-%dT%H:%M:%S.%f",), True),
+        (("%d.%m.%Y %H:%M:%S",), True),
+        (("%d/%m/%Y %H:%M:%S.%f",), True),
+        (("%d/%m/%y %H:%M:%S",), True),
+        (("%H:%M:%S.%f",), True),
+        (("%d.%m.%Y", "%H:%M:%S,%f"), True),
+        (("%Y-%m-%dT%H:%M:%S.%fZ",), True),
+        (("%Y-%m-%dT%H:%M:%S.%f+01:00",), False),
+        (("%m/%d/%Y %I:%M:%S %p",), False),
+        (("%M:%S.%f",), False),
+    ],
+)
+def test_even_stamps_are_the_same_in_one_go_and_cell_by_cell(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, forms: tuple[str, ...], at_once: bool
+) -> None:
+    """Bit by bit, with the same remarks and doubts."""
+    pytest.importorskip("pyarrow")
+    columns = [stamped(form) for form in forms]
+    names = ("Datum", "Uhrzeit")[-len(forms) :]
+    rows = [";".join([*row, f"{k},5", f"{k},25"]) for k, row in enumerate(zip(*columns, strict=True))]
+    file = tmp_path / "a.csv"
+    file.write_text("\n".join([";".join([*names, "A", "B"]), *rows, ""]), encoding="utf-8")
+    taken: list[bool] = []
+    quick, slow = both(monkeypatch, file, taken)
+    assert isinstance(quick, Table) and isinstance(slow, Table)
+    assert taken == [at_once] * len(forms)
+    assert [*quick.others] == [*slow.others]
+    for name, one in quick.others.items():
+        np.testing.assert_array_equal(one.values, slow.others[name].values)
+        assert (one.unit, one.leaf, one.number) == (
+            slow.others[name].unit,
+            slow.others[name].leaf,
+            slow.others[name].number,
+        )
+    assert (quick.remarks, quick.doubts, quick.layout) == (slow.remarks, slow.doubts, slow.layout)
+
+
+@pytest.mark.parametrize(
+    "bad", ["2026-03-05 23:61:00", "2026-02-31 23:59:59", "2026-03-05 25:00:00", "2026-03-05 23:5x:00", ""]
+)
+def test_a_bad_stamp_is_told_as_cell_by_cell(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, bad: str) -> None:
+    pytest.importorskip("pyarrow")
+    cells_ = stamped("%Y-%m-%d %H:%M:%S")
+    cells_[200] = bad
+    file = tmp_path / "a.csv"
+    file.write_text("Zeit;A;B\n" + "".join(f"{one};{k},5;{k},25\n" for k, one in enumerate(cells_)), encoding="utf-8")
+    quick, slow = both(monkeypatch, file, [])
+    if isinstance(quick, Table) and isinstance(slow, Table):
+        assert bad == ""
+        for name, one in quick.others.items():
+            np.testing.assert_array_equal(one.values, slow.others[name].values)
+    else:
+        assert quick == slow and "line 202" in str(quick)

@@ -10,8 +10,10 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
@@ -23,6 +25,7 @@ from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
+from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import holds_cells, no_reading, without
@@ -140,11 +143,10 @@ class _Part:
         ``None`` where they are to be read cell by cell."""
         if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
             return None
-        width, size = len(self.block.names), self.file.stat().st_size
-        data = self.lines.coded(first, end)
-        found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
-        if found is not None and all(one.size == end - first and all_finite(one) for one in found):
+        found = self.parsed(first, end, marks)
+        if found is not None:
             return found
+        width = len(self.block.names)
         rows = self.lines.joined(first, end).replace(marks.decimal, ".").split("\n")
         try:
             table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
@@ -152,6 +154,24 @@ class _Part:
             return None
         good = table.shape == (end - first, width) and bool(np.isfinite(table).all())
         return list(table.T) if good else None
+
+    def parsed(self, first: int, end: int, marks: Marks, *, texts: Sequence[int] = ()) -> list[npt.NDArray[Any]] | None:
+        """The same by the quickest parser, of ``texts`` the characters (n, length); ``None`` where it cannot read
+        them."""
+        if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
+            return None
+        found = parsed(
+            self.lines.coded(first, end),
+            columns=len(self.block.names),
+            size=self.file.stat().st_size,
+            separator=self.separator,
+            decimal=marks.decimal,
+            texts=texts,
+        )
+        good = found is not None and all(
+            len(one) == end - first and (k in texts or all_finite(one)) for k, one in enumerate(found)
+        )
+        return found if good else None
 
     def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
         """The cells of some rows, column by column."""
@@ -181,7 +201,11 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
     check_numbers(file, 0, beside=CELL_BYTES * (block.rows[1] - block.rows[0]) * len(stamped))
-    series, texts = _columns(part, marks, stamped, table)
+    series = _even(part, marks, stamped, table) if stamped else None
+    if series is None:
+        series, texts = _columns(part, marks, stamped, table)
+    else:
+        texts = {}
     if lines.hold("#", *part.bounds) and any(line.lstrip().startswith("#") for line in lines[slice(*part.bounds)]):
         table.remarks.append("comment lines among the rows passed over")
     series.update(_times(part, texts, table))
@@ -194,6 +218,41 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     if marks.thousands:
         table.layout["thousands"] = marks.thousands
     return table
+
+
+def _even(part: _Part, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
+    """The numbers (n,) of every column by its number from 0, those of time stamps in s after the first, where all rows
+    are plain and all stamps written alike; ``None`` where they are to be read cell by cell."""
+    pieces = []
+    for begin, stop, _ in reversed(_cut(*part.bounds, PLAIN_CELLS // len(part.block.names), large=True)):
+        pieces.append(part.parsed(begin, stop, marks, texts=stamped))
+        if pieces[-1] is None:
+            return None
+    columns = [[held[k] for held in pieces if held is not None] for k in range(len(part.block.names))]
+    if any(len({piece.shape[1:] for piece in column}) > 1 for column in columns):
+        return None
+    whole = [np.concatenate(column) for column in columns]
+    found = {k: even_stamps(whole[k]) for k in stamped}
+    if any(one is None for one in found.values()):
+        return None
+    stamps = {k: one for k, one in found.items() if one is not None}
+    dates = next((k for k, one in stamps.items() if one.dated and not one.timed), None) if len(stamps) > 1 else None
+    series = {k: values for k, values in enumerate(whole) if k not in stamps}
+    beside = Table(columns={}, keys={})  # what is said of the stamps, once it is sure that they are read so
+    for k, one in stamps.items():
+        if k == dates:
+            continue
+        days = one if dates is None else stamps[dates]
+        order = _order(part, [text for _, text in days.dated], beside)
+        read = even_seconds(one, order=order, dates=None if dates is None else days)
+        if read is None:
+            return None
+        series[k] = read
+        beside.remarks.append(f"{shorten(part.block.names[k])}: time stamps, in s after the first")
+    table.remarks += beside.remarks
+    table.doubts += beside.doubts
+    table.layout.update(beside.layout)
+    return series
 
 
 def _columns(

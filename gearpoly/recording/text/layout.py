@@ -149,7 +149,7 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
     open_ = False
     for begin in range(0, len(lines), LINES_AT_ONCE):
         end = min(begin + LINES_AT_ONCE, len(lines))
-        if open_ and are_rows(lines.coded(begin, end), separator, runs[-1][2]):
+        if open_ and are_rows(lines.coded(begin, end), separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
             runs[-1] = (runs[-1][0], end, runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):

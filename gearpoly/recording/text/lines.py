@@ -19,6 +19,10 @@ WRITTEN = b"0123456789+-., eE"
 """What numbers are written with; dates of digits too."""
 
 
+STAMPED = b":/TZ"
+"""What stamps are written with beside these."""
+
+
 class Lines(Sequence[str]):
     """The lines of a ``text`` of bytes in an ``encoding`` that holds those of ASCII; a list of them would take three
     times its memory."""
@@ -65,14 +69,17 @@ class Lines(Sequence[str]):
         return int(self._ends[k - 1]) + 1 if k else 0
 
 
-def are_rows(text: bytes, separator: str, width: int) -> bool:
-    """Whether every line of ``text`` has ``width`` cells with a digit in each, and nothing but what numbers are written
-    with; dates of digits too. Whether they are numbers is told where they are read."""
+def are_rows(text: bytes, separator: str, row: bytes) -> bool:
+    """Whether every line of ``text`` has a digit in each of its cells, as many cells as the ``row`` above it, and
+    nothing but what numbers are written with, beside what parts hours from minutes where ``row`` has it too. Whether
+    they are numbers or stamps is told where they are read."""
     if separator == " ":
         return False
     mark = separator.encode("ascii")
-    parts = text.translate(None, WRITTEN.replace(mark, b"")) + b"\n"  # what parts cells and rows
-    if parts != (mark * (width - 1) + b"\n") * (len(parts) // width):
+    beside = WRITTEN.replace(mark, b"")
+    like = row.translate(None, beside) + b"\n"  # what parts cells and rows
+    parts = text.translate(None, beside) + b"\n"
+    if like.translate(None, mark + STAMPED + b"\n") or parts != like * (len(parts) // len(like)):
         return False
     codes = np.frombuffer(text, dtype=np.uint8)
     digit: BoolArray = codes - _ZERO < 10  # those below zero come out large
