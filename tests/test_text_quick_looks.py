@@ -41,7 +41,9 @@ def test_rows_are_told_as_by_a_look_at_each_cell(separator: str) -> None:
             rows[rng.integers(0, len(rows))].append("1")
         text = "\n".join(separator.join(row) for row in rows)
         wanted = all(
-            line.count(separator) == width - 1 and all(is_cell(cell) for cell in line.split(separator))
+            line.count(separator) == width - 1
+            and all(cell == "" or is_cell(cell) for cell in line.split(separator))
+            and any(is_cell(cell) for cell in line.split(separator))
             for line in text.split("\n")
         )
         above = separator.join(["7"] * width).encode("ascii")
@@ -58,6 +60,26 @@ def test_one_mark_alone_proves_what_all_cells_prove(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(cells, "_marked_once", lambda columns: None)
     assert quick == [marks_proved(one, separator=";", quoted=False) for one in columns]
     assert len({(one.decimal, one.thousands) if one else None for one in quick}) > 3
+
+
+def test_empty_cells_are_the_same_in_one_go_and_cell_by_cell(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Drop-outs of a column, with the same remarks; words without a reading are told either way."""
+    pytest.importorskip("pyarrow")
+    monkeypatch.setattr(parsed, "LARGE_BYTES", 0)
+    for word in ("", "nan", "OL"):
+        rows = [["1,5", f"{k},25", f"{2 * k},5"] for k in range(500)]
+        for k in (100, 101, 250):
+            rows[k][1 + k % 2] = word if k == 250 else ""
+        file = tmp_path / "a.csv"
+        file.write_text("A;B;C\n" + "".join(";".join(row) + "\n" for row in rows), encoding="utf-8")
+        quick = read_tables(file)[0]
+        with monkeypatch.context() as patch:
+            patch.setattr(foreign._Part, "plain", lambda *_: None)
+            slow = read_tables(file)[0]
+        assert quick.remarks == slow.remarks
+        assert any(word in one for one in quick.remarks) and np.isnan(quick.others["B"].values).sum() == 2
+        for name, one in quick.others.items():
+            np.testing.assert_array_equal(one.values, slow.others[name].values)
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])

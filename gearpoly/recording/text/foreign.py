@@ -160,16 +160,19 @@ class _Part:
         them."""
         if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
             return None
+        data = self.lines.coded(first, end)
         found = parsed(
-            self.lines.coded(first, end),
+            data,
             columns=len(self.block.names),
             size=self.file.stat().st_size,
             separator=self.separator,
             decimal=marks.decimal,
             texts=texts,
         )
+        # Without a letter for it, what is no number was an empty cell; words are told.
+        holes = not (b"n" in data or b"N" in data)
         good = found is not None and all(
-            len(one) == end - first and (k in texts or all_finite(one)) for k, one in enumerate(found)
+            len(one) == end - first and (k in texts or holes or all_finite(one)) for k, one in enumerate(found)
         )
         return found if good else None
 

@@ -70,9 +70,9 @@ class Lines(Sequence[str]):
 
 
 def are_rows(text: bytes, separator: str, row: bytes) -> bool:
-    """Whether every line of ``text`` has a digit in each of its cells, as many cells as the ``row`` above it, and
-    nothing but what numbers are written with, beside what parts hours from minutes where ``row`` has it too. Whether
-    they are numbers or stamps is told where they are read."""
+    """Whether every line of ``text`` has as many cells as the ``row`` above it, with a digit in each that is not empty
+    and in one at least, and nothing but what numbers are written with, beside what parts hours from minutes where
+    ``row`` has it too. Whether they are numbers or stamps is told where they are read."""
     if separator == " ":
         return False
     mark = separator.encode("ascii")
@@ -90,8 +90,9 @@ def are_rows(text: bytes, separator: str, row: bytes) -> bool:
             return False
     if not ends[0] and (digit | ~ends[1:]).all():  # nearly all numbers end in a digit
         return True
-    count = np.append(0, np.cumsum(digit, dtype=np.int64))
-    return bool((np.diff(count[ends], prepend=0) > 0).all())
+    read = np.diff(np.append(0, np.cumsum(digit, dtype=np.int64))[ends], prepend=0) > 0
+    empty = np.diff(np.flatnonzero(ends), prepend=-1) == 1
+    return bool((read | empty).all() and read.reshape(-1, like.count(mark) + 1).any(axis=1).all())
 
 
 _END, _ZERO, _SMALL = np.uint8(ord("\n")), np.uint8(ord("0")), np.uint8(ord("a") - ord("A"))
