@@ -52,6 +52,25 @@ def test_rows_are_told_as_by_a_look_at_each_cell(separator: str) -> None:
     assert seen == {False, True}
 
 
+def test_rows_parted_by_blanks_are_told_as_by_a_look_at_each_cell() -> None:
+    rng = np.random.default_rng(5)
+    seen = set()
+    for trial in range(600):
+        rows = [[PIECES[k].strip() for k in rng.integers(0, len(PIECES), 3)] for _ in range(rng.integers(1, 8))]
+        if trial % 2:
+            row = rows[rng.integers(0, len(rows))]
+            row[rng.integers(0, 3)] = ODD[rng.integers(0, len(ODD))]
+        blank = [" " * k for k in rng.integers(1, 4, 40)]
+        text = "\n".join(blank[k][1:] + blank[k + 9].join(row) + blank[k + 19][1:] for k, row in enumerate(rows))
+        wanted = all(
+            len(line.split(" ")) == 3 and all(is_cell(cell) for cell in line.split(" "))
+            for line in (" ".join(one for one in line.split(" ") if one) for line in text.split("\n"))
+        )
+        assert are_rows(text.encode("utf-8"), " ", b"  7 8   9 ") == wanted, text
+        seen.add(wanted)
+    assert seen == {False, True}
+
+
 def test_one_mark_alone_proves_what_all_cells_prove(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(4)
     ways = ("12,5", "1,234", "0,125", "1,234,567", "7", "3.5", "1.234", "-1234,567", "1,5e3", "nan", "")
@@ -66,12 +85,12 @@ def test_empty_cells_are_the_same_in_one_go_and_cell_by_cell(monkeypatch: pytest
     """Drop-outs of a column, with the same remarks; words without a reading are told either way."""
     pytest.importorskip("pyarrow")
     monkeypatch.setattr(parsed, "LARGE_BYTES", 0)
-    for word in ("", "nan", "OL"):
+    for word, mark in (("", ";"), ("nan", ";"), ("OL", ";"), ("nan", "   ")):
         rows = [["1,5", f"{k},25", f"{2 * k},5"] for k in range(500)]
         for k in (100, 101, 250):
-            rows[k][1 + k % 2] = word if k == 250 else ""
+            rows[k][1 + k % 2] = word if k == 250 or mark != ";" else ""
         file = tmp_path / "a.csv"
-        file.write_text("A;B;C\n" + "".join(";".join(row) + "\n" for row in rows), encoding="utf-8")
+        file.write_text(mark.join("ABC") + "\n" + "".join(mark.join(row) + "\n" for row in rows), encoding="utf-8")
         quick = read_tables(file)[0]
         with monkeypatch.context() as patch:
             patch.setattr(foreign._Part, "plain", lambda *_: None)

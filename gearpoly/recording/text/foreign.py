@@ -27,7 +27,7 @@ from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
-from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.lines import Lines, squeezed
 from gearpoly.recording.text.missing import holds_cells, no_reading, without
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
@@ -141,15 +141,16 @@ class _Part:
     def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
         """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
         ``None`` where they are to be read cell by cell."""
-        if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
+        if marks.thousands and self.lines.hold(marks.thousands, first, end):
             return None
         found = self.parsed(first, end, marks)
         if found is not None:
             return found
         width = len(self.block.names)
         rows = self.lines.joined(first, end).replace(marks.decimal, ".").split("\n")
+        mark = None if self.separator == " " else self.separator
         try:
-            table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
+            table = np.loadtxt(rows, delimiter=mark, comments=None, ndmin=2, dtype=np.float64)
         except ValueError:
             return None
         good = table.shape == (end - first, width) and bool(np.isfinite(table).all())
@@ -158,9 +159,11 @@ class _Part:
     def parsed(self, first: int, end: int, marks: Marks, *, texts: Sequence[int] = ()) -> list[npt.NDArray[Any]] | None:
         """The same by the quickest parser, of ``texts`` the characters (n, length); ``None`` where it cannot read
         them."""
-        if self.separator == " " or (marks.thousands and self.lines.hold(marks.thousands, first, end)):
+        if marks.thousands and self.lines.hold(marks.thousands, first, end):
             return None
         data = self.lines.coded(first, end)
+        if self.separator == " ":
+            data = squeezed(data)
         found = parsed(
             data,
             columns=len(self.block.names),

@@ -69,12 +69,19 @@ class Lines(Sequence[str]):
         return int(self._ends[k - 1]) + 1 if k else 0
 
 
+def squeezed(text: bytes) -> bytes:
+    """The ``text`` with one blank where several part cells, and none at either end of a line."""
+    while b"  " in text:
+        text = text.replace(b"  ", b" ")
+    return text.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
+
+
 def are_rows(text: bytes, separator: str, row: bytes) -> bool:
     """Whether every line of ``text`` has as many cells as the ``row`` above it, with a digit in each that is not empty
     and in one at least, and nothing but what numbers are written with, beside what parts hours from minutes where
     ``row`` has it too. Whether they are numbers or stamps is told where they are read."""
     if separator == " ":
-        return False
+        text, row = squeezed(text), squeezed(row)
     mark = separator.encode("ascii")
     beside = WRITTEN.replace(mark, b"")
     like = row.translate(None, beside) + b"\n"  # what parts cells and rows
