@@ -6,19 +6,14 @@ of a map that settles it.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.comments import read_comment
-from gearpoly.recording.finite import all_finite
 from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
@@ -26,10 +21,10 @@ from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
-from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
-from gearpoly.recording.text.lines import Lines, squeezed
-from gearpoly.recording.text.missing import holds_cells, no_reading, without
-from gearpoly.recording.text.parsed import parsed
+from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
+from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.missing import no_reading, without
+from gearpoly.recording.text.part import Part
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -105,104 +100,9 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     return keys
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Part:
-    """One recording in the lines of a file, and its block."""
-
-    file: Path
-    lines: Lines
-    block: Block
-    separator: str
-    writing: Writing
-
-    @property
-    def bounds(self) -> tuple[int, int]:
-        """The first line of its rows and the one after the last, from 0."""
-        return self.block.rows[0] - 1, self.block.rows[1] - 1
-
-    def rows(self, first: int, end: int) -> list[int]:
-        """The numbers from 0 of the lines from ``first`` to before ``end`` that are not blank."""
-        return [first + k for k, line in enumerate(self.lines[first:end]) if holds_cells(line)]
-
-    def ends(self, count: int) -> list[int]:
-        """The numbers of the first and of the last ``count`` rows, of all where there are no more."""
-        first, end = self.bounds
-        begin: list[int] = []
-        while len(begin) < count and first < end:
-            begin += self.rows(first, min(first + count, end))
-            first += count
-        first = begin[count - 1] + 1 if len(begin) > count else first
-        rest: list[int] = []
-        while len(rest) < count and first < end:
-            rest = self.rows(max(first, end - count), end) + rest
-            end -= count
-        return begin[:count] + rest[-count:]
-
-    def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
-        """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
-        ``None`` where they are to be read cell by cell."""
-        if marks.thousands and self.lines.hold(marks.thousands, first, end):
-            return None
-        found = self.parsed(first, end, marks)
-        if found is not None:
-            return found
-        width = len(self.block.names)
-        rows = self.lines.joined(first, end).replace(marks.decimal, ".").split("\n")
-        mark = None if self.separator == " " else self.separator
-        try:
-            table = np.loadtxt(rows, delimiter=mark, comments=None, ndmin=2, dtype=np.float64)
-        except ValueError:
-            return None
-        good = table.shape == (end - first, width) and bool(np.isfinite(table).all())
-        return list(table.T) if good else None
-
-    def parsed(self, first: int, end: int, marks: Marks, *, texts: Sequence[int] = ()) -> list[npt.NDArray[Any]] | None:
-        """The same by the quickest parser, of ``texts`` the characters (n, length); ``None`` where it cannot read
-        them."""
-        if marks.thousands and self.lines.hold(marks.thousands, first, end):
-            return None
-        data = self.lines.coded(first, end)
-        if self.separator == " ":
-            data = squeezed(data)
-        found = parsed(
-            data,
-            columns=len(self.block.names),
-            size=self.file.stat().st_size,
-            separator=self.separator,
-            decimal=marks.decimal,
-            texts=texts,
-        )
-        # Without a letter for it, what is no number was an empty cell; words are told.
-        holes = not (b"n" in data or b"N" in data)
-        good = found is not None and all(
-            len(one) == end - first and (k in texts or holes or all_finite(one)) for k, one in enumerate(found)
-        )
-        return found if good else None
-
-    def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
-        """The cells of some rows, column by column."""
-        mark = self.separator
-        cells = [
-            [cell.strip() for cell in line.split(mark)] if mark != " " and '"' not in line else split(line, mark)
-            for line in self._texts(rows)
-        ]
-        return list(zip(*cells, strict=True))
-
-    def _texts(self, rows: Sequence[int]) -> Iterator[str]:
-        """The lines of some rows; neighbours are cut out together."""
-        for _, same in itertools.groupby(enumerate(rows), lambda one: one[1] - one[0]):
-            numbers = [row for _, row in same]
-            yield from self.lines[numbers[0] : numbers[-1] + 1]
-
-    def bad(self, k: int, row: int, cell: str, wish: str) -> InputFileError:
-        """The error for a cell of column ``k`` in a row, both from 0."""
-        where = f"line {row + 1}, column {self.block.names[k]}"
-        return InputFileError(self.file, where=where, found=f'"{shorten(cell)}"', wish=wish)
-
-
 def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
-    part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
+    part = Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
     sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
@@ -226,7 +126,7 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     return table
 
 
-def _even(part: _Part, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
+def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
     """The numbers (n,) of every column by its number from 0, those of time stamps in s after the first, where all rows
     are plain and all stamps written alike; ``None`` where they are to be read cell by cell."""
     pieces = []
@@ -262,7 +162,7 @@ def _even(part: _Part, marks: Marks, stamped: Sequence[int], table: Table) -> di
 
 
 def _columns(
-    part: _Part, marks: Marks, stamped: Sequence[int], table: Table
+    part: Part, marks: Marks, stamped: Sequence[int], table: Table
 ) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
     """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps; words without a
     reading are told."""
@@ -310,7 +210,7 @@ def _cut(first: int, end: int, size: int, *, large: bool) -> list[tuple[int, int
     return [(begin, min(begin + max(1, size), end), large) for begin in range(first, end, max(1, size))][::-1]
 
 
-def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
+def _times(part: Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
     """Seconds (n,) of every column of time stamps; a column of dates beside one of times says their days."""
     dates = next((k for k, cells in texts.items() if _all(cells, is_date_alone)), None) if len(texts) > 1 else None
     days = None if dates is None else texts[dates]
@@ -337,7 +237,7 @@ def _are_stamps(cells: Sequence[str]) -> bool:
     return any(is_stamp(cell) for cell in cells) and _all(cells, is_stamp)
 
 
-def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
+def _marks(part: Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
     """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
     if part.writing.decimal:
         return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
@@ -373,7 +273,7 @@ def _is_degrees(block: Block, k: int) -> bool:
     return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
 
 
-def _order(part: _Part, cells: Sequence[str], table: Table) -> str:
+def _order(part: Part, cells: Sequence[str], table: Table) -> str:
     """The order of the dates in ``cells``, the letters of its parts."""
     order, why = date_order(cells, stated=part.writing.dates)
     if not order:
