@@ -289,7 +289,7 @@ COLUMNS = "driving_angle_deg,driven_angle_deg"
     ("name", "text", "words"),
     [
         ("rec.csv", ramp(3.0, header="driving_angle_deg,other_angle"), "driven_angle_deg"),
-        ("rec.csv", ramp(3.0, header="driving_angle_deg,driving_angle_deg"), 'column "driving_angle_deg" twice'),
+        ("rec.csv", ramp(3.0, header="driving_angle_deg,driving_angle_deg"), "the name of columns 1 and 2"),
         ("rec.csv", ramp(1.0), "driving turns"),
         ("rec.csv", ramp(3.0, ratio=0.6), "the nearest tooth ratio is 3/5"),
         ("rec.csv", ramp(3.0, count=40), "usable samples"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 from pathlib import Path
@@ -56,6 +57,31 @@ def test_every_section_is_a_recording_of_its_own(tmp_path: Path) -> None:
     for number, says in ((4, "adaptive optics"), (5, "20 frames"), (6, "from 1 to 5")):
         with pytest.raises(InputFileError, match=says):
             read(tmp_path, text, part=f"#{number}")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "mark"),
+    [
+        ("utf-8", codecs.BOM_UTF8),
+        ("utf-16-le", codecs.BOM_UTF16_LE),
+        ("utf-16-be", codecs.BOM_UTF16_BE),
+        ("utf-16-le", b""),
+        ("utf-16-be", b""),
+        ("utf-32-le", codecs.BOM_UTF32_LE),
+        ("cp1252", b""),
+    ],
+)
+def test_a_log_is_read_in_every_encoding(tmp_path: Path, encoding: str, mark: bytes) -> None:
+    """With a byte order mark, and without one where the zero bytes are certain: the same numbers, bit by bit."""
+    text = "PHD2 version 2.6.8, Log version 2.5\nEquipment Profile = K\u00f6ln\n" + made_log()[0]
+    plain = read(tmp_path, text)
+    log = tmp_path / "wide.txt"
+    log.write_bytes(mark + text.replace("\n", "\r\n").encode(encoding))
+    found = read_recording(log, worm=EQ6)
+    assert found.time_s is not None and plain.time_s is not None
+    assert np.array_equal(found.time_s, plain.time_s)
+    assert np.array_equal(axis_arcsec(found), axis_arcsec(plain), equal_nan=True)
+    assert found.remarks == plain.remarks
 
 
 def test_sections_do_not_stand_beside_one_another(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:

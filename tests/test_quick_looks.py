@@ -44,16 +44,32 @@ CASES = [
 ]
 
 
+@pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize(("seed", "back", "noise", "wild"), CASES)
 def test_spikes_are_the_same_without_the_quick_look(
-    monkeypatch: pytest.MonkeyPatch, seed: int, back: bool, noise: float, wild: int
+    monkeypatch: pytest.MonkeyPatch, seed: int, back: bool, noise: float, wild: int, moving: bool
 ) -> None:
     x = angle(seed, turns_round=back, noise=noise, wild=wild)
-    quick = single_spikes(x)
-    monkeypatch.setattr(spikes, "_may_hold_spikes", lambda x: True)
-    np.testing.assert_array_equal(quick, single_spikes(x))
+    quick = single_spikes(x, moving=moving)
+    monkeypatch.setattr(spikes, "_may_hold_spikes", lambda x, *, moving: True)
+    np.testing.assert_array_equal(quick, single_spikes(x, moving=moving))
     if noise == 0.0 and wild:
         assert quick.any()  # so that both ways are gone
+
+
+@pytest.mark.parametrize("size", [2.0, 4.0, 20.0])
+def test_a_spike_of_a_few_steps_is_no_reversal(size: float) -> None:
+    """Beside two steps of motion to either side it is neither quiet nor large, and a shaft does not turn round for it;
+    a reading that comes one step late is no spike, nor is a turn back."""
+    rng = np.random.default_rng(3)
+    x = np.arange(400) * 0.05 + 1e-4 * rng.standard_normal(400)
+    late, back = x.copy(), x.copy()
+    x[150] += size * 0.05
+    assert np.flatnonzero(single_spikes(x, moving=True)).tolist() == [150]
+    late[150::10] = late[149::10][: late[150::10].size]
+    assert not single_spikes(late, moving=True).any()
+    back[200:] = back[200] - 0.4 * (back[200:] - back[200])
+    assert not single_spikes(back, moving=True).any()
 
 
 def test_a_spike_at_either_end_is_seen() -> None:

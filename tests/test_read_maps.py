@@ -319,6 +319,28 @@ def test_what_is_in_doubt_is_written_behind_a_mark_and_settles_it(tmp_path: Path
     same(recording.time_s, RUN["time_s"], half=0.5e-5)
 
 
+def test_angles_that_no_name_tells_are_offered_in_the_map(tmp_path: Path) -> None:
+    """The refusal says that the map has the line: it has one for each column that may be the angle, of either shaft."""
+    file = written(tmp_path, table(list(RUN.values())[:3], ("time_s", "enc1", "enc2")))
+    with pytest.raises(InputFileError, match=r"--write map\.toml writes them") as caught:
+        read_recording(file)
+    text = map_text(survey(file)[0])
+    asked = re.search(r"columns\.driving_angle_deg = \{[^}]*\}", str(caught.value))
+    assert asked is not None and f"# {asked[0]}\n" in text
+    for driving, driven in (("enc1", "enc2"), ("enc2", "enc1")):
+        settled = text
+        for column, name in (("driving", driving), ("driven", driven)):
+            line = f'columns.{column}_angle_deg = {{ from = "{name}", unit = "deg" }}'
+            assert f"# {line}\n" in settled
+            settled = settled.replace(f"# {line}", line)
+        recording = read_recording(file, chart=chart(tmp_path, settled))
+        first, second = (RUN["driving_angle_deg"], RUN["driven_angle_deg"])[:: 1 if driving == "enc1" else -1]
+        same(recording.driving_angle_rad, first * DEGREE, half=0.5e-5 * DEGREE)
+        same(recording.driven_angle_rad, second * DEGREE, half=0.5e-5 * DEGREE)
+    text = map_text(survey(written(tmp_path, own(RUN)))[0])
+    assert "no column is" not in text
+
+
 def in_groups(*, apart: float = 0.0) -> Table:
     """What a reader of a format with groups hands over: channels by path, each with its unit and its own times."""
     late = RUN["time_s"][RUN["time_s"] >= apart]

@@ -50,7 +50,7 @@ def test_traces_are_sorted_and_converted(tmp_path: Path) -> None:
         ("-1.0,3,5.0,drive", "-1.0,4,5.0,drive", "line 5", "one point on tooth 3", "at least 2"),
         (",flank", ",flunk", "line 2", '"flunk"', 'nearest known column is "flank"'),
         (",flank", "", "line 2", 'no column "flank"', "roll_length_mm"),
-        (",flank", ",tooth", "line 2", 'column "tooth" twice', "once"),
+        (",flank", ",tooth", "line 2", '"tooth" is the name of columns 2 and 4', "want each name once"),
         (TRACES.partition("flank\n")[2], "", "", "no rows", "want rows"),
         (TRACES, "", "", "an empty file", "want rows"),
     ],

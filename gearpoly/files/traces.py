@@ -152,7 +152,9 @@ def check_header(file: Path, where: str, names: Sequence[str], known: Sequence[s
             wish = f'the nearest known column is "{close}"; want columns of {known_list}'
             raise InputFileError(file, where=where, found=f'unknown column "{shown(name)}"', wish=wish)
         if name in names[:i]:
-            raise InputFileError(file, where=where, found=f'column "{name}" twice', wish="want each column once")
+            found = f'"{name}" is the name of columns {names.index(name) + 1} and {i + 1}'
+            wish = "want each name once; rename one of the two, or take it out"
+            raise InputFileError(file, where=where, found=found, wish=wish)
 
 
 def parse_number(cell: str) -> float | None:

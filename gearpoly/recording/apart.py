@@ -164,22 +164,33 @@ def _asked(process: subprocess.Popen[bytes], order: dict[str, Any]) -> tuple[dic
     if not line.endswith(b"\n"):
         raise EOFError
     answer = json.loads(line)
-    columns = {}
-    for name, size, offset in answer.get("columns", []):
-        if offset is not None:
-            columns[name] = np.fromfile(order["file"], dtype=np.float64, count=size, offset=offset)
-            if columns[name].size < size:
-                raise EOFError
-            continue
-        values = np.empty(size, dtype=np.float64)
-        into, at = values.data.cast("B") if size else memoryview(b""), 0
-        while at < len(into):
-            got = stream.readinto(into[at:])
-            if not got:
-                raise EOFError
-            at += got
-        columns[name] = values
+    stated = answer.get("columns", [])
+    columns = _room({name: size for name, size, _ in stated})
+    with open(order["file"], "rb", buffering=0) if stated else contextlib.nullcontext(stream) as file:
+        for name, _, offset in stated:
+            if offset is not None:
+                file.seek(offset)
+            _fill(columns[name], stream if offset is None else file)
     return answer, columns
+
+
+def _room(sizes: dict[str, int]) -> dict[str, FloatArray]:
+    """An array for each of some columns; those of a recording lie in one piece of memory, which the system hands out in
+    larger pages and so in half the time."""
+    own = {name: size for name, size in sizes.items() if name in COLUMNS}
+    parts = np.split(np.empty(sum(own.values())), np.cumsum(list(own.values()))[:-1])
+    apart = {name: np.empty(size) for name, size in sizes.items() if name not in own}
+    return {**dict(zip(own, parts, strict=False)), **apart}
+
+
+def _fill(values: FloatArray, stream: io.RawIOBase | io.BufferedReader) -> None:
+    """Read ``values`` (n,) from a stream; ``EOFError`` where it ends before."""
+    into, at = values.data.cast("B") if values.size else memoryview(b""), 0
+    while at < len(into):
+        got = stream.readinto(into[at:])
+        if not got:
+            raise EOFError
+        at += got
 
 
 def _bound(memory: int) -> None:

@@ -5,8 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gearpoly.units import FloatArray
+
+
+def even_codes(column: Any) -> npt.NDArray[np.uint8] | None:
+    """The characters (n, length) of a chunked column of bytes, all of one length; ``None`` where they are not."""
+    parts = []
+    for chunk in column.chunks:
+        _, offsets, data = chunk.buffers()
+        places = np.frombuffer(offsets, dtype=np.int32, count=len(chunk) + 1, offset=4 * chunk.offset)
+        length = int(places[1] - places[0]) if len(chunk) else 0
+        if chunk.null_count or length == 0 or (np.diff(places) != length).any():
+            return None
+        held = np.frombuffer(data, dtype=np.uint8, count=length * len(chunk), offset=int(places[0]))
+        parts.append(held.reshape(-1, length))
+    return np.concatenate(parts) if parts and len({part.shape[1] for part in parts}) == 1 else None
 
 
 def doubles(column: Any) -> FloatArray | None:

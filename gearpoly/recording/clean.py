@@ -140,7 +140,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
 
     spikes = single_spikes(te, theta_1, theta_2)
     if len(shafts) == 1:  # then a wild reading does not show in the recorded transmission error
-        spikes |= single_spikes(next(iter(shafts.values())).angle)
+        spikes |= single_spikes(next(iter(shafts.values())).angle, moving=True)
     note(done, "spikes", int(spikes.sum()), "single samples far off their neighbours that never return, left out")
     left = np.flatnonzero(~spikes)
     keep, position = keep[left], position[left]

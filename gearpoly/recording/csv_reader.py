@@ -40,7 +40,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
-from gearpoly.recording.text.encoding import wide
+from gearpoly.recording.text.encoding import shown
 from gearpoly.recording.text.foreign import read_foreign
 from gearpoly.recording.text.missing import no_reading
 from gearpoly.recording.text.parsed import parsed
@@ -52,6 +52,9 @@ LINE_LIMIT = 2**20
 """Longest line in bytes, far beyond any row of a recording; a file without line ends must not be taken in as one line,
 each cell of which takes 60 bytes.
 """
+
+NEAR = 4096
+"""Bytes in which rows of a recording have a line end."""
 
 
 def read_csv(path: Path | str) -> Recording:
@@ -151,15 +154,19 @@ def read_table(file: Path) -> Table:
 
 def _check_lines(file: Path) -> None:
     """Raise ``InputFileError`` where a line is longer than the limit; one of twice the limit is found for certain."""
-    with file.open("rb") as stream:
-        at = 0
-        while block := stream.read(LINE_LIMIT):
-            if len(block) == LINE_LIMIT and b"\n" not in block and b"\r" not in block:
+    with file.open("rb", buffering=0) as stream:
+        for at in range(0, file.stat().st_size - LINE_LIMIT + 1, LINE_LIMIT):
+            stream.seek(at)
+            # A line end among the first bytes of a block saves reading the rest of it.
+            if not _ends_line(stream.read(NEAR)) and not _ends_line(stream.read(LINE_LIMIT - NEAR)):
                 found = f"no line end from byte {at} to {at + LINE_LIMIT}"
                 raise InputFileError(
                     file, found=found, wish=f"want lines of at most {LINE_LIMIT} bytes, one for each row"
                 )
-            at += len(block)
+
+
+def _ends_line(part: bytes) -> bool:
+    return b"\n" in part or b"\r" in part
 
 
 def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str], int]:
@@ -261,7 +268,7 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
 
 def _recognises(head: bytes) -> bool:
     """Whether it may be text, of one or two bytes a character."""
-    return b"\0" not in head or bool(wide(head)) or head.startswith(b"\xff\xfe\0\0")
+    return b"\0" not in head or bool(shown(head))
 
 
 READER = Reader(

@@ -7,7 +7,6 @@ HDF5 would have to load from a plug-in.
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -158,12 +157,13 @@ def no_numbers(dataset: Any) -> tuple[str, str] | None:
 def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
     """The values of a dataset as its attributes mean them: scale, offset, what is missing. MATLAB keeps the shape of an
     empty variable in its place."""
-    if EMPTY in dataset.attrs:
+    attributes = dataset.attrs  # made anew whenever it is asked for, which takes longer than a look into it
+    if EMPTY in attributes:
         return np.empty(0)
-    if UNSIGNED in dataset.attrs:
+    if UNSIGNED in attributes:
         wish = "want numbers of an unsigned type, as they are meant"
         raise InputFileError(file, where=f"column {name}", found=f"the attribute {UNSIGNED}", wish=wish)
-    stated = {key: _short(file, name, dataset, key) for key in PACKED_NAMES if key in dataset.attrs}
+    stated = {key: _short(file, name, attributes, key) for key in PACKED_NAMES if key in attributes}
     values = None if stated else _mapped(file, dataset)
     if values is not None:
         return values
@@ -172,43 +172,40 @@ def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
 
 def _mapped(file: Path, dataset: Any) -> npt.NDArray[Any] | None:
     """The values of a dataset mapped from the file, where they lie there in one piece as doubles; ``None`` elsewhere.
-    Neither HDF5 nor the way between two processes then copies them."""
+    Neither HDF5 nor the way between two processes then copies them. The offset counts from the file's beginning, a user
+    block before HDF5's own included (H5D__get_offset of HDF5 1.8 to 2.0)."""
     offset = dataset.id.get_offset() if dataset.chunks is None else None
     series = dataset.dtype == np.dtype("=f8") and dataset.size == max(dataset.shape, default=0) > 0
     if offset is None or not series or offset + 8 * dataset.size > file.stat().st_size:
         return None
-    values = np.memmap(file, dtype=np.float64, mode="r", offset=offset, shape=(dataset.size,))
-    if not importlib.import_module("h5py").h5i.get_file_id(dataset.id).get_create_plist().get_userblock():
-        return values
-    ends = np.array([dataset[(0,) * dataset.ndim], dataset[tuple(n - 1 for n in dataset.shape)]])
-    # Whether the offset counts a user block before the file's own beginning is for the library to say.
-    return values if np.array_equal(values[[0, -1]], ends, equal_nan=True) else None
+    return np.memmap(file, dtype=np.float64, mode="r", offset=offset, shape=(dataset.size,))
 
 
-def _short(file: Path, name: str, dataset: Any, key: str) -> Any:
+def _short(file: Path, name: str, attributes: Any, key: str) -> Any:
     """The value of an attribute, which is no long list."""
-    if math.prod(dataset.attrs.get_id(key).shape or (1,)) > ATTRIBUTE_LIMIT:
+    if math.prod(attributes.get_id(key).shape or (1,)) > ATTRIBUTE_LIMIT:
         raise InputFileError(file, where=f"column {name}", found=f"{key} is a long list", wish="want one value")
-    return dataset.attrs[key]
+    return attributes[key]
 
 
 def _attribute(file: Path, name: str, dataset: Any, keys: Sequence[str]) -> str:
     """The text of the first of some attributes that a dataset has, or nothing."""
-    value = next((_short(file, name, dataset, key) for key in keys if key in dataset.attrs), "")
+    held = dataset.attrs
+    value = next((_short(file, name, held, key) for key in keys if key in held), "")
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
 def _take_attributes(file: Path, holder: Any, keys: dict[str, object], *, own: bool) -> None:
     """The keys among a group's attributes."""
     where = f"attributes of {holder.name}"
-    check_few(file, where, len(holder.attrs), "attributes")
-    for name in holder.attrs:
+    held = holder.attrs
+    check_few(file, where, len(held), "attributes")
+    for name in held:
         if not is_key(file, where, name, own=own):
             continue
-        if math.prod(holder.attrs.get_id(name).shape or (1,)) != 1:
+        if math.prod(held.get_id(name).shape or (1,)) != 1:
             raise InputFileError(file, where=where, found=f"{name} is a list", wish="want one value")
-        value = holder.attrs[name]
-        take_key(file, where, name, value, keys)
+        take_key(file, where, name, held[name], keys)
 
 
 def _recognises(head: bytes) -> bool:

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from gearpoly.errors import escaped
 from gearpoly.recording.meaning import entry, quoted
+from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.survey import Seen, Survey
+from gearpoly.recording.taken import angles_known
+
+OFFERED = 12
+"""Columns that are offered for an angle; a recording has a handful."""
 
 
 def map_text(found: Survey) -> str:
@@ -21,7 +28,21 @@ def map_text(found: Survey) -> str:
     for doubt in found.doubts:
         lines.append(f"# {escaped(doubt.says)}")
         lines += [f"# {ask}" for ask in doubt.ask]
+    lines += _angles_asked(found)
     return "\n".join(lines) + "\n"
+
+
+def _angles_asked(found: Survey) -> Iterator[str]:
+    """The lines of angles that nothing in the recording may be by its name, one for each column that is free."""
+    named = [one.column for one in found.channels if one.column]
+    free = [one for one in found.channels if not one.column][:OFFERED]
+    if angles_known(named) or not free:
+        return
+    for angle in ANGLE_COLUMNS:
+        if angles_known([*named, *(other for other in ANGLE_COLUMNS if other != angle)]):
+            continue
+        yield f"# no column is {angle} by its name: one of these, with the unit that it has?"
+        yield from (f"# {entry(angle, one.name, one.known)}" for one in free)
 
 
 def _line(one: Seen) -> str:

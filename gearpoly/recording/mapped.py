@@ -131,8 +131,9 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         out.places[column] = abs(factor) * float(np.nanmax(rounding(one.values), initial=0.0))
         with np.errstate(over="ignore", invalid="ignore"):
             values = values * factor
-    # A recording takes over the numbers it gets, and a channel may be read again; what is sealed it leaves alone.
-    out.columns[column] = values.copy() if values is one.values and values.flags.writeable else values
+    if values is one.values:  # which may be read again: a recording takes over the numbers it gets, unless sealed
+        values.setflags(write=False)
+    out.columns[column] = values
     out.taken_from[column] = source.channel
     if one.time is not None:
         times[column] = one.time

@@ -45,13 +45,16 @@ def read_table(file: Path) -> Table:
         where = own_group(series)
         held = groups.get(where or "", {})
         table = Table(columns={}, keys={})
-        for holder, inside in ((f"{where}/keys", held.get("keys")), ("keys", stated), (where or "/", held), ("/", top)):
+        own = held.get("keys") if where not in (None, "/") else None
+        # Each holder once, also where all lies at the top.
+        for holder, inside in {f"{where}/keys": own, "keys": stated, where or "/": held, "/": top}.items():
             if isinstance(inside, h5py.Group):
                 inside = members(file, h5py, inside)
             for name, item in (inside or {}).items():
-                single = isinstance(item, h5py.Dataset) and (item.size == 1 or _class(item) == "char")
-                column_only = name in COLUMNS and name not in KEYS
-                if single and not column_only and is_key(file, holder, name, own=where is not None):
+                if (name in COLUMNS and name not in KEYS) or not isinstance(item, h5py.Dataset):
+                    continue
+                single = item.size == 1 or _class(item) == "char"
+                if single and is_key(file, holder, name, own=where is not None):
                     take_key(file, holder, name, _value(file, holder, name, item), table.keys)
         objects = {
             ".".join([*path.strip("/").split("/"), name] if path != "/" else [name]): _class(item)
@@ -90,7 +93,7 @@ def _value(file: Path, where: str, name: str, item: Any) -> object:
     if math.prod(item.shape or (0,)) > TEXT_LIMIT or item.is_virtual or item.external:
         raise InputFileError(file, where=where, found=f"{name} is an array", wish="want one value")
     value = item[()]
-    if _class(item) == "char" or (isinstance(value, np.ndarray) and value.dtype == np.uint16 and value.size > 1):
+    if item.dtype.kind == "u" and (_class(item) == "char" or (item.dtype == np.uint16 and item.size > 1)):
         return "".join(chr(int(code)) for code in np.asarray(value).reshape(-1, order="F"))
     return value
 

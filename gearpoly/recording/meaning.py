@@ -44,7 +44,7 @@ SERIAL_DAYS = (20_000.0, 80_000.0)
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
-ENOUGH = 50_000
+ENOUGH = 16_000
 """Readings of an angle that are looked at for its unit, the first or some of all; a turn has a few hundred."""
 
 WRAP_TOLERANCE = 0.01
@@ -279,16 +279,18 @@ def _begun_again(values: FloatArray) -> tuple[Unit | None, int]:
 
 
 def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
-    held = values[np.isfinite(values)]
+    read = np.isfinite(values)
+    held = values if read.all() else values[read]
     if held.size < 8:
         return None, 0
     with np.errstate(over="ignore"):  # a damaged file may hold anything
         steps = np.diff(held)
         span = float(np.ptp(held))
-    jumps = steps[np.abs(steps) > 0.5 * span]
+    sizes = np.abs(steps)
+    jumps = steps[sizes > 0.5 * span]
     if not 1 <= jumps.size <= held.size // 4:
         return None, 0
-    usual = float(np.median(np.abs(steps)))
+    usual = float(np.median(sizes))
     modulus = float(np.median(np.abs(jumps))) + usual
     for unit in (UNITS[ANGLE][one] for one in ("deg", "rad", "gon", "mrad")):
         if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:

@@ -18,6 +18,7 @@ from gearpoly.files.traces import check_file, unreadable
 from gearpoly.recording.phd2_sections import PER_MS, Log, Section, read_log
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
+from gearpoly.recording.text.encoding import LOOKED_AT, shown
 from gearpoly.units import FloatArray
 
 POLE_DEG = 85.0
@@ -50,9 +51,10 @@ NAMED = 4
 
 
 def recognises(head: bytes) -> bool:
-    """Whether a file's first bytes are those of a guide log."""
-    marks = (b"Guiding Begins at", b"Calibration Begins at", b"PHD2 log version")
-    return any(mark in head for mark in marks) or head.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"PHD2 version")
+    """Whether a file's first bytes are those of a guide log, in one byte a character or in more."""
+    text = head.decode(shown(head) or "latin-1", errors="replace")
+    marks = ("Guiding Begins at", "Calibration Begins at", "PHD2 log version")
+    return any(mark in text for mark in marks) or text.lstrip("\ufeff \r\n").startswith("PHD2 version")
 
 
 def read_table(file: Path, part: int | None = None) -> Table:
@@ -61,7 +63,9 @@ def read_table(file: Path, part: int | None = None) -> Table:
     ``InputFileError`` with the line at fault."""
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
-        with file.open(encoding="utf-8-sig", errors="replace") as stream:
+        with file.open("rb") as start:
+            encoding = shown(start.read(LOOKED_AT)) or "utf-8"
+        with file.open(encoding=encoding, errors="replace") as stream:  # what is replaced is in names alone
             log = read_log(file, stream)
     except OSError as error:
         raise unreadable(file, error) from None

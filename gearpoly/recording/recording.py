@@ -240,9 +240,9 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
 
 def _check_angles(file: Path, name: str, values: FloatArray) -> None:
     """Raise ``InputFileError`` with the row where an angle (n,) in deg is none that an encoder counts to."""
-    # The quick maximum is nan where any reading is.
-    if max(float(values.max()), -float(values.min())) <= ANGLE_LIMIT_DEG:
-        return
+    with np.errstate(over="ignore", invalid="ignore"):
+        if float(np.dot(values, values)) <= ANGLE_LIMIT_DEG**2:  # one quick pass; nan where any reading is
+            return
     if max(float(np.fmax.reduce(values)), -float(np.fmin.reduce(values))) <= ANGLE_LIMIT_DEG:
         return
     row = int(np.nanargmax(np.abs(values)))

@@ -24,6 +24,14 @@ QUIET_SHARE = 0.25
 samples it is at least 1, at a peak of two slopes 2/3.
 """
 
+LATE_STEPS = 1.5
+"""Steps of an even motion beyond which a sample beside it is a spike: a reading that was published late repeats the one
+before, one step off.
+"""
+
+AROUND: IntArray = np.array([-2, -1, 1, 2])
+"""Places of the neighbours."""
+
 REPEAT_SHARE = 1.0 / 3.0
 """A spike repeats in another turn where a sample at that place is off by this share of it, to the same side; and it is
 real where it repeats in this share of the other turns.
@@ -40,14 +48,15 @@ shaft.
 """
 
 
-def single_spikes(x: FloatArray, *shafts: FloatArray) -> BoolArray:
-    """Which samples (m,) of ``x`` are single spikes; ``shafts`` are angles (m,) in rad on which real ones repeat."""
+def single_spikes(x: FloatArray, *shafts: FloatArray, moving: bool = False) -> BoolArray:
+    """Which samples (m,) of ``x`` are single spikes; ``shafts`` are angles (m,) in rad on which real ones repeat. A
+    ``moving`` x runs on as the angle of a shaft does."""
     spikes = np.zeros(x.size, dtype=np.bool_)
     if x.size < 7:
         return spikes
-    if not _may_hold_spikes(x):
+    if not _may_hold_spikes(x, moving=moving):
         return spikes
-    least, lower, upper, most = _four_beside(x)
+    lower, upper = _middle_beside(x)
     off = x - 0.5 * (lower + upper)
     size = np.abs(off)
     # Numbers of few digits may be equal in most samples, so the scale is never below the smallest step there is.
@@ -57,14 +66,14 @@ def single_spikes(x: FloatArray, *shafts: FloatArray) -> BoolArray:
         return spikes
     sigma = max(1.4826 * float(np.median(size)), smallest)
     found = np.flatnonzero(size > SPIKE_SIGMAS * sigma)
-    found = found[most[found] - least[found] < QUIET_SHARE * size[found]]
+    found = found[_are_quiet(_beside(x, found), size[found], moving=moving)]
     spikes[found] = True
     for shaft in shafts:
         spikes[found[_repeats(off, found, shaft)]] = False
     return spikes
 
 
-def _may_hold_spikes(x: FloatArray) -> bool:
+def _may_hold_spikes(x: FloatArray, *, moving: bool) -> bool:
     """Whether any of the samples (m,) is as far off quiet neighbours as a spike, whatever its size.
 
     Such a sample is above all of its neighbours or below them. Where few samples are, as in an angle that runs on, they
@@ -74,23 +83,40 @@ def _may_hold_spikes(x: FloatArray) -> bool:
     peaks = np.concatenate([[0], np.flatnonzero(falls[1:] != falls[:-1]) + 1, [x.size - 1]])
     if peaks.size > FEW_PEAKS * x.size:
         return True
-    beside = np.abs(peaks[:, None] + np.array([-2, -1, 1, 2]))
-    beside = x[np.where(beside < x.size, beside, 2 * (x.size - 1) - beside)]
-    beside.sort(axis=1)
-    off = np.abs(x[peaks] - 0.5 * (beside[:, 1] + beside[:, 2]))
-    return bool(np.any(beside[:, 3] - beside[:, 0] < QUIET_SHARE * off))
+    beside = _beside(x, peaks)
+    ordered = np.sort(beside, axis=1)
+    return bool(np.any(_are_quiet(beside, np.abs(x[peaks] - 0.5 * (ordered[:, 1] + ordered[:, 2])), moving=moving)))
 
 
-def _four_beside(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """The two samples before and the two after each of ``x`` (m,), sorted; by five exchanges of two, since a sort of
-    three million columns of four takes ten times as long."""
+def _beside(x: FloatArray, at: IntArray) -> FloatArray:
+    """The two samples before and the two after each of those ``at`` (k,), in their order (k, 4); mirrored at the
+    ends."""
+    numbers = np.abs(at[:, None] + AROUND)
+    held: FloatArray = x[np.where(numbers < x.size, numbers, 2 * (x.size - 1) - numbers)]
+    return held
+
+
+def _are_quiet(beside: FloatArray, size: FloatArray, *, moving: bool) -> BoolArray:
+    """Whether the four neighbours (k, 4) of each sample differ little beside its distance (k,) from them; where all are
+    ``moving``, but for their even motion."""
+    spread = np.ptp(beside, axis=1)
+    quiet: BoolArray = spread < QUIET_SHARE * size
+    if not moving:
+        return quiet
+    even = (beside[:, 3:] - beside[:, :1]) * (AROUND / 4.0)
+    settled: BoolArray = (np.ptp(beside - even, axis=1) < QUIET_SHARE * size) & (size > LATE_STEPS * spread / 4.0)
+    return quiet | settled
+
+
+def _middle_beside(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The middle two of the two samples before and the two after each of ``x`` (m,); by exchanges of two, since a sort
+    of three million columns of four takes ten times as long."""
     padded = np.pad(x, 2, mode="reflect")
     a, b, c, d = padded[:-4], padded[1:-3], padded[3:-1], padded[4:]
     a, b = np.minimum(a, b), np.maximum(a, b)
     c, d = np.minimum(c, d), np.maximum(c, d)
-    a, c = np.minimum(a, c), np.maximum(a, c)
-    b, d = np.minimum(b, d), np.maximum(b, d)
-    return a, np.minimum(b, c), np.maximum(b, c), d
+    b, c = np.minimum(b, d), np.maximum(a, c)
+    return np.minimum(b, c), np.maximum(b, c)
 
 
 def _repeats(off: FloatArray, found: IntArray, shaft: FloatArray) -> BoolArray:

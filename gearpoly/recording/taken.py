@@ -160,7 +160,7 @@ def _by_meaning(
             out.remarks.append(f'"{shorten(one.channel)}" taken for {one.column}: {one.why}')
 
 
-def _angles_known(names: Iterable[str]) -> bool:
+def angles_known(names: Iterable[str]) -> bool:
     """Whether columns suffice for a transmission error."""
     held = set(names)
     shafts = sum(
@@ -174,7 +174,7 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
     """Raise where what a comparison needs is in doubt."""
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
-    if not _angles_known(out.columns):
+    if not angles_known(out.columns):
         needed = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in ASKED
         ]

@@ -46,9 +46,9 @@ def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None)
     position = time if time is not None and not np.any(time[1:] < time[:-1]) else rows.astype(np.float64)
     one = continuous(degrees * DEG, position, rows)
     angle = one.angle
-    spikes = single_spikes(angle)
-    held = np.flatnonzero(~spikes) if spikes.any() else np.arange(rows.size)
-    plain = angle[held] if held.size < angle.size else angle
+    spikes = single_spikes(angle, moving=True)
+    held = np.flatnonzero(~spikes) if spikes.any() else None  # without spikes their numbers would be those of all
+    plain = angle if held is None else angle[held]
     repeats = 0
     if np.any(degrees[1:] == degrees[:-1]):
         repeats = rows.size - new_readings(np.arange(rows.size), {"shaft": degrees}, [])[0].size
@@ -59,9 +59,9 @@ def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None)
         wraps=around.size,
         modulus=float(np.median(jumps) + np.median(steps)) if around.size else None,
         stops=_stops(angle, rows),
-        reversals=tuple(int(rows[held[k]]) + 1 for k in reversals(plain)),
+        reversals=tuple(int(rows[k if held is None else held[k]]) + 1 for k in reversals(plain)),
         repeats=repeats,
-        spikes=int(rows.size - held.size),
+        spikes=int(rows.size - plain.size),
     )
 
 
@@ -76,8 +76,8 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     window = max(STAND_SAMPLES, round(3.0 * hold))
     if angle.size <= window:
         return ()
-    moving = np.flatnonzero(moves) if count < moves.size else np.arange(count)
-    some = moving[:: max(1, count // ENOUGH)]
+    every = max(1, count // ENOUGH)
+    some = np.flatnonzero(moves)[::every] if count < moves.size else np.arange(0, count, every)
     usual = float(np.median(np.abs(angle[some + 1] - angle[some]))) / hold
     if np.all(np.abs(angle[window:] - angle[:-window]) >= STANDS_SHARE * usual * window):
         return ()  # the commonest case: every window has more way from end to end

@@ -75,7 +75,7 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     whole = bool(ordinary.all())
     usually = thinned(step if whole else step[ordinary]), thinned(pause if whole else pause[ordinary])
     expected = _speed(*usually) * pause
-    off = expected - step
+    off = np.subtract(expected, step, out=step)
     low, high = np.quantile(thinned(reading), [0.005, 0.995])
     wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
     far = np.flatnonzero((off > 0.5 * TURN) | (off < -0.5 * TURN))

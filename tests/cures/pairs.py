@@ -108,7 +108,7 @@ CURES = [
     sheet("no name", "want a name for every column", filled().replace("tooth,", "tooth,,", 1)),
     sheet("a number for a name", "want a header row first", "0,1,2.0\n"),
     sheet("unknown column", 'the nearest known column is "pitch_um"', filled().replace("pitch_um", "pich_um", 1)),
-    sheet("column twice", "want each column once", filled().replace("pitch_coast_um", "pitch_um", 1)),
+    sheet("column twice", "want each name once", filled().replace("pitch_coast_um", "pitch_um", 1)),
     sheet(
         "open circle",
         "belong in pitch_um",

@@ -105,7 +105,7 @@ OWN = [
     one_of_two("text", "time_s", (1, 5), lambda file: file.write_text(TWICE), "rec.csv"),
     text(
         "column twice, one without numbers",
-        "want each column once",
+        "want each name once",
         TWICE.replace("\n0.01000,", "\nx,", 1),
         BASE,
     ),

@@ -16,13 +16,12 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
 
 MARKS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-"""Byte order marks; that of UTF-32 begins as that of UTF-16 does."""
+"""Byte order marks beside that of UTF-8; that of UTF-32 begins as that of UTF-16 does."""
 
 LOOKED_AT = 4096
 """Bytes in which the zero bytes of UTF-16 are counted."""
@@ -30,10 +29,13 @@ LOOKED_AT = 4096
 HEAD_BYTES = 2**16
 """Bytes of the lines above the numbers; the longest head of a logger seen has some 10 kB."""
 
+PIECE = 2**20
+"""Bytes that are looked through at a time."""
+
 ONE_BYTE = ("utf-8", "cp1252", "latin-1")
 """Encodings in which the bytes of ASCII are ASCII."""
 
-PADDING = "\0\x1a"
+PADDING = b"\0\x1a"
 """What fills a file up behind its last line: zeros of a logger that lost its power, and the end mark of DOS."""
 
 MOST_ASCII = 127
@@ -43,10 +45,15 @@ ZEROS = 0.4
 encoding of one byte."""
 
 
+def shown(head: bytes) -> str:
+    """The encoding that the first bytes of a text show for certain, by a byte order mark or as wide characters do; or
+    nothing."""
+    marked = "utf-8-sig" if head.startswith(codecs.BOM_UTF8) else ""
+    return marked or next((name for mark, name in MARKS if head.startswith(mark)), "") or wide(head)
+
+
 def wide(head: bytes) -> str:
-    """The encoding of two bytes a character that the first bytes of a text show, or nothing."""
-    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF32_BE)):
-        return "utf-16"
+    """The encoding of two bytes a character that the zero bytes among the first of a text show, or nothing."""
     part = head[: LOOKED_AT - LOOKED_AT % 2]
     first, second = part[0::2].count(0), part[1::2].count(0)
     least = ZEROS * (len(part) // 2)
@@ -57,28 +64,35 @@ def wide(head: bytes) -> str:
     return ""
 
 
-def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
-    """The text of ``file`` and the name of its encoding; ``stated`` settles it. Line ends become ``\\n``.
+def coded(file: Path, *, stated: str = "") -> tuple[bytes, str, str]:
+    """The text of ``file`` in bytes of which those of ASCII are ASCII, their encoding, and that of the file; ``stated``
+    settles it. Line ends become ``\\n``.
 
+    The bytes of the file are kept where they are such: as characters they would take their memory and time once more.
     Raises ``InputFileError`` where the file cannot be opened or is not in the encoding stated, and where zero bytes
     or end marks amid it say that it is no text.
     """
     try:
-        data = file.read_bytes()
+        with file.open("rb", buffering=0) as stream:  # a buffer would be put together with the rest, which copies it
+            marked = stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 and (not stated or _is_utf8(stated))
+            stream.seek(len(codecs.BOM_UTF8) if marked else 0)
+            data = stream.readall()
     except OSError as error:
         raise unreadable(file, error) from None
-    for name in (stated,) if stated else _candidates(data):
+    found = ("utf-8-sig",) if marked else _candidates(data)
+    for name in (stated,) if stated else found:
         try:
-            text = _text(data, name)
-        except (UnicodeDecodeError, UnicodeError):
+            text, inside = _held(data, name)
+        except UnicodeError:
             continue
+        del data
         text = text.rstrip(PADDING)
-        if any(one in text for one in PADDING):
+        if any(one in text for one in (PADDING[:1], PADDING[1:])):
             wish = "want a text file (other formats need their own file name ending)"
             raise InputFileError(file, found="not a text file", wish=wish)
-        if "\r" in text:  # looking for two characters takes as long as decoding
-            text = text.replace("\r\n", "\n").replace("\r", "\n")
-        return text.removeprefix("\ufeff"), name
+        if b"\r" in text:  # looking for two characters takes as long as decoding
+            text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        return text, inside, name
     if stated:
         wish = "want the encoding that the file was saved in: leave encoding out of [text] to have it found"
         raise InputFileError(file, found=f'bytes that are not in the encoding "{shorten(stated)}"', wish=wish)
@@ -86,21 +100,29 @@ def decoded(file: Path, *, stated: str = "") -> tuple[str, str]:
     raise InputFileError(file, found="text in no encoding that is known", wish=wish)
 
 
-def _text(data: bytes, name: str) -> str:
-    """The characters of ``data`` in the encoding ``name``. Where all below the first lines is ASCII, as numbers are, it
-    is copied, once if the head allows; a table of characters takes five times as long."""
+def _held(data: bytes, name: str) -> tuple[bytes, str]:
+    """The text ``data``, which is in the encoding ``name``, in bytes that hold those of ASCII, and their encoding.
+
+    Raises ``UnicodeError`` where it is in another encoding.
+    """
+    if _is_utf8(name):
+        name = "utf-8"
+    elif name not in ONE_BYTE:
+        return data.decode(name).removeprefix("\ufeff").encode("utf-8"), "utf-8"
     end = data.find(b"\n", HEAD_BYTES) + 1
-    if name not in ONE_BYTE or end == 0 or np.frombuffer(data, dtype=np.uint8, offset=end).max(initial=0) > MOST_ASCII:
-        return data.decode(name)
-    head = data[:end].decode(name)
-    return (
-        data.decode("latin-1") if head == data[:end].decode("latin-1") else head + str(memoryview(data)[end:], "ascii")
-    )
+    if end == 0 or np.frombuffer(data, dtype=np.uint8, offset=end).max(initial=0) > MOST_ASCII:
+        end = len(data)
+    decoder = codecs.getincrementaldecoder(name)()  # a whole text of characters takes up to four times its size
+    for at in range(0, end, PIECE):
+        decoder.decode(data[at : min(at + PIECE, end)], final=at + PIECE >= end)
+    return data, name
+
+
+def _is_utf8(name: str) -> bool:
+    """Whether an encoding is UTF-8, under any of its names."""
+    return codecs.lookup(name).name in ("utf-8", "utf-8-sig")
 
 
 def _candidates(data: bytes) -> tuple[str, ...]:
-    if marked := next((name for mark, name in MARKS if data.startswith(mark)), ""):
-        return (marked,)
-    if two := wide(data[:LOOKED_AT]):
-        return (two,)
-    return ("utf-8", "cp1252", "latin-1")
+    certain = shown(data[:LOOKED_AT])
+    return (certain,) if certain else ("utf-8", "cp1252", "latin-1")

@@ -6,9 +6,7 @@ of a map that settles it.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +19,12 @@ from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
-from gearpoly.recording.text.encoding import decoded
-from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator, split
+from gearpoly.recording.text.encoding import coded
+from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
+from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import Lines
-from gearpoly.recording.text.missing import holds_cells, no_reading, without
-from gearpoly.recording.text.parsed import parsed
+from gearpoly.recording.text.missing import no_reading, without
+from gearpoly.recording.text.part import Part
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -58,15 +57,15 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
-    text, encoding = decoded(file, stated=writing.encoding)
-    lines = Lines(text)
+    text, inside, encoding = coded(file, stated=writing.encoding)
+    lines = Lines(text, inside)
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
     separator = writing.separator or find_separator(file, lines)
     if writing.missing:
-        lines = Lines(without(text, writing.missing, separator))
+        lines = Lines(without(text.decode(inside), writing.missing, separator).encode("utf-8"), "utf-8")
     del text
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
@@ -101,77 +100,18 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     return keys
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Part:
-    """One recording in the lines of a file, and its block."""
-
-    file: Path
-    lines: Lines
-    block: Block
-    separator: str
-    writing: Writing
-
-    @property
-    def bounds(self) -> tuple[int, int]:
-        """The first line of its rows and the one after the last, from 0."""
-        return self.block.rows[0] - 1, self.block.rows[1] - 1
-
-    def rows(self, first: int, end: int) -> list[int]:
-        """The numbers from 0 of the lines from ``first`` to before ``end`` that are not blank."""
-        return [first + k for k, line in enumerate(self.lines[first:end]) if holds_cells(line)]
-
-    def ends(self, count: int) -> list[int]:
-        """The numbers of the first and of the last ``count`` rows, of all where there are no more."""
-        first, end = self.bounds
-        begin = list(itertools.islice(self._filled(range(first, end)), count))
-        rest = range(end - 1, begin[-1], -1) if begin else ()
-        return [*begin, *sorted(itertools.islice(self._filled(rest), count))]
-
-    def _filled(self, numbers: Iterable[int]) -> Iterator[int]:
-        return (k for k in numbers if holds_cells(self.lines[k]))
-
-    def plain(self, first: int, end: int, marks: Marks) -> Sequence[FloatArray] | None:
-        """The columns (n,) in the lines from ``first`` to before ``end`` where they are plain rows of numbers;
-        ``None`` where they are to be read cell by cell."""
-        text = self.lines.joined(first, end)
-        if self.separator == " " or (marks.thousands and marks.thousands in text):
-            return None
-        width = len(self.block.names)
-        data, size = text.encode("utf-8", "replace"), self.file.stat().st_size
-        found = parsed(data, columns=width, size=size, separator=self.separator, decimal=marks.decimal)
-        if found is not None and all(one.size == end - first and np.isfinite(one).all() for one in found):
-            return found
-        rows = text.replace(marks.decimal, ".").split("\n")
-        try:
-            table = np.loadtxt(rows, delimiter=self.separator, comments=None, ndmin=2, dtype=np.float64)
-        except ValueError:
-            return None
-        good = table.shape == (end - first, width) and bool(np.isfinite(table).all())
-        return list(table.T) if good else None
-
-    def cells(self, rows: Sequence[int]) -> list[tuple[str, ...]]:
-        """The cells of some rows, column by column."""
-        mark = self.separator
-        cells = [
-            [cell.strip() for cell in line.split(mark)] if mark != " " and '"' not in line else split(line, mark)
-            for line in (self.lines[k] for k in rows)
-        ]
-        return list(zip(*cells, strict=True))
-
-    def bad(self, k: int, row: int, cell: str, wish: str) -> InputFileError:
-        """The error for a cell of column ``k`` in a row, both from 0."""
-        where = f"line {row + 1}, column {self.block.names[k]}"
-        return InputFileError(self.file, where=where, found=f'"{shorten(cell)}"', wish=wish)
-
-
 def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
-    part = _Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
+    part = Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
     sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
     check_numbers(file, 0, beside=CELL_BYTES * (block.rows[1] - block.rows[0]) * len(stamped))
-    series, texts = _columns(part, marks, stamped, table)
+    series = _even(part, marks, stamped, table) if stamped else None
+    if series is None:
+        series, texts = _columns(part, marks, stamped, table)
+    else:
+        texts = {}
     if lines.hold("#", *part.bounds) and any(line.lstrip().startswith("#") for line in lines[slice(*part.bounds)]):
         table.remarks.append("comment lines among the rows passed over")
     series.update(_times(part, texts, table))
@@ -186,8 +126,43 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     return table
 
 
+def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
+    """The numbers (n,) of every column by its number from 0, those of time stamps in s after the first, where all rows
+    are plain and all stamps written alike; ``None`` where they are to be read cell by cell."""
+    pieces = []
+    for begin, stop, _ in reversed(_cut(*part.bounds, PLAIN_CELLS // len(part.block.names), large=True)):
+        pieces.append(part.parsed(begin, stop, marks, texts=stamped))
+        if pieces[-1] is None:
+            return None
+    columns = [[held[k] for held in pieces if held is not None] for k in range(len(part.block.names))]
+    if any(len({piece.shape[1:] for piece in column}) > 1 for column in columns):
+        return None
+    whole = [np.concatenate(column) for column in columns]
+    found = {k: even_stamps(whole[k]) for k in stamped}
+    if any(one is None for one in found.values()):
+        return None
+    stamps = {k: one for k, one in found.items() if one is not None}
+    dates = next((k for k, one in stamps.items() if one.dated and not one.timed), None) if len(stamps) > 1 else None
+    series = {k: values for k, values in enumerate(whole) if k not in stamps}
+    beside = Table(columns={}, keys={})  # what is said of the stamps, once it is sure that they are read so
+    for k, one in stamps.items():
+        if k == dates:
+            continue
+        days = one if dates is None else stamps[dates]
+        order = _order(part, [text for _, text in days.dated], beside)
+        read = even_seconds(one, order=order, dates=None if dates is None else days)
+        if read is None:
+            return None
+        series[k] = read
+        beside.remarks.append(f"{shorten(part.block.names[k])}: time stamps, in s after the first")
+    table.remarks += beside.remarks
+    table.doubts += beside.doubts
+    table.layout.update(beside.layout)
+    return series
+
+
 def _columns(
-    part: _Part, marks: Marks, stamped: Sequence[int], table: Table
+    part: Part, marks: Marks, stamped: Sequence[int], table: Table
 ) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
     """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps; words without a
     reading are told."""
@@ -235,7 +210,7 @@ def _cut(first: int, end: int, size: int, *, large: bool) -> list[tuple[int, int
     return [(begin, min(begin + max(1, size), end), large) for begin in range(first, end, max(1, size))][::-1]
 
 
-def _times(part: _Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
+def _times(part: Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
     """Seconds (n,) of every column of time stamps; a column of dates beside one of times says their days."""
     dates = next((k for k, cells in texts.items() if _all(cells, is_date_alone)), None) if len(texts) > 1 else None
     days = None if dates is None else texts[dates]
@@ -262,7 +237,7 @@ def _are_stamps(cells: Sequence[str]) -> bool:
     return any(is_stamp(cell) for cell in cells) and _all(cells, is_stamp)
 
 
-def _marks(part: _Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
+def _marks(part: Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
     """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
     if part.writing.decimal:
         return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
@@ -298,7 +273,7 @@ def _is_degrees(block: Block, k: int) -> bool:
     return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
 
 
-def _order(part: _Part, cells: Sequence[str], table: Table) -> str:
+def _order(part: Part, cells: Sequence[str], table: Table) -> str:
     """The order of the dates in ``cells``, the letters of its parts."""
     order, why = date_order(cells, stated=part.writing.dates)
     if not order:

@@ -83,9 +83,10 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
     Raises ``InputFileError`` where none makes a row of two columns.
     """
     best, longest = "", 0
+    sample = lines[:SAMPLE_LINES]
     for separator in SEPARATORS:
         run, width, most = 0, 0, 0
-        for line in lines[:SAMPLE_LINES]:
+        for line in sample:
             cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
             if len(cells) > 1 and is_data(cells):
                 run, width = (run + 1 if len(cells) == width else 1), len(cells)
@@ -94,6 +95,8 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
                 run = 0
         if most > longest:
             best, longest = separator, most
+        if run == most and 2 * most > len(sample):  # rows to the end: another one could only part the heading too
+            break
     if not best:
         ways = ", ".join(SEPARATORS.values())
         wish = f"want rows of at least two numbers parted by {ways}, below a line with names"
@@ -146,7 +149,7 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
     open_ = False
     for begin in range(0, len(lines), LINES_AT_ONCE):
         end = min(begin + LINES_AT_ONCE, len(lines))
-        if open_ and are_rows(lines.joined(begin, end), separator, runs[-1][2]):
+        if open_ and are_rows(lines.coded(begin, end), separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
             runs[-1] = (runs[-1][0], end, runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):

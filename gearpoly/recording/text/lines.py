@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator, Sequence
-from typing import Any, overload
+from typing import overload
 
 import numpy as np
-import numpy.typing as npt
 
 from gearpoly.units import BoolArray, IntArray
 
-PIECE = 2**20
-"""Characters that are looked through at a time."""
+PIECE = 2**18
+"""Bytes that are looked through at a time; what is made of them stays in the processor's own memory."""
 
-LINES_AT_ONCE = 4096
+LINES_AT_ONCE = 2048
 """Lines that are cut out at a time where all of them are gone through."""
 
-_DIGITS, _SIGNS, _POWERS = b"0123456789", b"+-., ", b"eE"
+WRITTEN = b"0123456789+-., eE"
+"""What numbers are written with; dates of digits too."""
+
+
+STAMPED = b":/TZ"
+"""What stamps are written with beside these."""
 
 
 class Lines(Sequence[str]):
-    """The lines of ``text``; a list of them would take three times its memory."""
+    """The lines of a ``text`` of bytes in an ``encoding`` that holds those of ASCII; a list of them would take three
+    times its memory."""
 
-    def __init__(self, text: str) -> None:
-        self._text = text
-        parts = []
-        for begin in range(0, len(text), PIECE):
-            piece = text[begin : begin + PIECE]
-            if piece.isascii():
-                codes: npt.NDArray[Any] = np.frombuffer(piece.encode("ascii"), dtype=np.uint8)
-            else:
-                codes = np.frombuffer(piece.encode("utf-32-le", "surrogatepass"), dtype="<u4")
-            parts.append(begin + np.flatnonzero(codes == ord("\n")))
-        ends = [*parts, np.array([len(text)])]
-        self._ends: IntArray = np.concatenate(ends).astype(np.int64)
+    def __init__(self, text: bytes, encoding: str) -> None:
+        self.text = text
+        self.encoding = encoding
+        codes = np.frombuffer(text, dtype=np.uint8)
+        parts = [begin + np.flatnonzero(codes[begin : begin + PIECE] == _END) for begin in range(0, codes.size, PIECE)]
+        self._ends: IntArray = np.concatenate([*parts, np.array([len(text)])]).astype(np.int64, copy=False)
 
     def __len__(self) -> int:
         return int(self._ends.size)
@@ -48,7 +46,7 @@ class Lines(Sequence[str]):
             first, end, step = at.indices(len(self))
             return self.joined(first, end).split("\n")[::step] if first < end else []
         k = range(len(self))[at]
-        return self._text[self._begin(k) : int(self._ends[k])]
+        return self.text[self._begin(k) : int(self._ends[k])].decode(self.encoding)
 
     def __iter__(self) -> Iterator[str]:
         for k in range(0, len(self), LINES_AT_ONCE):
@@ -56,47 +54,52 @@ class Lines(Sequence[str]):
 
     def joined(self, first: int, end: int) -> str:
         """The text of the lines from ``first`` to before ``end``, both from 0."""
-        return self._text[self._begin(first) : int(self._ends[end - 1])] if first < end else ""
+        return self.coded(first, end).decode(self.encoding)
+
+    def coded(self, first: int, end: int) -> bytes:
+        """The bytes of the same lines."""
+        return self.text[self._begin(first) : int(self._ends[end - 1])] if first < end else b""
 
     def hold(self, mark: str, first: int, end: int) -> bool:
         """Whether a ``mark`` stands in any of the lines from ``first`` to before ``end``."""
-        return first < end and self._text.find(mark, self._begin(first), int(self._ends[end - 1])) >= 0
+        held = mark.encode(self.encoding, "ignore")
+        return first < end and held != b"" and self.text.find(held, self._begin(first), int(self._ends[end - 1])) >= 0
 
     def _begin(self, k: int) -> int:
         return int(self._ends[k - 1]) + 1 if k else 0
 
 
-def are_rows(text: str, separator: str, width: int) -> bool:
-    """Whether every line of ``text`` has ``width`` cells with a digit in each, and nothing but what numbers are written
-    with; dates of digits too. Whether they are numbers is told where they are read."""
-    if separator == " " or not text.isascii():
+def squeezed(text: bytes) -> bytes:
+    """The ``text`` with one blank where several part cells, and none at either end of a line."""
+    while b"  " in text:
+        text = text.replace(b"  ", b" ")
+    return text.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
+
+
+def are_rows(text: bytes, separator: str, row: bytes) -> bool:
+    """Whether every line of ``text`` has as many cells as the ``row`` above it, with a digit in each that is not empty
+    and in one at least, and nothing but what numbers are written with, beside what parts hours from minutes where
+    ``row`` has it too. Whether they are numbers or stamps is told where they are read."""
+    if separator == " ":
+        text, row = squeezed(text), squeezed(row)
+    mark = separator.encode("ascii")
+    beside = WRITTEN.replace(mark, b"")
+    like = row.translate(None, beside) + b"\n"  # what parts cells and rows
+    parts = text.translate(None, beside) + b"\n"
+    if like.translate(None, mark + STAMPED + b"\n") or parts != like * (len(parts) // len(like)):
         return False
-    kinds = text.encode("ascii").translate(_kinds(separator)) + b"\5"
-    if b"\0" in kinds:
-        return False
-    kind = np.frombuffer(kinds, dtype=np.uint8)
-    if b"\3" in kinds:
-        powers = np.flatnonzero(kind == 3)
-        if not (powers[0] > 0 and (kind[powers - 1] == 1).all()):  # a word that begins with an E
+    codes = np.frombuffer(text, dtype=np.uint8)
+    digit: BoolArray = codes - _ZERO < 10  # those below zero come out large
+    ends: BoolArray = np.append((codes == mark[0]) | (codes == _END), True)
+    if b"e" in text or b"E" in text:
+        power = codes | _SMALL == ord("e")
+        if power[0] or not digit[:-1][power[1:]].all():  # a word that begins with an E
             return False
-    ends = np.flatnonzero(kind >= 4)
-    if ends.size % width:
-        return False
-    marks = kind[ends].reshape(-1, width)
-    if not ((marks[:, :-1] == 4).all() and (marks[:, -1] == 5).all()):
-        return False
-    if ends.size and ends[0] > 0 and (kind[ends - 1] == 1).all():  # nearly all numbers end in a digit
+    if not ends[0] and (digit | ~ends[1:]).all():  # nearly all numbers end in a digit
         return True
-    digits: BoolArray = kind == 1
-    return bool((np.diff(np.cumsum(digits, dtype=np.int64)[ends], prepend=0) > 0).all())
+    read = np.diff(np.append(0, np.cumsum(digit, dtype=np.int64))[ends], prepend=0) > 0
+    empty = np.diff(np.flatnonzero(ends), prepend=-1) == 1
+    return bool((read | empty).all() and read.reshape(-1, like.count(mark) + 1).any(axis=1).all())
 
 
-@functools.cache
-def _kinds(separator: str) -> bytes:
-    """For each byte: 1 of a digit, 2 of what else numbers have, 3 of a power, 4 what parts cells, 5 a line's end, 0 of
-    all others."""
-    kinds = bytearray(256)
-    for marks, kind in ((_DIGITS, 1), (_SIGNS, 2), (_POWERS, 3), (separator.encode(), 4), (b"\n", 5)):
-        for mark in marks:
-            kinds[mark] = kind
-    return bytes(kinds)
+_END, _ZERO, _SMALL = np.uint8(ord("\n")), np.uint8(ord("0")), np.uint8(ord("a") - ord("A"))

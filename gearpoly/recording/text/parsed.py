@@ -7,22 +7,31 @@ same numbers, bit by bit.
 from __future__ import annotations
 
 import importlib
-from typing import BinaryIO
+from collections.abc import Collection
+from typing import Any, BinaryIO
 
-import numpy as np
+import numpy.typing as npt
 
-from gearpoly.recording.arrow import doubles
-from gearpoly.units import FloatArray
+from gearpoly.recording.arrow import doubles, even_codes
+from gearpoly.recording.finite import has_infinite
 
 LARGE_BYTES = 2**22
 """Size of a text from which pyarrow is imported: that takes 30 ms, as long as numpy takes for 3 MB."""
 
 
 def parsed(
-    stream: BinaryIO | bytes, *, columns: int, size: int, lines_above: int = 0, separator: str = ",", decimal: str = "."
-) -> list[FloatArray] | None:
+    stream: BinaryIO | bytes,
+    *,
+    columns: int,
+    size: int,
+    lines_above: int = 0,
+    separator: str = ",",
+    decimal: str = ".",
+    texts: Collection[int] = (),
+) -> list[npt.NDArray[Any]] | None:
     """The columns (n,) of a text in UTF-8, a stream of about ``size`` bytes or a piece of so large a one, below so many
-    ``lines_above``, with ``nan`` where a cell is empty.
+    ``lines_above``, with ``nan`` where a cell is empty; of the columns of these numbers that are ``texts`` the
+    characters (n, length).
 
     ``None`` where it is small, pyarrow is missing, or any row is not one of ``columns`` finite numbers: whoever reads
     it line by line says which.
@@ -34,6 +43,7 @@ def parsed(
     except ImportError:
         return None
     names = [str(k) for k in range(columns)]
+    types = {name: arrow.binary() if k in texts else arrow.float64() for k, name in enumerate(names)}
     piece = isinstance(stream, bytes)
     # Threads and a pool of memory gain nothing on a few MB, and keep as much as the numbers take.
     pool = arrow.system_memory_pool() if piece else arrow.default_memory_pool()
@@ -43,17 +53,15 @@ def parsed(
             memory_pool=pool,
             read_options=csv.ReadOptions(skip_rows=lines_above, column_names=names, use_threads=not piece),
             parse_options=csv.ParseOptions(delimiter=separator),
-            convert_options=csv.ConvertOptions(
-                null_values=[""], decimal_point=decimal, column_types=dict.fromkeys(names, arrow.float64())
-            ),
+            convert_options=csv.ConvertOptions(null_values=[""], decimal_point=decimal, column_types=types),
         )
     except arrow.ArrowException:
         return None
     out = []
-    for name in names:
-        values = doubles(table.column(name))
+    for k, name in enumerate(names):
+        values: npt.NDArray[Any] | None = (even_codes if k in texts else doubles)(table.column(name))
         table = table.drop_columns([name])  # so that only one column is held twice
-        if values is None or not values.size or np.isinf(values).any():
+        if values is None or not values.size or (k not in texts and has_infinite(values)):
             return None
         out.append(values)
     return out

@@ -59,7 +59,7 @@ def date_order(cells: Sequence[str], *, stated: str = "") -> tuple[str, str]:
         return "dmy", "dates with points have the day first"
     short = all(len(year) <= 2 for _, _, _, year in dates)
     orders = ("dmy", "mdy", "ymd") if short else ("dmy", "mdy")
-    able = [order for order in orders if all(_day(*d, order=order) is not None for d in dates)]
+    able = [order for order in orders if all(day_of(*d, order=order) is not None for d in dates)]
     if len(able) == 1:
         return able[0], "the other order makes no dates"
     if able and len(dates) == 1:
@@ -72,11 +72,12 @@ def date_order(cells: Sequence[str], *, stated: str = "") -> tuple[str, str]:
 
 def _next_days(dates: Sequence[tuple[str, ...]], order: str) -> bool:
     """Whether every date is the day after the one before."""
-    days = [_day(*one, order=order) for one in dates]
+    days = [day_of(*one, order=order) for one in dates]
     return all(a is not None and b is not None and (b - a).days == 1 for a, b in itertools.pairwise(days))
 
 
-def _day(first: str, mark: str, second: str, third: str, *, order: str) -> date | None:
+def day_of(first: str, mark: str, second: str, third: str, *, order: str) -> date | None:
+    """The day of a date in that ``order`` of its parts, or ``None`` where there is none."""
     parts = dict(zip(order, (first, second, third), strict=True))
     year = int(parts["y"])
     try:
@@ -112,7 +113,7 @@ def seconds(cells: Sequence[str], *, order: str, dates: Sequence[str] | None = N
         if (where := found if begin else (STAMP.fullmatch(dates[k]) if dates is not None else None)) is not None:
             key = where.group(0)[: where.end("c")]
             if key not in days:
-                there = _day(where["a"], where["mark"], where["b"], where["c"], order=order)
+                there = day_of(where["a"], where["mark"], where["b"], where["c"], order=order)
                 if there is None:
                     raise BadCellError(k)
                 first = there if first is None else first
