@@ -174,10 +174,11 @@ class Search(JumpSearch):
         out = [f for f in out if abs(f.amplitude) > self.floor and f.gain > least]
         return sorted(out, key=lambda f: -f.gain)
 
-    def contradicted(self) -> ToothFind | None:
-        """The tooth that the fit has moved farthest against what was known of it, where its fellows stay: it stands out
-        by all of that. What is left beside it are hand-overs of its neighbours, larger than all that it still pays."""
-        best: ToothFind | None = None
+    def contradicted(self) -> list[ToothFind]:
+        """Teeth that the fit has moved far against what was known of them, where their fellows stay, farthest first:
+        they stand out by all of that. What is left beside them are hand-overs of their neighbours, larger than all that
+        they still pay."""
+        out: list[ToothFind] = []
         taken = {(f.gear, f.tooth, f.flank) for f in self.finds}
         for at, flank in enumerate(self.flanks):
             contact = next(s.carried.contact for s in self.states if s.data.flank == flank)
@@ -189,14 +190,13 @@ class Search(JumpSearch):
                 far = abs(float(pull[tooth]))
                 if far < max(AGAINST, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
                     continue
-                if best is None or far**2 > best.gain:
-                    find = ToothFind(
-                        gear=gear, tooth=tooth, phase=contact, amplitude=far * std * math.copysign(1.0, pull[tooth]),
-                        std=std, gain=far**2, log_false=math.log(z / SHARES.teeth) - 0.5 * far**2, recording=None,
-                        flank=flank,
-                    )  # fmt: skip
-                    best = find
-        return best
+                find = ToothFind(
+                    gear=gear, tooth=tooth, phase=contact, amplitude=far * std * math.copysign(1.0, pull[tooth]),
+                    std=std, gain=far**2, log_false=math.log(z / SHARES.teeth) - 0.5 * far**2, recording=None,
+                    flank=flank,
+                )  # fmt: skip
+                out.append(find)
+        return sorted(out, key=lambda find: -find.gain)
 
     def run(self) -> Solution:
         solution = self.fit(passes=3)
@@ -206,8 +206,8 @@ class Search(JumpSearch):
         largest, refused_at = 0.0, math.inf
         for turn in range(ROUNDS):
             against = self.contradicted()
-            if against is not None:
-                self._take_tooth([against])
+            if against:
+                self._take_tooth(against)
                 solution = self._settled_waves(self.fit(passes=3))
                 continue
             if len(self.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in self.states) > MOST:

@@ -172,3 +172,11 @@ def test_a_tooth_is_not_so_many_waves() -> None:
     """A tooth comes once a turn, and has lines at every order: one tooth comes before a dozen orders."""
     found = with_tooth(-4.0)
     assert [e for e in standing(found) if e["kind"] == "shaft_order"] == []
+
+
+def test_a_tooth_far_off_its_inspection_is_that_tooth_and_no_comb_of_orders() -> None:
+    """Where an inspection is sharp, the fit would rather move the tooth as built by many of its standard deviations
+    than call it missing; hand-overs of its neighbours, which turn with the shaft, were told then."""
+    found = with_tooth(5.0, cycles=3.0)
+    assert strongest(found)["tooth"] == 4
+    assert not [one for one in found["where"] if one["kind"] == "shaft_order"]
