@@ -18,11 +18,15 @@ from gearpoly.errors import GeometryError
 class System:
     beyond: float = 900.0
     samples: int = 1000
+    misfit: float = 1900.0
 
 
 @dataclass
 class Linear:
     system: System = field(default_factory=System)
+
+    def under(self, noises: Any) -> Linear:
+        return self
 
 
 class Walk(Search):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.softness import Softness
 from tests.physics_cases import Condition, recorded, rough
@@ -44,6 +46,10 @@ class Valleys:
 
     def restore(self, kept: Any) -> None:
         self.model.scale = kept[0]
+
+    def tried(self, change: Callable[[], None], *, better: float) -> bool:
+        fit: Any = self
+        return Fit.tried(fit, change, better=better)
 
 
 @pytest.mark.parametrize(

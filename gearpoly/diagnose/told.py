@@ -44,8 +44,10 @@ def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) 
 
 
 def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
-    """The physics that may be behind a place, each with its probability: as far as the pair file is right."""
-    model, right = search.model, FILE_RIGHT if search.doubted else 1.0
+    """The physics that may be behind a place, each with its probability: as far as the pair file is right. It is
+    doubted too where a place would have its name by its chance alone, and has none: unseen data, time or number spoke
+    against it."""
+    model, right = search.model, FILE_RIGHT if search.doubted or found.named else 1.0
     return tuple(
         Cause(
             physics=claim.physics.name,

@@ -96,7 +96,8 @@ named whose axes did not; of inspected ones 6 of 6 names were right."""
 FILE_RIGHT = 1.0 / 3.0
 """Chance that a pair file is right of recordings of which as much repeats and is left unexplained as is noise. Beside
 so much, 7 of 8 causes of bench cases were told rightly, whose files are right; of rigs with files of other gears and
-with faults of their own none of 13."""
+with faults of their own none of 13. So it is of places that would have a name by their chance alone and have none: 9 of
+9 and 3 of 40 such causes, stated at 0.93 and more, were right."""
 
 
 def log_size(value: float, std: float) -> float:
