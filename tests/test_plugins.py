@@ -21,6 +21,7 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.gear.gear import Gear
 from gearpoly.physics import catalogue
 from gearpoly.physics.brought import brought
+from gearpoly.recording import apart as apart_module
 from gearpoly.recording.read import read_recording, readers
 from tests.plugin_package import files_of_the_page, install, install_page
 
@@ -283,9 +284,12 @@ def test_a_broken_reader_is_told_by_its_package_and_entry_point(here: Path, chan
     assert message.startswith("package bad 1.0, entry point x = bad:READER of gearpoly.readers: ") and told in message
 
 
-def test_a_reader_may_read_in_a_process_of_its_own_and_fail_there(here: Path) -> None:
+def test_a_reader_may_read_in_a_process_of_its_own_and_fail_there(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     apart = READER.replace("read=read_table)", 'read=read_table, apart=True, module="json")')
     failing = apart.replace("    zeros, rows", '    if data[:8] == b"\\xff" * 8:\n        1 / 0\n    zeros, rows')
+    with monkeypatch.context() as before:  # a process that reads is kept by then, and knows nothing of the new package
+        before.setattr(sys, "path", [path for path in sys.path if path != str(here)])
+        apart_module._process()
     install(here, "far", {"far.py": failing}, "[gearpoly.readers]\nx = far:READER\n")
     file = here / "rec.rig"
     angles = np.column_stack([np.arange(40) * 1e-3, np.arange(40.0), np.arange(40.0)])

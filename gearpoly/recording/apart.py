@@ -46,7 +46,7 @@ LIBRARIES_BYTES = 2**29
 """Memory that the process may take beside the numbers, for buffers of the libraries."""
 
 _lock = threading.Lock()
-_kept: list[tuple[int, subprocess.Popen[bytes]]] = []
+_kept: list[tuple[int, subprocess.Popen[bytes], str]] = []
 
 
 def read_apart(reader: Reader, file: Path, *arguments: object) -> Table:
@@ -117,12 +117,14 @@ def _within(seconds: float, order: dict[str, Any]) -> tuple[dict[str, Any], dict
 
 
 def _process() -> subprocess.Popen[bytes]:
-    """The process that reads, started where there is none; a fork has no right to its parent's."""
-    if _kept and _kept[0][0] == os.getpid() and _kept[0][1].poll() is None:
-        return _kept[0][1]
-    if _kept and _kept[0][0] == os.getpid():
-        _end()
+    """The process that reads, started where there is none that finds what this one does; a fork has no right to its
+    parent's."""
     paths = os.pathsep.join(os.path.abspath(path) for path in sys.path)
+    if _kept and _kept[0][0] == os.getpid():
+        _, process, known = _kept[0]
+        if process.poll() is None and known == paths:
+            return process
+        _end()
     process = subprocess.Popen(
         [sys.executable, "-m", __name__ if __name__ != "__main__" else "gearpoly.recording.apart"],
         stdin=subprocess.PIPE,
@@ -134,7 +136,7 @@ def _process() -> subprocess.Popen[bytes]:
         fcntl = importlib.import_module("fcntl")
         with contextlib.suppress(OSError):
             fcntl.fcntl(process.stdout, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
-    _kept[:] = [(os.getpid(), process)]
+    _kept[:] = [(os.getpid(), process, paths)]
     return process
 
 
@@ -142,7 +144,7 @@ def _process() -> subprocess.Popen[bytes]:
 def _end() -> None:
     """End the process that reads; it ends by itself where nobody is left to ask."""
     while _kept:
-        pid, process = _kept.pop()
+        pid, process, _ = _kept.pop()
         if pid != os.getpid():
             continue
         for stream in (process.stdin, process.stdout):
