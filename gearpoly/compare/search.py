@@ -45,7 +45,7 @@ CALMER = 0.8
 found meanwhile leaves them as they were. Looked for after every find, jumps that never stood took 25 of 37 s with two
 recordings of worn teeth; the jumps of all tests are found with it."""
 
-AGAINST, ALONE = 6.0, 4.0
+OUTLYING, ALONE = 6.0, 4.0
 """Standard deviations of what was known of a tooth by which the fit may move it, and times what it moves the median
 tooth of its gear: a tooth 5 um proud of an inspection to 0.3 um was taken for as built, at 15 of these, and what it did
 to hand-overs was told as ten orders and its two neighbours. Of another gear's sheet all teeth are moved alike."""
@@ -188,10 +188,10 @@ class Search(JumpSearch):
                 pull = self.beta_built[start : start + z] / std
                 tooth = int(np.argmax(np.abs(pull)))
                 far = abs(float(pull[tooth]))
-                if far < max(AGAINST, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
+                if far < max(OUTLYING, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
                     continue
                 find = ToothFind(
-                    gear=gear, tooth=tooth, phase=contact, amplitude=far * std * math.copysign(1.0, pull[tooth]),
+                    gear=gear, tooth=tooth, phase=contact, amplitude=std * float(pull[tooth]),
                     std=std, gain=far**2, log_false=math.log(z / SHARES.teeth) - 0.5 * far**2, recording=None,
                     flank=flank,
                 )  # fmt: skip

@@ -58,12 +58,11 @@ def earned(
         if better is not None:
             stands, claim = better
             taken |= {stands.key, claim.key}
-            there, noises = search.linear.system.misfit, search.noises
+            begun = search.kept()
             if _take(search, stands, [claim]):
                 # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
-                behind = there - search.linear.under(noises).system.misfit
-                cost = 2.0 * (len(stands.values) - len(claim.values))
-                fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=behind + cost))
+                replaced = Refitted(claim=stands, behind=search.gained(begun))
+                fitted[claim.key] = (*fitted.get(claim.key, ()), replaced)
                 # What was believed beside the one may have no place beside the other.
                 search.withdraw()
                 plain.clear()

@@ -97,13 +97,13 @@ def spot_check(
         if rng is None
         else np.sort(rng.choice(poses.size, count, replace=False))
     )
-    worst = 0.0
-    start = 0
     known = closings.at(chosen)
     if all_certified(
         turning, fixed, known, axis_distance=axis_distance, poses=poses[chosen], guesses=guesses[chosen], near=near
     ):
-        return worst
+        return 0.0
+    worst = 0.0
+    start = 0
     for part in closing_rotations(
         turning, fixed, axis_distance=axis_distance, poses=poses[chosen], guesses=guesses[chosen], near=near
     ):
