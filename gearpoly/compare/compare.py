@@ -61,8 +61,12 @@ def _silent(what: str) -> None:
     """Nobody watches."""
 
 
-def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent) -> Comparison:
-    """Align ``recordings`` of one set with the pair of ``file`` (read from ``path``), subtract, locate what is left.
+def compare(
+    file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent,
+    over: Callable[[], bool] = lambda: False,
+) -> Comparison:  # fmt: skip
+    """Align ``recordings`` of one set with the pair of ``file`` (read from ``path``), subtract, locate what is left:
+    only what is strongest where time is ``over``.
 
     Raises what ``lay_beside`` does.
     """
@@ -75,6 +79,7 @@ def compare(file: PairFile, recordings: Sequence[Recording], *, path: Path | str
         gears=beside.gears,
         floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
         numbered=beside.alignment.numbered,
+        over=over,
     )
     located = replace(located, entries=beside.named(located.entries), where=beside.named(located.where))
     if (sky := sky_of(beside)) is not None:

@@ -79,17 +79,22 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
     out += [_entry(search, by) for by in found.values()]
     out = [one for one in out if one.amplitude_um != 0.0]
 
-    def holds(entry: Entry) -> float:
-        """What an entry adds to the mean square of its recording; a burst only while it lasts."""
+    def held(entry: Entry) -> float:
         data = search.states[entry.recordings[0]].data
-        lasts = 1.0
-        if entry.during_s is not None and data.time_s is not None:
-            lasts = (entry.during_s[1] - entry.during_s[0]) / float(np.ptp(data.time_s))
-        elif entry.during_turns is not None:
-            lasts = (entry.during_turns[1] - entry.during_turns[0]) * 2.0 * math.pi / float(np.ptp(data.theta_1))
-        return lasts * entry.mean_square(search.z_1, search.z_2)
+        return holds(entry, z=(search.z_1, search.z_2), time_s=data.time_s, theta_1=data.theta_1)
 
-    return tuple(sorted(out, key=lambda e: -holds(e))), tuple(divisions)
+    return tuple(sorted(out, key=lambda e: -held(e))), tuple(divisions)
+
+
+def holds(entry: Entry, *, z: tuple[int, int], time_s: FloatArray | None, theta_1: FloatArray) -> float:
+    """What an entry adds to the mean square in um^2 of a recording of gears of ``z`` teeth, sampled at ``time_s`` (n,)
+    and ``theta_1`` (n,) in rad; a burst only while it lasts."""
+    lasts = 1.0
+    if entry.during_s is not None and time_s is not None:
+        lasts = (entry.during_s[1] - entry.during_s[0]) / float(np.ptp(time_s))
+    elif entry.during_turns is not None:
+        lasts = (entry.during_turns[1] - entry.during_turns[0]) * 2.0 * math.pi / float(np.ptp(theta_1))
+    return lasts * entry.mean_square(*z)
 
 
 def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[FloatArray, FloatArray, FloatArray]:

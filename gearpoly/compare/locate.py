@@ -9,7 +9,7 @@ search.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,12 +70,14 @@ def locate(
     recordings: int | None = None,
     floor: float = 0.0,
     numbered: tuple[bool, bool] = (True, True),
+    over: Callable[[], bool] = lambda: False,
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering of either gear. The result does not depend on any random number.
+    whether zeros or inspection fix the tooth numbering of either gear; ``over``: whether time is, so that only the
+    strongest finds are taken. The result does not depend on any random number.
     Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
@@ -129,7 +131,7 @@ def locate(
         del u, time_s, residual
         short.append(one)
     search = Search(short, gears, floor)
-    solution = search.run()
+    solution = search.run(over)
     states = search.states
     seen: set[int] = set()
     for k, s in enumerate(states):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -198,7 +199,8 @@ class Search(JumpSearch):
                 out.append(find)
         return sorted(out, key=lambda find: -find.gain)
 
-    def run(self) -> Solution:
+    def run(self, over: Callable[[], bool] = lambda: False) -> Solution:
+        """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then."""
         solution = self.fit(passes=3)
         for _ in range(2):
             self.renew_noise(solution)
@@ -211,6 +213,8 @@ class Search(JumpSearch):
                 solution = self._settled_waves(self.fit(passes=3))
                 continue
             if len(self.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in self.states) > MOST:
+                break
+            if turn >= ONE_BY_ONE and over():
                 break
             waves = [self.wave_candidates(k, solution) for k in range(len(self.states))]
             teeth = self.tooth_candidates(solution)

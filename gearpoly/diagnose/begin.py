@@ -50,8 +50,8 @@ def begin(
     """The state to begin with. Raises what ``compare`` does."""
 
     def beside(file: PairFile, recordings: Sequence[Recording]) -> Begun:
-        comparison = compare(file, recordings, path=path, step=watch.stage("compare"))
-        model, waves = _before_claims(file, comparison, path=path, method=method, budget=budget)
+        comparison = compare(file, recordings, path=path, step=watch.stage("compare"), over=lambda: budget.over)
+        model, waves = before_claims(file, comparison, path=path, method=method, budget=budget)
         return Begun(file=file, recordings=recordings, comparison=comparison, model=model, waves=waves)
 
     now = beside(file, recordings)
@@ -84,7 +84,7 @@ def begin(
     )
 
 
-def _before_claims(
+def before_claims(
     file: PairFile, comparison: Comparison, *, path: Path, method: Method, budget: Budget
 ) -> tuple[Model, list[FloatArray]]:
     """The working state before any physics is claimed, and the columns of what no pair makes."""
@@ -98,6 +98,6 @@ def _of_other_keys(now: Begun, file: PairFile) -> tuple[Model, list[FloatArray]]
     """The same of the pair of another ``file`` beside the same recordings, its teeth as well known."""
     model = now.model
     comparison = replace(now.comparison, assembled=assemble(known_file(file), path=model.path, seed=0))
-    other, waves = _before_claims(file, comparison, path=model.path, method=model.method, budget=model.budget)
+    other, waves = before_claims(file, comparison, path=model.path, method=model.method, budget=model.budget)
     scope = replace(other.scope, inspected=model.scope.inspected, form=model.scope.form)
     return replace(other, as_built=model.as_built, scope=scope), waves

@@ -10,12 +10,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Cause, Curve, Entry
-from gearpoly.compare.locate import locate
-from gearpoly.compare.noise import Noise
-from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.template import templates_of
-from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
-from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
+from gearpoly.diagnose.left_beside import left_located, stands_out
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
@@ -29,71 +24,16 @@ from gearpoly.units import UM
 
 
 def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
-    """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest."""
-    model, linear, layout = search.model, search.linear, search.linear.layout
-    # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
-    gears = tuple(
-        GearKnown(z=known.z, uncertainty=None if known.ideal else 1e-4, zero=known.zero, direction=known.direction)
-        for known in comparison.gears
-    )
-    # The foreign waves are put back: they are to be found again, with their size. Not those which turned out to be
-    # teeth as they were built: their size is whatever the teeth leave open.
-    x = linear.system.solution.copy()
-    for places in found_alone(model.strangers, layout.foreign):
-        if stands(linear.system, places):
-            x[places] = 0.0
-    residuals = []
-    # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
-    # touch all at once.
-    fitted = templates_of(
-        model.assembled(),
-        [replace(scene.samples.condition, varies=0.0) for scene in search.scenes],
-    )
-    left = [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
-    for one, scene, rest, template in zip(comparison.aligned, search.scenes, left, fitted, strict=True):
-        residuals.append(
-            AlignedResidual(
-                theta_1=scene.samples.theta_1,
-                theta_2=scene.samples.theta_2,
-                residual=rest,
-                z_2=comparison.gears[1].z,
-                time_s=one.time_s,
-                backward=one.cleaned.backward,
-                torque=one.torque,
-                speed=one.speed,
-                flank=one.flank,
-                sharing=template.sharing,
-                coarse=one.coarse,
-                contact=template.sharing.contact,
-            )
-        )
-    pair = comparison.assembled.pair
-    found = locate(
-        residuals,
-        gears=(gears[0], gears[1]),
-        floor=pair.chord_noise + max(template.error for template in fitted),
-        numbered=comparison.alignment.numbered,
-    )
-    return tuple(
-        entry
-        for entry in found.entries
-        if entry.companion_of is None
-        and not _claimed(entry, model)
-        and not _by_law(entry, search)
-        and not _by_grade(entry, max(model.scope.form))
-        and not _by_colour(entry, model, search.noises)
-    )
+    """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest. Where
+    time is over, the strongest of it."""
+    found = left_located(search, comparison, over=lambda: search.over)
+    return tuple(entry for entry in found.entries if stands_out(entry, search) and not _claimed(entry, search.model))
 
 
 PULSES = "a torque that pulses with that shaft"
 
 FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
-
-
-SHARP = 15.0
-"""Standard errors by which a line is above the noise about it whatever colour that has: its power is a hundred times
-what was read off the lines beside it."""
 
 
 def located_on(comparison: Comparison, gear: int) -> list[Entry]:
@@ -194,39 +134,6 @@ def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entr
             ),
         )
     return ()
-
-
-def _by_law(entry: Entry, search: Search) -> bool:
-    """Whether an entry is below what compliance laws and corner contact differ by, magnified by a resonance if there is
-    one: that repeats with the pair."""
-    if is_foreign(entry) or entry.burst is not None:
-        return False
-    size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
-    part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
-    if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
-        part = BY_LAWS["mesh_phase"]
-    swings = 1.0 if entry.order is None else search.magnified(entry.order, entry.gear, entry.recordings)
-    return size < part * swings * search.deflection / UM
-
-
-def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
-    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves, if not
-    so sharp that no colour would be."""
-    if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
-        return False
-    if entry.moment is not None or entry.burst is not None:
-        return False
-    if entry.order is not None and float(entry.order).is_integer():
-        return False
-    if abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf):
-        return False
-    return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
-
-
-def _by_grade(entry: Entry, form: float) -> bool:
-    """Whether an entry is the same at every mesh and below the ``form`` in um that a grade leaves open."""
-    size = entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um
-    return entry.kind in ("mesh_order", "mesh_phase") and abs(size or 0.0) < form
 
 
 def _claimed(entry: Entry, model: Model) -> bool:

@@ -1,0 +1,161 @@
+"""Recordings beside teeth that touch as they were built, where ``compare`` takes what they may be to first order.
+
+Which of two unloaded teeth touches depends on both, and no linear model follows that: of an 18/25 of grade 6 that
+nobody had inspected, free of any fault, 33 orders, teeth and stretches of every mesh were told. So where teeth are open
+the fit of teeth as built is made with exact contact, and what repeats with the teeth is held against it: it stays where
+the fit would still pay for it, and what the fit leaves is located anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import Step, compare
+from gearpoly.compare.division import LEAST, holds
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.against_teeth import above_rest, against, beyond_grade, still_pays
+from gearpoly.diagnose.begin import before_claims
+from gearpoly.diagnose.budget import Budget
+from gearpoly.diagnose.fit import PASSES
+from gearpoly.diagnose.foreign import is_foreign
+from gearpoly.diagnose.left_beside import left_located, put_back, stands_out
+from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.placing import opening, shortened
+from gearpoly.diagnose.search import Search
+from gearpoly.errors import GearpolyError
+from gearpoly.files.models import PairFile
+from gearpoly.recording.recording import Recording
+from gearpoly.units import UM, IntArray
+
+FEW = 30_000
+"""Samples of a recording beyond which so many are fitted: a fit of ten rounds then takes some 3 s."""
+
+NEAR = 0.02
+"""Part of a frequency or of a moment by which it may come out otherwise beside other teeth."""
+
+WITH_TEETH = ("shaft_order", "mesh_order", "mesh_phase", "tooth", "condition")
+"""Kinds of entries that teeth as built may make, or change."""
+
+
+def compared(
+    file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = lambda _: None
+) -> Comparison:
+    """``compare``, and where nobody inspected a gear, what it located at its teeth held against teeth that touch as
+    they were built. Raises what ``compare`` does."""
+    comparison = compare(file, recordings, path=path, step=step)
+    if not needs_teeth(comparison):
+        return comparison
+    step("letting the teeth touch as they were built")
+    model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
+    wheres = [opening(one, model, few=FEW) for one in model.observed]
+    try:
+        fit = Search.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
+        return beside_teeth(comparison, fit, wheres)
+    except GearpolyError:  # teeth that cannot run so say nothing about those that do
+        return comparison
+
+
+def needs_teeth(comparison: Comparison) -> bool:
+    """Whether anything was located that teeth which nobody inspected may make."""
+    return any(one.F_pT is not None for one in comparison.gears) and any(
+        map(_with_teeth, comparison.located.entries)
+    )  # fmt: skip
+
+
+def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]) -> Comparison:
+    """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, at the
+    samples ``wheres`` (n_k,) of the recordings."""
+    first, left = comparison.located, left_located(fit, comparison)
+    whole = all(where.size == one.theta_2.size for where, one in zip(wheres, comparison.aligned, strict=True))
+    rest = put_back(fit)
+    teeth = against(fit, comparison, rest, [noise.level for noise in left.noises])
+    waves = [one for one in first.entries if _of_all_teeth(one) and still_pays(one, teeth) and above_rest(one, teeth)]
+    held = [*beyond_grade(teeth, waves), *waves]
+    told = {_place(one) for one in held}
+    held += [one for one in left.entries if _with_teeth(one) and stands_out(one, fit) and _place(one) not in told]
+    # What no pair makes stays where it stands beside either, but for what fewer samples do not show.
+    stay = [one for one in first.entries if not _with_teeth(one) and not (whole and _passing(one))]
+    stay += [
+        one for one in left.entries
+        if whole and _passing(one) and stands_out(one, fit) and any(_alike(one, other) for other in first.entries)
+    ]  # fmt: skip
+    more = [one for one in held if above_rest(one, teeth)]
+    stay = [one for one in stay if one.kind != "shaft_order" or above_rest(one, teeth)]
+    entries = tuple(sorted([*stay, *comparison.named(more)], key=lambda one: -one.gain))
+    taken = [
+        float(np.std(one.residual[where] - mine))
+        for one, where, mine in zip(comparison.aligned, wheres, rest, strict=True)
+    ]
+    located = replace(
+        first,
+        entries=entries,
+        where=_where(comparison, entries),
+        divisions=tuple(replace(one, as_built=rms) for one, rms in zip(left.divisions, taken, strict=True)),
+    )
+    if whole:
+        before = [one.repeatable for one in first.noises]
+        noises = tuple(replace(one, repeatable=rms) for one, rms in zip(left.noises, before, strict=True))
+        located = replace(located, noises=noises, noise_level=left.noise_level, left=left.left)
+    return replace(comparison, located=located)
+
+
+def _with_teeth(entry: Entry) -> bool:
+    """Whether teeth as built may make an entry, or change it."""
+    return entry.kind in WITH_TEETH and not is_foreign(entry)
+
+
+def _of_all_teeth(entry: Entry) -> bool:
+    """Whether it is a wave or a stretch of every tooth."""
+    return _with_teeth(entry) and entry.kind not in ("tooth", "condition")
+
+
+def _passing(entry: Entry) -> bool:
+    """Whether an entry is of what no pair makes, and no slow drift, which a fit of its own takes."""
+    return is_foreign(entry) or entry.burst is not None
+
+
+def _alike(one: Entry, other: Entry) -> bool:
+    """Whether two entries of what no pair makes are of one wave, one burst, or one jump."""
+    if one.kind != other.kind or set(one.recordings).isdisjoint(other.recordings) or one.gear != other.gear:
+        return False
+    lasts = one.during_s or one.during_turns, other.during_s or other.during_turns
+    if lasts[0] is not None and lasts[1] is not None:
+        return lasts[0][0] < lasts[1][1] and lasts[1][0] < lasts[0][1]
+    mine = one.hz, one.order, one.time_s, one.driving_turn
+    its = other.hz, other.order, other.time_s, other.driving_turn
+    return all(
+        a == b or (a is not None and b is not None and abs(a - b) < NEAR * max(abs(a), abs(b)))
+        for a, b in zip(mine, its, strict=True)
+    )
+
+
+def _place(entry: Entry) -> tuple[object, ...]:
+    """What tells an entry from others of its kind."""
+    when = entry.hz, entry.time_s, entry.driving_turn, entry.during_s, entry.during_turns
+    return entry.kind, entry.gear, entry.order, entry.tooth, entry.encoder_deg, entry.phase, when, entry.recordings
+
+
+def _where(comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """All places at which recordings and simulation differ, that which holds most of the mismatch first: the
+    ``entries``, orders as large as the whole mismatch has them, and strong orders that the teeth hold."""
+    z = comparison.gears[0].z, comparison.gears[1].z
+    before = {_place(one): one for one in comparison.located.where}
+    out = []
+    for one in entries:
+        whole = before.pop(_place(one), one)
+        out.append(replace(whole, as_built=False, p_value=one.p_value, gain=one.gain))
+
+    def held(entry: Entry) -> float:
+        laid = comparison.aligned[entry.recordings[0]]
+        return holds(entry, z=z, time_s=laid.time_s, theta_1=laid.theta_1)
+
+    for one in before.values():
+        strong = held(one) > LEAST * max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
+        if one.of_the_pair and _with_teeth(one) and one.companion_of is None and strong:
+            out.append(replace(one, as_built=True))
+    return tuple(sorted(out, key=lambda one: -held(one)))

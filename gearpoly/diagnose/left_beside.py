@@ -1,0 +1,123 @@
+"""What a fit leaves of recordings, located anew beside its teeth as they touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.entries import Entry
+from gearpoly.compare.locate import Located, locate
+from gearpoly.compare.noise import Noise
+from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.compare.template import templates_of
+from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
+from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.weigh import Weigh
+from gearpoly.units import UM, FloatArray
+
+FITTED = 1e-4
+"""mm. What is left open of teeth that were fitted."""
+
+SHARP = 15.0
+"""Standard errors by which a line is above the noise about it whatever colour that has: its power is a hundred times
+what was read off the lines beside it."""
+
+
+def put_back(fit: Weigh) -> list[FloatArray]:
+    """What the ``fit`` leaves (n_k,) in mm of every recording, with the waves that no pair makes put back: they are to
+    be found again, with their size. Not those which turned out to be teeth as they were built: their size is whatever
+    the teeth leave open."""
+    linear = fit.linear
+    x = linear.system.solution.copy()
+    for places in found_alone(fit.model.strangers, linear.layout.foreign):
+        if stands(linear.system, places):
+            x[places] = 0.0
+    return [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
+
+
+def left_located(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool] = lambda: False) -> Located:
+    """Where recordings differ from what a ``fit`` makes of them, of which ``comparison`` says how they were laid; only
+    what is strongest where time is ``over``."""
+    # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
+    gears = tuple(
+        GearKnown(z=known.z, uncertainty=None if known.ideal else FITTED, zero=known.zero, direction=known.direction)
+        for known in comparison.gears
+    )
+    # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
+    # touch all at once.
+    fitted = templates_of(
+        fit.model.assembled(),
+        [replace(scene.samples.condition, varies=0.0) for scene in fit.scenes],
+    )
+    residuals = [
+        AlignedResidual(
+            theta_1=scene.samples.theta_1,
+            theta_2=scene.samples.theta_2,
+            residual=rest,
+            z_2=comparison.gears[1].z,
+            time_s=scene.samples.time,
+            backward=one.cleaned.backward,
+            torque=one.torque,
+            speed=one.speed,
+            flank=one.flank,
+            sharing=template.sharing,
+            coarse=one.coarse,
+            contact=template.sharing.contact,
+        )
+        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, put_back(fit), fitted, strict=True)
+    ]
+    pair = comparison.assembled.pair
+    return locate(
+        residuals,
+        gears=(gears[0], gears[1]),
+        floor=pair.chord_noise + max(template.error for template in fitted),
+        numbered=comparison.alignment.numbered,
+        over=over,
+    )
+
+
+def stands_out(entry: Entry, fit: Weigh) -> bool:
+    """Whether an entry is beyond what the simulation cannot do, a grade leaves open, or the noise may be coloured by,
+    and is none of another one's company."""
+    return (
+        entry.companion_of is None
+        and not _by_law(entry, fit)
+        and not _by_grade(entry, max(fit.model.scope.form))
+        and not _by_colour(entry, fit.model, fit.noises)
+    )
+
+
+def _by_law(entry: Entry, fit: Weigh) -> bool:
+    """Whether an entry is below what compliance laws and corner contact differ by, magnified by a resonance if there is
+    one: that repeats with the pair."""
+    if is_foreign(entry) or entry.burst is not None:
+        return False
+    size = abs((entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um) or 0.0)
+    part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
+    if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
+        part = BY_LAWS["mesh_phase"]
+    swings = 1.0 if entry.order is None else fit.magnified(entry.order, entry.gear, entry.recordings)
+    return size < part * swings * fit.deflection / UM
+
+
+def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
+    """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves, if not
+    so sharp that no colour would be."""
+    if any(model.observed[k].whole for k in entry.recordings) or entry.kind not in ("shaft_order", "time"):
+        return False
+    if entry.moment is not None or entry.burst is not None:
+        return False
+    if entry.order is not None and float(entry.order).is_integer():
+        return False
+    if abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf):
+        return False
+    return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
+
+
+def _by_grade(entry: Entry, form: float) -> bool:
+    """Whether an entry is the same at every mesh and below the ``form`` in um that a grade leaves open."""
+    size = entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um
+    return entry.kind in ("mesh_order", "mesh_phase") and abs(size or 0.0) < form
