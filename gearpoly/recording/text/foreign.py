@@ -7,6 +7,7 @@ of a map that settles it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import no_reading, without
 from gearpoly.recording.text.part import Part
+from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -63,10 +65,15 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
-    separator = writing.separator or find_separator(file, lines)
     if writing.missing:
-        lines = Lines(without(text.decode(inside), writing.missing, separator).encode("utf-8"), "utf-8")
+        mark = writing.separator or find_separator(file, lines)
+        lines = Lines(without(text.decode(inside), writing.missing, mark).encode("utf-8"), "utf-8")
     del text
+    beside = rewritten(lines, separator=writing.separator)
+    lines, torn = beside.lines, 0
+    separator = writing.separator or find_separator(file, lines)
+    if writing.torn_lines:
+        lines, torn = without_torn(lines, separator)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
@@ -74,6 +81,9 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
+        _say_rewritten(table, block, beside)
+        if torn:
+            table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
         table.layout = {"encoding": encoding, "separator": separator, **table.layout}
@@ -84,6 +94,22 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         )
         tables.append(table)
     return tables
+
+
+def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
+    """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
+    for k, word in beside.words.items():
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others and not np.isfinite(table.others[name].values).any():
+            del table.others[name]
+            words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
+            table.remarks.append(f"{words}: not read")
+            table.unread = (words, "want numbers in the columns that are to be read")
+    for k in sorted(beside.degrees):
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others:
+            table.others[name] = replace(table.others[name], unit="deg")
+            table.remarks.append(f'"{shorten(name)}": degrees with minutes, taken as decimal degrees')
 
 
 def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:

@@ -7,6 +7,7 @@ that makes the longest run of data lines of one width; what stands above such a 
 from __future__ import annotations
 
 import csv
+import functools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.quantities import UNSTATED, units_written
+from gearpoly.recording.quantities import DOUBTFUL, UNSTATED, units_written
 from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
@@ -85,23 +86,34 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
     best, longest = "", 0
     sample = lines[:SAMPLE_LINES]
     for separator in SEPARATORS:
-        run, width, most = 0, 0, 0
-        for line in sample:
-            cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
-            if len(cells) > 1 and is_data(cells):
-                run, width = (run + 1 if len(cells) == width else 1), len(cells)
-                most = max(most, run)
-            elif line.strip():
-                run = 0
+        most = longest_run(sample, separator)
         if most > longest:
             best, longest = separator, most
-        if run == most and 2 * most > len(sample):  # rows to the end: another one could only part the heading too
+        if 2 * most > len(sample):  # another one could only part the heading too
             break
     if not best:
         ways = ", ".join(SEPARATORS.values())
         wish = f"want rows of at least two numbers parted by {ways}, below a line with names"
         raise InputFileError(file, found="text without a table of numbers", wish=wish)
     return best
+
+
+def longest_run(sample: Sequence[str], separator: str) -> int:
+    """Most rows of one width, one after the other, that a ``separator`` makes of the lines."""
+    return _longest_run(tuple(sample), separator)
+
+
+@functools.lru_cache(maxsize=len(SEPARATORS))
+def _longest_run(sample: tuple[str, ...], separator: str) -> int:
+    run, width, most = 0, 0, 0
+    for line in sample:
+        cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
+        if len(cells) > 1 and is_data(cells):
+            run, width = (run + 1 if len(cells) == width else 1), len(cells)
+            most = max(most, run)
+        elif line.strip():
+            run = 0
+    return most
 
 
 def find_blocks(
@@ -129,7 +141,7 @@ def find_blocks(
     for first, end, width in runs:
         above = [k for k in range(before, first) if lines[k].strip()]
         if blocks and not _begins(lines, above, separator, width):
-            raise _bad_line(file, lines, above, separator, blocks[-1])
+            raise _bad_line(file, lines, above, separator, blocks[-1], gaps=len(runs) - 1)
         blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
         before = end
     tail = [k for k in range(before, len(lines)) if holds_cells(lines[k])]
@@ -187,8 +199,10 @@ def _begins(lines: Sequence[str], above: Sequence[int], separator: str, width: i
     return False
 
 
-def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block) -> InputFileError:
-    """The error for a line among rows that is none."""
+def _bad_line(
+    file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block, *, gaps: int = 0
+) -> InputFileError:
+    """The error for a line among rows that is none; ``gaps`` are the places where the rows are broken so."""
     width = len(block.names)
     if not above:
         at = block.rows[1] - 1
@@ -199,6 +213,9 @@ def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator:
     cells = split(lines[at], separator)
     if len(cells) != width:
         wish = f"want {width} cells, as above, or a line of names where another recording begins{_cut(lines, at)}"
+        if gaps:
+            more = f" (rows are broken in {gaps} places)" if gaps > 1 else ""
+            wish += f'; delete the line if it is torn, or in a map: text.torn_lines = "left out"{more}'
         found = f"`{shorten(lines[at].strip())}`"
         return InputFileError(file, where=f"line {at + 1}", found=found, wish=wish)
     bad = next((k for k, cell in enumerate(cells) if not is_data([cell, "0"])), 0)
@@ -266,7 +283,7 @@ def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
 def _are_units(cells: Sequence[str]) -> bool:
     """Whether most cells that hold anything hold a unit."""
     held = [cell for cell in map(_bare, cells) if cell not in UNSTATED]
-    known = sum(bool(units_written(cell)) for cell in held)
+    known = sum(bool(units_written(cell)) or cell.lower() in DOUBTFUL for cell in held)
     return known > 0 and 2 * known > len(held)
 
 
