@@ -413,7 +413,7 @@ def test_a_name_twice_is_asked_for_and_the_map_decides(tmp_path: Path, name: str
     columns, names = [first, *held.values(), first + 1.0, first, first], [name, *held, name, "Reserve", "Reserve"]
     file = written(tmp_path, table(columns, names, separator=",", decimal="."))
     last = len(held) + 2
-    with pytest.raises(InputFileError, match=f"is the name of columns 1 and {last} "):
+    with pytest.raises(InputFileError, match=rf"is the name of columns 1 and {last}\b"):
         read_recording(file)
     for number, wanted in ((1, first), (last, first + 1.0)):
         recording = read_recording(file, chart=chart(tmp_path, f'columns.{column} = {{ from = "column {number}" }}'))

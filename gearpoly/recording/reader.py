@@ -21,9 +21,10 @@ from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.by_readings import contradicting
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.finite import has_infinite
-from gearpoly.recording.meaning import contradicting, entry
+from gearpoly.recording.meaning import entry
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (

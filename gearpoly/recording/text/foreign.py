@@ -22,6 +22,7 @@ from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
+from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import no_reading, without
@@ -34,6 +35,9 @@ from gearpoly.units import FloatArray
 
 SAMPLE_CELLS = 20_000
 """Cells that are looked at first for the decimal mark; one may settle it."""
+
+NO_COUNTRY = "latin-1"
+"""What bytes are read in that are neither UTF-8 nor of western Windows; nobody writes the characters beyond these."""
 
 CHUNK_CELLS = 20_000
 """Cells that are held as text at a time."""
@@ -92,6 +96,9 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
             f"text in {encoding}, cells parted by {SEPARATORS.get(separator, shorten(separator))}, names in line "
             f"{block.header or 'none'}, rows from line {block.rows[0]}",
         )
+        if encoding == NO_COUNTRY and not writing.encoding:
+            others = '"shift_jis", "gb18030", "cp1251"'
+            table.remarks.append(f"names are in another encoding: a map may state it, as text.encoding = {others}")
         tables.append(table)
     return tables
 
@@ -146,6 +153,7 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
             continue  # a date whose time stands beside it; rows that end in a separator
         unit, own = "s" if k in stamped else block.units[k], block.stated[k]
         table.others[name] = Channel(values=series[k], unit=unit, leaf=own if own != name else "", number=k + 1)
+    take_times(table, lines, block, separator, marks)
     table.layout["decimal"] = marks.decimal
     if marks.thousands:
         table.layout["thousands"] = marks.thousands
