@@ -71,5 +71,4 @@ def _time(
         first, step = (marks.value(_cell(above, key, number)) for key in ("X0", "Delta_X"))
     except ValueError:
         return None
-    even: FloatArray = first + step * np.arange(size)
-    return even if step > 0.0 else None
+    return first + step * np.arange(size, dtype=np.float64) if step > 0.0 else None
