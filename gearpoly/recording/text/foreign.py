@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
+from gearpoly.recording.arrow import joined_codes
 from gearpoly.recording.comments import read_comment
 from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
@@ -169,9 +171,7 @@ def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dic
         if pieces[-1] is None:
             return None
     columns = [[held[k] for held in pieces if held is not None] for k in range(len(part.block.names))]
-    if any(len({piece.shape[1:] for piece in column}) > 1 for column in columns):
-        return None
-    whole = [np.concatenate(column) for column in columns]
+    whole: list[Any] = [(joined_codes if k in stamped else np.concatenate)(column) for k, column in enumerate(columns)]
     found = {k: even_stamps(whole[k]) for k in stamped}
     if any(one is None for one in found.values()):
         return None
@@ -268,7 +268,8 @@ def _all(cells: Sequence[str], holds: Callable[[str], bool]) -> bool:
 
 def _are_stamps(cells: Sequence[str]) -> bool:
     """Whether a column is of time stamps."""
-    return any(is_stamp(cell) for cell in cells) and _all(cells, is_stamp)
+    first = next((cell for cell in cells if not is_missing(cell)), "")
+    return is_stamp(first) and _all(cells, is_stamp)
 
 
 def _marks(part: Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
