@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,6 +31,9 @@ SAMPLE_LINES = 2000
 
 LEAST_ROWS = 8
 """Rows from which a table is a recording where another one of the file has as many; fewer are a logger's settings."""
+
+FIRST_LINES = 64
+"""Lines of a file that are looked at one by one before those below are told at once; most heads are shorter."""
 
 SECTIONS_LIMIT = 100
 """Most recordings in a file."""
@@ -106,11 +110,14 @@ def longest_run(sample: Sequence[str], separator: str) -> int:
 @functools.lru_cache(maxsize=len(SEPARATORS))
 def _longest_run(sample: tuple[str, ...], separator: str) -> int:
     run, width, most = 0, 0, 0
-    for line in sample:
+    for k, line in enumerate(sample, start=1):
         cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
         if len(cells) > 1 and is_data(cells):
             run, width = (run + 1 if len(cells) == width else 1), len(cells)
             most = max(most, run)
+            rest = "\n".join(sample[k:]).rstrip("\n") if run == LEAST_ROWS else ""
+            if rest and are_rows(rest.encode("utf-8"), separator, line.encode("utf-8")):
+                return max(most, run + rest.count("\n") + 1)
         elif line.strip():
             run = 0
     return most
@@ -159,10 +166,15 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
         cell = r"[ ]*[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?[ ]*" if separator != "," else r"[ ]*[+-]?\d+(?:\.\d+)?[ ]*"
         quick = re.compile(rf"{cell}(?:{mark}{cell})+")
     open_ = False
-    for begin in range(0, len(lines), LINES_AT_ONCE):
-        end = min(begin + LINES_AT_ONCE, len(lines))
-        if open_ and are_rows(lines.coded(begin, end), separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
-            runs[-1] = (runs[-1][0], end, runs[-1][2])
+    begins = [
+        *range(0, min(LINES_AT_ONCE, len(lines)), FIRST_LINES)[:2],
+        *range(LINES_AT_ONCE, len(lines), LINES_AT_ONCE),
+    ]
+    for begin, end in itertools.pairwise([*begins, len(lines)]):
+        text = lines.coded(begin, end) if open_ else b""
+        held = text.rstrip(b"\n")  # blank lines at the end of the file
+        if held and are_rows(held, separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
+            runs[-1] = (runs[-1][0], end - len(text) + len(held), runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):
             if not line or line.isspace() or (open_ and not holds_cells(line)):
