@@ -227,9 +227,9 @@ FAULTS: list[tuple[str, str, str, str]] = [
     ('columns.driven_angle_deg = { from = "C", sign = -1 }\nkeys.driven_direction = 1',
      "columns.driven_angle_deg.sign", "driven_direction too", "one of the two"),
     # Those that only the recording tells.
-    ('columns.driving_angle_deg = { from = "E" }', "columns.driving_angle_deg.from", '"E" is no column', '"'),
+    ('columns.driving_angle_deg = { from = "E" }', "columns.driving_angle_deg.from", '"E" is no column', "want one of"),
     ('columns.driving_angle_deg = { from = "B" }', "columns.driving_angle_deg.unit", "states no unit", 'unit = "deg"'),
-    ('leave_out = ["E"]', "leave_out", '"E" is no column', "there are: A, B, C, D"),
+    ('leave_out = ["E"]', "leave_out", '"E" is no column', "want one of: A, B, C, D"),
     ("section = 2", "section", "2, and the file holds 1", "from 1 to 1"),
 ]  # fmt: skip
 

@@ -172,6 +172,18 @@ def test_names_in_another_encoding_are_told_and_may_be_copied(tmp_path: Path) ->
     assert [one.name for one in known.channels] == list(names)
 
 
+@pytest.mark.parametrize(
+    ("name", "near"), [("angle away", False), ("angel in", True), ("Angle In", True), ("q", False)]
+)
+def test_a_name_is_suggested_where_it_is_near(tmp_path: Path, name: str, near: bool) -> None:
+    """angle away is no slip of angle in."""
+    file = written(tmp_path, table([TIME_S, DRIVING, DRIVEN], ("t [s]", "angle in", "angle out"), separator=";"))
+    with pytest.raises(InputFileError) as caught:
+        read_recording(file, chart=chart(tmp_path, f'columns.driven_angle_deg = {{ from = "{name}", unit = "deg" }}'))
+    assert ('the nearest is "angle in"' in caught.value.wish) == near
+    assert "angle in, angle out" in caught.value.wish  # all are listed either way
+
+
 def test_a_survey_says_what_a_comparison_would_refuse(tmp_path: Path) -> None:
     """Whatever the pair: rows from the newest to the oldest, an encoder that counts down, too few turns."""
     rising = [TIME_S, DRIVING, DRIVEN]

@@ -18,6 +18,10 @@ from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
+SLIP = 0.75
+"""Likeness (difflib, 0..1) from which a name in a map is one of the file misspelt: two letters exchanged in six give
+0.83, and "angle in" is to "angle away" 0.67."""
+
 
 def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
     """Take what the map says; the names of the channels that need no other meaning."""
@@ -105,7 +109,7 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
         numbers = {one.number or k: path for k, (path, one) in enumerate(channels.items(), start=1)}
         if int(number) in numbers:
             return numbers[int(number)]
-    close = nearest(name, channels)
+    close = nearest(name, channels, cutoff=SLIP)
     there = shorten(", ".join(channels), width=200)
     found = f'"{shorten(name)}" is no column of the recording'
     if len(bare) > 1:

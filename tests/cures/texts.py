@@ -263,6 +263,7 @@ CLEAN = [
         rows(*ROWS[:600]),
         ratio=RATIO,
     ),
+    text("newest first", "sort the rows by their times", rows(*ROWS[::-1]), BASE, ratio=RATIO),
     text("too short", "want at least 2 driving turns", rows(*ROWS[:200]), BASE, ratio=RATIO),
     text("few samples", "record longer", rows(*ROWS[:6]), BASE, ratio=RATIO),
     text(
