@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,23 @@ def test_an_angle_in_words_is_told(tmp_path: Path) -> None:
     lines[1:] = [";".join([*row.split(";")[:2], "north", *row.split(";")[3:]]) for row in lines[1:]]
     with pytest.raises(InputFileError, match=r'"Output angle \[deg\]" holds words, such as "north"'):
         read_recording(written(tmp_path, "\n".join(lines) + "\n"))
+
+
+@pytest.mark.parametrize("date", ["4. Nov", "04.11.2026", "Nov 04", "4-Nov"])
+def test_numbers_that_a_spreadsheet_made_dates_of_are_told(tmp_path: Path, date: str) -> None:
+    """4.11 in a country of decimal commas; many of them make no other separator, and no column of words."""
+    lines = rows(";", decimal=",")
+    for k in range(20, 600, 12):
+        lines[k] = ";".join([*lines[k].split(";")[:2], date, *lines[k].split(";")[3:]])
+    with pytest.raises(InputFileError, match=rf"line 21, column Output.*{re.escape(date)}.*a spreadsheet made a date"):
+        read_recording(written(tmp_path, "\n".join(lines) + "\n"))
+
+
+@pytest.mark.parametrize("rule", ["|---|---:|:--:|---|", "|===|===|===|===|"])
+def test_a_rule_below_the_names_is_none(tmp_path: Path, rule: str) -> None:
+    held = [f"| {row.replace('|', ' | ')} |" for row in rows("|")]
+    text = "\n".join([held[0], rule, *held[1:]]) + "\n"
+    right(written(tmp_path, text))
 
 
 BANNER = "rst:0x1 (POWERON_RESET),boot:0x13\nEncoder logger v1.3 ready\n"

@@ -55,7 +55,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
     if table.doubts:
         first = table.doubts[0]
         raise InputFileError(file, found=first.says, wish=_wish(first.ask))
-    if not table.others and chart is None:
+    if not table.others and chart is None and (table.unread is None or angles_known(table.columns)):
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
@@ -186,13 +186,17 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
             there = shorten(", ".join(one.channel for one in meant), width=200)
             lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
             lacks = " and ".join(lacking)
-            ask = _offered(lacking, [one for one in meant if one.channel not in out.taken_from.values()])
-            if all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
+            free = [one for one in meant if one.channel not in out.taken_from.values()]
+            ask = _offered(lacking, free)
+            if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
             if out.unread is not None:
-                found = f"no column that is surely {lacks}, only {there}; and {out.unread[0]}"
+                found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
                 raise InputFileError(file, found=found, wish=out.unread[1])
+            if len(free) < len(lacking):
+                wish = "want the readings of both shafts, or of one and a transmission error, in one file"
+                raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=wish)
             raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
     if needed:
         raise _in_doubt(file, needed)
@@ -216,8 +220,8 @@ def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
 
 def _offered(lacking: Sequence[str], free: Sequence[Meaning]) -> tuple[str, ...]:
     """The lines of a map for the angles that no name says, one channel for each: those that say the least else."""
-    likely = [one.channel for one in sorted(free, key=lambda one: bool(one.dimension))] or ["name"]
-    return tuple(entry(angle, likely[min(k, len(likely) - 1)], None) for k, angle in enumerate(lacking))
+    likely = sorted(free, key=lambda one: bool(one.dimension))
+    return tuple(entry(angle, one.channel, None) for angle, one in zip(lacking, likely, strict=False))
 
 
 def _wish(ask: Sequence[str]) -> str:

@@ -7,7 +7,6 @@ that makes the longest run of data lines of one width; what stands above such a 
 from __future__ import annotations
 
 import csv
-import functools
 import itertools
 import re
 from collections.abc import Mapping, Sequence
@@ -104,11 +103,6 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
 
 def longest_run(sample: Sequence[str], separator: str) -> int:
     """Most rows of one width, one after the other, that a ``separator`` makes of the lines."""
-    return _longest_run(tuple(sample), separator)
-
-
-@functools.lru_cache(maxsize=len(SEPARATORS))
-def _longest_run(sample: tuple[str, ...], separator: str) -> int:
     run, width, most = 0, 0, 0
     for k, line in enumerate(sample, start=1):
         cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
@@ -275,7 +269,11 @@ def _block(
 
 def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> tuple[int, int]:
     """The lines (from 0) of the names and of the units above a run of rows; -1 where there is none."""
-    wide = {k: cells for k in above if (cells := _words(lines[k], separator, width)) and not _part_read(cells)}
+    wide = {
+        k: cells
+        for k in above
+        if (cells := _words(lines[k], separator, width)) and not _part_read(cells) and not _is_rule(cells)
+    }
     if not wide:
         return -1, -1
     *others, last = wide
@@ -284,6 +282,12 @@ def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: 
     named = _named(wide, [*others, last])
     # Some write the units above the names, most of which are no units.
     return named, others[-1] if others and named == last and _are_units(wide[others[-1]]) else -1
+
+
+def _is_rule(cells: Sequence[str]) -> bool:
+    """Whether a line above the rows is one that is drawn below names: ``---`` in each cell."""
+    held = [cell for cell in cells if cell]
+    return bool(held) and all(len(cell) > 2 and not cell.strip("-=:+_") for cell in held)
 
 
 def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:

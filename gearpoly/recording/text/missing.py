@@ -11,8 +11,17 @@ LONGEST_WORD = 40
 """Characters of a cell that a message shows whole; words for no reading are shorter."""
 
 
+_MONTH = r"[A-Za-z\u00e4\u00e9\u00fb]{3,4}"
+_DATE = re.compile(rf"\d{{1,2}}\.?[ -]?{_MONTH}\.?|{_MONTH}[- ]\d{{1,4}}|\d{{1,2}}([./])\d{{1,2}}\1\d{{2,4}}")
+"""Days that spreadsheets make of numbers: 4. Nov, Nov 04, 4-Nov, 04.11.2026."""
+
+
 def no_reading(cell: str) -> str:
-    """The line of a map for a cell that is a word for no reading."""
+    """The line of a map for a cell that is a word for no reading, or what made it of a number."""
+    if _DATE.fullmatch(cell):
+        return (
+            "; a spreadsheet made a date of a number: export it again, with these columns as text before it is opened"
+        )
     return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
 
 

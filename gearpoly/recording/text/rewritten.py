@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from gearpoly.recording.text.cells import is_missing, is_number
-from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, is_data, longest_run, split
+from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, is_data, split
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
@@ -57,14 +57,21 @@ def rewritten(lines: Lines, *, separator: str = "") -> Rewritten:
         sample = lines[:SAMPLE_LINES]
     if sum(map(bool, map(_LETTER.search, sample))) < LEAST_ROWS:
         return Rewritten(lines=lines, degrees=degrees)
-    ways = [separator] if separator else list(SEPARATORS)
-    plain = max(longest_run(sample, one) for one in ways)
+    plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
+    # Where most lines are rows of one separator it is that one, and words could only be pieces of numbers by another.
+    ways = [one for one in plain if 2 * plain[one] > len(sample)] or list(plain)
     mark, words, count = max((words_of(sample, one) for one in ways), key=lambda one: one[2])
-    if count <= plain + HEAD_LINES:
+    if count <= max(plain.values()) + HEAD_LINES:
         words = {}
     if words:
         lines = _without_words(lines, mark, words)
     return Rewritten(lines=lines, words=words, degrees=degrees)
+
+
+def _plain_rows(sample: Sequence[str], separator: str) -> int:
+    """How many lines are rows of the width that most rows have."""
+    widths = Counter(len(split(line, separator)) for line in sample if _is_row(line, separator))
+    return max(widths.values(), default=0)
 
 
 def _likely(sample: Sequence[str]) -> str:
