@@ -72,6 +72,15 @@ def test_one_bad_cell_is_no_column_of_words(tmp_path: Path) -> None:
         read_recording(written(tmp_path, "\n".join(lines) + "\n"))
 
 
+def test_words_beside_readings_that_a_map_calls_missing(tmp_path: Path) -> None:
+    lines = [f"{row};{'STATE' if k == 0 else 'RUN'}" for k, row in enumerate(rows(";"))]
+    lines[300] = ";".join([*lines[300].split(";")[:2], "Not A Read", *lines[300].split(";")[3:]])
+    file = written(tmp_path, "\n".join(lines) + "\n")
+    found = read_recording(file, chart=chart(tmp_path, 'text.missing = ["Not A Read"]'))
+    assert found.driven_angle_rad is not None
+    assert np.flatnonzero(np.isnan(found.driven_angle_rad)).tolist() == [299]
+
+
 def test_an_angle_in_words_is_told(tmp_path: Path) -> None:
     lines = rows(";")
     lines[1:] = [";".join([*row.split(";")[:2], "north", *row.split(";")[3:]]) for row in lines[1:]]
@@ -146,3 +155,36 @@ def test_a_row_of_units_may_say_grad(tmp_path: Path) -> None:
     same(
         read_recording(written(tmp_path, text)).driven_angle_rad, RUN["driven_angle_deg"] * DEGREE, half=0.5e-5 * DEGREE
     )
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "t_s={t:.2f} input_angle={a:.5f}deg output_angle={b:.5f}deg",
+        "time:{t:.2f} s, input angle:{a:.5f} deg, output angle:{b:.5f} deg",
+        "Time = {t:.2f}s;Input angle = {a:.5f} °;Output angle = {b:.5f} °",
+    ],
+)
+def test_labels_and_units_beside_the_numbers(tmp_path: Path, form: str) -> None:
+    """As boards print them for a plotter; nothing names the columns but the rows themselves."""
+    held = zip(RUN["time_s"], RUN["driving_angle_deg"], RUN["driven_angle_deg"], strict=True)
+    text = "Logger 1.2 ready\n" + "\n".join(form.format(t=t, a=a, b=b) for t, a, b in held) + "\n"
+    said = right(written(tmp_path, text, name="serial.log"))
+    assert any("labels and units stand beside" in one for one in said)
+
+
+def test_units_in_the_cells_below_names(tmp_path: Path) -> None:
+    names, columns = ("Time", "Input angle", "Output angle"), list(RUN.values())[:3]
+    lines = [",".join(names)]
+    lines += [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*columns, strict=True)]
+    file = written(tmp_path, "\n".join(lines) + "\n")
+    right(file)
+    right(file, chart=chart(tmp_path, map_text(survey(file)[0])))
+
+
+def test_a_row_whose_unit_changes_is_told(tmp_path: Path) -> None:
+    """A meter that goes over to another range writes mNm for Nm: no number is taken in the unit of the others."""
+    lines = [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*list(RUN.values())[:3], strict=True)]
+    lines[300] = lines[300].replace("deg", "mrad", 1)
+    with pytest.raises(InputFileError, match=r"line 302: .*as in the other rows, `0 s,0 deg,0 deg`"):
+        read_recording(written(tmp_path, "\n".join(["Time,Input angle,Output angle", *lines]) + "\n"))

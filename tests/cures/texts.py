@@ -255,7 +255,15 @@ RAW = [
     ),
 ]
 
+LABELLED = [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*list(RUN.values())[:3], strict=True)]
+
 CLEAN = [
+    text(
+        "a unit in one row",
+        "delete the line if it is no row",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED[:-1], LABELLED[-1].replace("deg", "rad")]) + "\n",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED[:-1]]) + "\n",
+    ),
     text(
         "time runs back",
         "want one recording in the order of time; cut it there",

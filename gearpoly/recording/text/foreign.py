@@ -71,13 +71,12 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
-    if writing.missing:
-        mark = writing.separator or find_separator(file, lines)
-        lines = Lines(without(text.decode(inside), writing.missing, mark).encode("utf-8"), "utf-8")
     del text
-    beside = rewritten(lines, separator=writing.separator)
+    beside = rewritten(file, lines, separator=writing.separator)
     lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
+    if writing.missing:
+        lines = Lines(without(lines.joined(0, len(lines)), writing.missing, separator).encode("utf-8"), "utf-8")
     if writing.torn_lines:
         lines, torn = without_torn(lines, separator)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
@@ -114,6 +113,15 @@ def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
             words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
             table.remarks.append(f"{words}: not read")
             table.unread = (words, "want numbers in the columns that are to be read")
+    for k, (label, unit) in enumerate(beside.labels):
+        name = block.names[k] if k < len(block.names) else ""
+        if name not in table.others:
+            continue
+        called = label if label and not block.stated[k] and label not in table.others else name
+        one = replace(table.others[name], unit=table.others[name].unit or unit)
+        table.others = {called if key == name else key: held for key, held in (table.others | {name: one}).items()}
+    if beside.labels:
+        table.remarks.append("labels and units stand beside the numbers of each row")
     for k in sorted(beside.degrees):
         name = block.names[k] if k < len(block.names) else ""
         if name in table.others:

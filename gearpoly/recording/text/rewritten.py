@@ -1,5 +1,6 @@
-"""Rows of a text that hold more than numbers, rewritten as rows of numbers: columns of words are emptied, degrees with
-minutes and seconds become decimal degrees, and torn lines are blanked where a map says so.
+"""Rows of a text that hold more than numbers, rewritten as rows of numbers: columns of words are emptied, labels
+and units are taken from numbers, degrees with minutes and seconds become decimal degrees, and torn lines are blanked
+where a map says so.
 
 Lines keep their numbers, and columns theirs.
 """
@@ -11,8 +12,10 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from gearpoly.recording.text.cells import is_missing, is_number
+from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
 from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, is_data, split
 from gearpoly.recording.text.lines import Lines
 from gearpoly.recording.text.missing import holds_cells
@@ -37,16 +40,20 @@ _DMS = re.compile(
 @dataclass(frozen=True, kw_only=True)
 class Rewritten:
     """The ``lines`` as they are read on; columns (from 0) of ``words``, by the first of them, and those that were in
-    ``degrees`` with minutes."""
+    ``degrees`` with minutes; label and unit that each number of a row had beside it."""
 
     lines: Lines
+    labels: Labels = ()
     words: dict[int, str] = field(default_factory=dict)
     degrees: frozenset[int] = frozenset()
 
 
-def rewritten(lines: Lines, *, separator: str = "") -> Rewritten:
+def rewritten(file: Path, lines: Lines, *, separator: str = "") -> Rewritten:
     """The ``lines`` of a text whose rows hold words or degrees with minutes, made rows of numbers; as they are where
-    there is nothing of the kind. ``separator`` is that of a map."""
+    there is nothing of the kind. ``separator`` is that of a map.
+
+    Raises ``InputFileError`` where a row has labels or units of its own.
+    """
     sample = lines[:SAMPLE_LINES]
     degrees: frozenset[int] = frozenset()
     if any(_DMS.search(line) for line in sample[-LEAST_ROWS:]):
@@ -58,6 +65,10 @@ def rewritten(lines: Lines, *, separator: str = "") -> Rewritten:
     if sum(map(bool, map(_LETTER.search, sample))) < LEAST_ROWS:
         return Rewritten(lines=lines, degrees=degrees)
     plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
+    named = None if 2 * max(plain.values()) > len(sample) else find_labels(sample, list(plain))
+    if named is not None:
+        lines = Lines("\n".join(without_labels(file, list(lines), named)).encode("utf-8"), "utf-8")
+        return Rewritten(lines=lines, labels=named.labels, degrees=degrees)
     # Where most lines are rows of one separator it is that one, and words could only be pieces of numbers by another.
     ways = [one for one in plain if 2 * plain[one] > len(sample)] or list(plain)
     mark, words, count = max((words_of(sample, one) for one in ways), key=lambda one: one[2])
@@ -118,7 +129,8 @@ def _without_words(lines: Lines, separator: str, words: dict[int, str]) -> Lines
     for line in lines:
         cells = split(line, separator) if separator in line else []
         rest = [cell for k, cell in enumerate(cells) if k not in words]
-        if len(rest) == len(cells) - len(words) and len(rest) > 1 and is_data(rest):
+        read = sum(is_number(cell) or is_stamp(cell) for cell in rest)
+        if len(rest) == len(cells) - len(words) and read > 1:  # one bad cell is told where it stands
             empty = "nan" if separator == " " else ""
             line = separator.join(empty if k in words else _one(cell, separator) for k, cell in enumerate(cells))
         out.append(line)
