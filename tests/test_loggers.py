@@ -125,6 +125,22 @@ def test_a_matrix_is_named_with_its_cure(tmp_path: Path) -> None:
 # MATLAB
 
 
+def test_channels_whose_names_stand_beside_their_numbers(tmp_path: Path) -> None:
+    """A capture of dSPACE: one time, and each channel a struct with its path in the model."""
+    scipy_io = importlib.import_module("scipy.io")
+    fields = [("Name", "O"), ("Unit", "O"), ("Data", "O")]
+    time, angles = np.zeros(1, dtype=fields), np.zeros(2, dtype=fields)
+    time[0] = ("time", "s", COLUMNS["time_s"][None, :])
+    for k, (called, column) in enumerate((("Angle In", "driving_angle_deg"), ("Angle Out", "driven_angle_deg"))):
+        angles[k] = (f"Model Root/Encoder/{called}", "deg", COLUMNS[column][None, :])
+    scipy_io.savemat(tmp_path / "rec.mat", {"exp_001": {"X": time, "Y": angles, "Description": "spindle"}})
+    read = read_recording(tmp_path / "rec.mat")
+    assert read.driving_angle_rad is not None and read.driven_angle_rad is not None and read.time_s is not None
+    np.testing.assert_array_equal(read.time_s, COLUMNS["time_s"])
+    np.testing.assert_allclose(read.driving_angle_rad / DEG, COLUMNS["driving_angle_deg"], rtol=1e-14)
+    np.testing.assert_allclose(read.driven_angle_rad / DEG, COLUMNS["driven_angle_deg"], rtol=1e-14)
+
+
 def nested(depth: int) -> dict[str, Any]:
     held: dict[str, Any] = {name: values[:, None] for name, values in COLUMNS.items()} | {"keys": {"torque_nm": 7.0}}
     for name in ("run", "test", "rig")[:depth]:
