@@ -259,6 +259,12 @@ LABELLED = [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*list(RUN.va
 
 CLEAN = [
     text(
+        "one shaft alone",
+        "want the readings of both shafts",
+        "\n".join(["Time,Input angle", *(one.rpartition(",")[0] for one in LABELLED)]) + "\n",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED]) + "\n",
+    ),
+    text(
         "a unit in one row",
         "delete the line if it is no row",
         "\n".join(["Time,Input angle,Output angle", *LABELLED[:-1], LABELLED[-1].replace("deg", "rad")]) + "\n",
