@@ -72,6 +72,27 @@ def test_one_bad_cell_is_no_column_of_words(tmp_path: Path) -> None:
         read_recording(written(tmp_path, "\n".join(lines) + "\n"))
 
 
+def test_messages_in_a_few_rows_and_words_in_quotes(tmp_path: Path) -> None:
+    """A column that holds no number is of words, however few; a separator in quotes parts nothing."""
+    lines = [f"{row};{'Message' if k == 0 else 'door open' if k % 90 == 5 else ''}" for k, row in enumerate(rows(";"))]
+    right(written(tmp_path, "\n".join(lines) + "\n"))
+    quoted = [
+        f'"{row.replace(",", chr(34) + "," + chr(34))}","{"State" if k == 0 else "on, ok"}"'
+        for k, row in enumerate(rows(","))
+    ]
+    right(written(tmp_path, "\n".join(quoted) + "\n"))
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_rows_that_hold_separators_alone_are_blank(tmp_path: Path, separator: str) -> None:
+    """A spreadsheet writes rows that were once filled; no map can name nothing as a word."""
+    lines = rows(separator)
+    empty = separator * 3
+    right(
+        written(tmp_path, "\n".join([empty, lines[0], empty, *lines[1:300], empty, *lines[300:], empty, empty]) + "\n")
+    )
+
+
 def test_words_beside_readings_that_a_map_calls_missing(tmp_path: Path) -> None:
     lines = [f"{row};{'STATE' if k == 0 else 'RUN'}" for k, row in enumerate(rows(";"))]
     lines[300] = ";".join([*lines[300].split(";")[:2], "Not A Read", *lines[300].split(";")[3:]])

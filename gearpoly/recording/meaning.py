@@ -213,7 +213,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     doubts = [doubt] if doubt else []
     other = contradicting(held.values, unit) if quantity == ANGLE and unit is not None else None
     if unit is not None and other is not None:
-        doubts.append(f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}")
+        many = f" (or after more turns: unit = {quoted(unit.name)} and wraps)" if other.name[:1].isdigit() else ""
+        doubts.append(
+            f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}{many}"
+        )
         unit = other
     if quantity == TORQUE and shaft == "driving":
         doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
@@ -257,7 +260,7 @@ def _settled(
         dimension=dimension,
         why=f'"{name}", {known}' if unit is not None else f'"{name}"',
         doubt=doubt,
-        ask=(entry(column, channel, unit),) if doubt else (),
+        ask=(entry(column, channel, unit, *(["scale = 1.0"] if stated and unit is None else [])),) if doubt else (),
     )
 
 

@@ -27,7 +27,7 @@ from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import Lines
-from gearpoly.recording.text.missing import no_reading, without
+from gearpoly.recording.text.missing import no_reading, without, without_empty
 from gearpoly.recording.text.part import Part
 from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
@@ -66,7 +66,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
-    lines = Lines(text, inside)
+    lines = Lines(without_empty(text), inside)
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"

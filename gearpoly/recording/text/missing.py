@@ -30,6 +30,15 @@ def holds_cells(line: str) -> bool:
     return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
 
 
+def without_empty(text: bytes) -> bytes:
+    """The ``text`` with blank lines in the place of those that hold nothing but what parts cells, as spreadsheets write
+    rows that were once filled."""
+    for mark in (b",", b";", b"\t"):
+        if any(begin in text for begin in (b"\n" + mark + mark, b"\n" + mark + b"\n")):  # patterns take far longer
+            text = re.sub(rb"(?m)^[%b ]+$" % mark, b"", text)
+    return text
+
+
 def without(text: str, missing: Sequence[str], separator: str) -> str:
     """The ``text`` with ``nan`` in the place of cells that a map says hold no reading (``missing``)."""
     mark = r"\s" if separator == " " else re.escape(separator) + r"\n\""

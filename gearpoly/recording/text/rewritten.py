@@ -62,7 +62,7 @@ def rewritten(file: Path, lines: Lines, *, separator: str = "") -> Rewritten:
         degrees = frozenset(k for k, cell in enumerate(split(last, mark)) if _DMS.fullmatch(cell))
         lines = Lines(_DMS.sub(_decimal, lines.joined(0, len(lines))).encode("utf-8"), "utf-8")
         sample = lines[:SAMPLE_LINES]
-    if sum(map(bool, map(_LETTER.search, sample))) < LEAST_ROWS:
+    if sum(map(bool, map(_LETTER.search, sample))) <= HEAD_LINES:
         return Rewritten(lines=lines, degrees=degrees)
     plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
     named = None if 2 * max(plain.values()) > len(sample) else find_labels(sample, list(plain))
@@ -105,9 +105,7 @@ def words_of(sample: Sequence[str], separator: str) -> tuple[str, dict[int, str]
     """The ``separator``, the columns of words that rows parted by it have, by their first word, and how many rows there
     are beside them (0 where no column is of words)."""
     nothing: tuple[str, dict[int, str], int] = (separator, {}, 0)
-    widths = Counter(line.count(separator) for line in sample if 1 < line.count(separator) < CELLS_LIMIT)
-    if separator == " ":
-        widths = Counter(len(line.split()) - 1 for line in sample)
+    widths = Counter(len(split(line, separator)) - 1 for line in sample if 1 < line.count(separator) < CELLS_LIMIT)
     width, often = widths.most_common(1)[0] if widths else (0, 0)
     if width < 2 or often < LEAST_ROWS:
         return nothing
@@ -116,9 +114,11 @@ def words_of(sample: Sequence[str], separator: str) -> tuple[str, dict[int, str]
     kept = [(cells, good) for cells, good in zip(rows, read, strict=True) if sum(good) >= 2]
     words: dict[int, str] = {}
     for k in range(width + 1):
-        said = [cells[k] for cells, good in kept if not good[k] and not is_missing(cells[k])]
-        if len(said) >= LEAST_ROWS and len(said) >= sum(good[k] for _, good in kept):
-            words[k] = said[0]
+        at = [j for j, (cells, good) in enumerate(kept) if not good[k] and not is_missing(cells[k])]
+        numbers = sum(good[k] for _, good in kept)
+        few = not numbers and bool(at) and at[-1] > len(at) + LEAST_ROWS  # a message now and then, not a head
+        if few or len(at) >= max(numbers, LEAST_ROWS):
+            words[k] = kept[at[0]][0][k]
     held = [[cell for k, cell in enumerate(cells) if k not in words] for cells, _ in kept]
     return (separator, words, sum(map(is_data, held))) if words else nothing
 
