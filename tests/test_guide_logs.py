@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -76,6 +77,10 @@ def test_the_longest_section_is_read_and_the_others_told(tmp_path: Path) -> None
         (('"Mount"', '"AO"'), "AO"),
         (("RARawDistance", "RARaw"), "no column RARawDistance"),
         ((',"Mount",', ',"Mount",x'), "dx = x"),
+        (("xRate = 2.4", "xRate = -2.4"), "xRate = -2.4"),
+        ((",W,0", ",,0"), "RADirection = nothing"),
+        ((",W,0", ",Ouest,0"), "RADirection = Ouest"),
+        ((",E,0", ",-,0"), "with W or E"),
     ],
 )
 def test_what_cannot_be_read_is_one_message(tmp_path: Path, change: tuple[str, str], says: str) -> None:
@@ -83,6 +88,41 @@ def test_what_cannot_be_read_is_one_message(tmp_path: Path, change: tuple[str, s
     log.write_text("PHD2 version 2.6\n" + made_log()[0].replace(*change), encoding="utf-8")
     with pytest.raises(InputFileError, match=says):
         read_recording(log, worm=EQ6)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace(",W,", ",West,").replace(",E,", ",east,"),
+        lambda text: text.replace("xRate = 2.4", "xRate = +2.4").replace("Dec = 12.0", "Dec = +12.0"),
+        lambda text: text.replace("xRate = 2.4", "xRate = 2.4e-03"),
+        lambda text: text.replace("xRate = 2.4", "xRate = 0,24E+1"),
+    ],
+)
+def test_numbers_and_directions_in_other_writings(tmp_path: Path, change: Callable[[str], str]) -> None:
+    """A pulse whose direction or rate was not understood would be read as motion of the axis."""
+    text, _, error = made_log()
+    log = tmp_path / "log.txt"
+    log.write_text(change(text), encoding="utf-8")
+    te = read_recording(log, worm=EQ6).te_rad
+    assert te is not None
+    held = np.isfinite(te)
+    np.testing.assert_allclose(te[held], 180 * error[held] * ARCSEC, atol=180 * 0.01 * ARCSEC)
+
+
+@pytest.mark.parametrize("torn", ["signed", "twice"])
+def test_a_signed_pulse_is_refused_and_the_cure_works(tmp_path: Path, torn: str) -> None:
+    """A duration below zero with a direction may mean either; a line that holds two is none."""
+    lines = made_log()[0].splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("200,"))
+    cells = lines[at].split(",")
+    lines[at] = ",".join([*cells[:9], f"-{cells[9]}", *cells[10:]]) if torn == "signed" else lines[at][:20] + lines[at]
+    log = tmp_path / "log.txt"
+    log.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(InputFileError, match=rf"line {at + 1}: .*delete the line if it is torn"):
+        read_recording(log, worm=EQ6)
+    log.write_text("\n".join([*lines[:at], *lines[at + 1 :]]) + "\n", encoding="utf-8")
+    assert read_recording(log, worm=EQ6).size == len([one for one in lines if one[:1].isdigit()]) - 1
 
 
 def test_a_pair_without_a_worm_says_what_is_wanted(tmp_path: Path, gearpoly_command: Command, pair_file: Path) -> None:

@@ -92,7 +92,53 @@ def test_time_stamps_of_parquet(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.delete(read.time_s, 7), np.delete(COLUMNS["time_s"], 7), rtol=0.0, atol=1e-9)
 
 
+@needs("pyarrow")
+@pytest.mark.parametrize("kind", ["timestamp", "duration"])
+def test_the_only_clock_of_parquet_has_any_name(tmp_path: Path, kind: str) -> None:
+    """pandas calls an index that has no name so; its times went unread."""
+    pa, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
+    file = tmp_path / "rec.parquet"
+    times = pa.array(stamps()) if kind == "timestamp" else pa.array(stamps() - stamps()[0])
+    names = {"driving_angle_deg": "input angle [deg]", "driven_angle_deg": "output angle [deg]"}
+    columns = {new: pa.array(COLUMNS[name]) for name, new in names.items()}
+    parquet.write_table(pa.table({**columns, "__index_level_0__": times}), file)
+    read = read_recording(file)
+    assert read.time_s is not None
+    np.testing.assert_allclose(read.time_s, COLUMNS["time_s"] - COLUMNS["time_s"][0], rtol=0.0, atol=1e-9)
+    assert any("the only time stamps" in one for one in read.remarks)
+
+
+@needs("h5py")
+def test_a_matrix_is_named_with_its_cure(tmp_path: Path) -> None:
+    """Both angles in one dataset; beside a time alone no line of a map could give both."""
+    h5py = importlib.import_module("h5py")
+    both = np.column_stack([COLUMNS["driving_angle_deg"], COLUMNS["driven_angle_deg"]])
+    with h5py.File(tmp_path / "rec.h5", "w") as file:
+        file["angles"], file["time_s"] = both, COLUMNS["time_s"]
+    error = refusal(tmp_path / "rec.h5")
+    assert "angles, which is no series" in error.found and "as a series of its own" in error.wish
+    with h5py.File(tmp_path / "rec.h5", "w") as file:
+        file["driving angle [deg]"], file["driven angle [deg]"], file["time_s"] = *both.T, COLUMNS["time_s"]
+    assert read_recording(tmp_path / "rec.h5").size == N
+
+
 # MATLAB
+
+
+def test_channels_whose_names_stand_beside_their_numbers(tmp_path: Path) -> None:
+    """A capture of dSPACE: one time, and each channel a struct with its path in the model."""
+    scipy_io = importlib.import_module("scipy.io")
+    fields = [("Name", "O"), ("Unit", "O"), ("Data", "O")]
+    time, angles = np.zeros(1, dtype=fields), np.zeros(2, dtype=fields)
+    time[0] = ("time", "s", COLUMNS["time_s"][None, :])
+    for k, (called, column) in enumerate((("Angle In", "driving_angle_deg"), ("Angle Out", "driven_angle_deg"))):
+        angles[k] = (f"Model Root/Encoder/{called}", "deg", COLUMNS[column][None, :])
+    scipy_io.savemat(tmp_path / "rec.mat", {"exp_001": {"X": time, "Y": angles, "Description": "spindle"}})
+    read = read_recording(tmp_path / "rec.mat")
+    assert read.driving_angle_rad is not None and read.driven_angle_rad is not None and read.time_s is not None
+    np.testing.assert_array_equal(read.time_s, COLUMNS["time_s"])
+    np.testing.assert_allclose(read.driving_angle_rad / DEG, COLUMNS["driving_angle_deg"], rtol=1e-14)
+    np.testing.assert_allclose(read.driven_angle_rad / DEG, COLUMNS["driven_angle_deg"], rtol=1e-14)
 
 
 def nested(depth: int) -> dict[str, Any]:

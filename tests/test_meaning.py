@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.meaning import contradicting, meanings, wrapped_unit
+from gearpoly.recording.by_readings import contradicting, wrapped_unit
+from gearpoly.recording.meaning import meanings
 from gearpoly.recording.quantities import UNITS
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.table import Channel
@@ -47,8 +48,11 @@ def test_what_is_no_reading_of_a_shaft_is_never_taken(header: str) -> None:
 
 def test_two_that_may_be_one_column_are_in_doubt() -> None:
     names = ("Winkel Antrieb [°]", "Winkel Antrieb gefiltert [°]")
-    found = meanings({name: Channel(values=np.arange(20.0)) for name in names})
+    found = meanings({name: Channel(values=np.arange(20.0) + k) for k, name in enumerate(names)})
     assert all("may each be driving_angle_deg" in one.doubt for one in found)
+    first, second = meanings({name: Channel(values=np.arange(20.0)) for name in names})
+    assert first.column == "driving_angle_deg" and not first.doubt
+    assert not second.column and second.why == 'the same readings as "Winkel Antrieb [°]"'
 
 
 def test_the_unit_of_an_angle_is_told_by_where_it_begins_again() -> None:

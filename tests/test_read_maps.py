@@ -227,9 +227,9 @@ FAULTS: list[tuple[str, str, str, str]] = [
     ('columns.driven_angle_deg = { from = "C", sign = -1 }\nkeys.driven_direction = 1',
      "columns.driven_angle_deg.sign", "driven_direction too", "one of the two"),
     # Those that only the recording tells.
-    ('columns.driving_angle_deg = { from = "E" }', "columns.driving_angle_deg.from", '"E" is no column', '"'),
+    ('columns.driving_angle_deg = { from = "E" }', "columns.driving_angle_deg.from", '"E" is no column', "want one of"),
     ('columns.driving_angle_deg = { from = "B" }', "columns.driving_angle_deg.unit", "states no unit", 'unit = "deg"'),
-    ('leave_out = ["E"]', "leave_out", '"E" is no column', "there are: A, B, C, D"),
+    ('leave_out = ["E"]', "leave_out", '"E" is no column', "want one of: A, B, C, D"),
     ("section = 2", "section", "2, and the file holds 1", "from 1 to 1"),
 ]  # fmt: skip
 
@@ -413,7 +413,7 @@ def test_a_name_twice_is_asked_for_and_the_map_decides(tmp_path: Path, name: str
     columns, names = [first, *held.values(), first + 1.0, first, first], [name, *held, name, "Reserve", "Reserve"]
     file = written(tmp_path, table(columns, names, separator=",", decimal="."))
     last = len(held) + 2
-    with pytest.raises(InputFileError, match=f"is the name of columns 1 and {last} "):
+    with pytest.raises(InputFileError, match=rf"is the name of columns 1 and {last}\b"):
         read_recording(file)
     for number, wanted in ((1, first), (last, first + 1.0)):
         recording = read_recording(file, chart=chart(tmp_path, f'columns.{column} = {{ from = "column {number}" }}'))

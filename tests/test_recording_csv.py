@@ -177,7 +177,7 @@ HEADER = "time_s,driving_angle_deg,driven_angle_deg"
         (
             "time_s,",
             "driven_angle_deg,",
-            'column "driven_angle_deg (column 1)"',
+            'columns "driven_angle_deg (column 1)" and "driven_angle_deg (column 3)"',
             "is the name of columns 1 and 3",
             "--map map.toml",
         ),

@@ -51,6 +51,14 @@ def test_a_speed_that_angles_and_times_contradict_is_told(one: Any, says: str | 
         assert "recording 0" in remarks[0]
 
 
+def test_the_speed_of_the_pair_is_held_against_times_in_ms_alone() -> None:
+    """The pair file may state the speed of other recordings; a thousandth of it is a clock in ms."""
+    (said,) = speed_remarks([turning(0.03, stated=None)], of_pair=30.0)
+    assert "is of a pair stated to turn at 30 rpm, but turns at 0.03 rpm" in said and "are the times in ms?" in said
+    assert not list(speed_remarks([turning(45.0, stated=None)], of_pair=30.0))
+    assert not list(speed_remarks([turning(30.0, stated=30.0)], of_pair=30000.0))
+
+
 def test_a_recording_without_times_says_nothing_of_its_speed() -> None:
     one = turning(30.0, stated=60.0)
     one.time_s = None

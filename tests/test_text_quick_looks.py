@@ -53,6 +53,26 @@ def test_rows_are_told_as_by_a_look_at_each_cell(separator: str) -> None:
     assert seen == {False, True}
 
 
+@pytest.mark.parametrize(
+    ("text", "rows"),
+    [
+        (b"1:02 AM,5\n1:03 PM,6", True),
+        (b"1:02 am,5\n1:03 PM,6", False),
+        (b"1:02 AM,5\n1:03,6", True),  # which is told where it is read
+        (b"1:02 AM,5 AM\n1:03 PM,6", True),
+        (b"1:02 AM,5\nAMEN,6", False),
+        (b"1:02 AM,5\n1:03 AM 4,6", False),
+        (b"1:02 AM,5\n1:03 XM,6", False),
+    ],
+)
+def test_halves_of_the_day_are_no_words(text: bytes, rows: bool) -> None:
+    assert are_rows(text, ",", b"12:00 PM,7") == rows
+    assert (
+        are_rows(b"\n".join(b",".join(line.split(b",")[::-1]) for line in text.split(b"\n")), ",", b"7,12:00 PM")
+        == rows
+    )
+
+
 def test_rows_parted_by_blanks_are_told_as_by_a_look_at_each_cell() -> None:
     rng = np.random.default_rng(5)
     seen = set()
@@ -175,8 +195,12 @@ def both(monkeypatch: pytest.MonkeyPatch, file: Path, taken: list[bool]) -> tupl
         (("%H:%M:%S.%f",), True),
         (("%d.%m.%Y", "%H:%M:%S,%f"), True),
         (("%Y-%m-%dT%H:%M:%S.%fZ",), True),
-        (("%Y-%m-%dT%H:%M:%S.%f+01:00",), False),
-        (("%m/%d/%Y %I:%M:%S %p",), False),
+        (("%Y-%m-%dT%H:%M:%S.%f+01:00",), True),
+        (("%Y-%m-%d %H:%M:%S.%f -0330",), True),
+        (("%m/%d/%Y %I:%M:%S %p",), True),
+        (("%-m/%-d/%Y %-I:%M:%S.%f %p",), True),
+        (("%-I:%M:%S.%f%p",), True),
+        (("%-d.%-m.%Y", "%-H:%M:%S,%f"), True),
         (("%M:%S.%f",), False),
     ],
 )
@@ -203,6 +227,25 @@ def test_even_stamps_are_the_same_in_one_go_and_cell_by_cell(
             slow.others[name].number,
         )
     assert (quick.remarks, quick.doubts, quick.layout) == (slow.remarks, slow.doubts, slow.layout)
+
+
+def test_hours_of_twelve_and_changing_zones(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Noon and midnight, an hour that is none of twelve, and a clock that is set from winter to summer."""
+    pytest.importorskip("pyarrow")
+    hours = [f"{h} {half}" for half in ("AM", "PM") for h in (12, *range(1, 12))]
+    cells_ = [f"4/3/2026 {one.split()[0]}:{m:02d}:00 {one.split()[1]}" for one in hours for m in range(0, 60, 5)]
+    winter = [f"2026-03-29T{h:02d}:{m:02d}:00+{1 + (h > 1):02d}:00" for h in (0, 1, 3, 4) for m in range(60)]
+    for held, right in ((cells_, 300.0 * np.arange(288)), (winter, 60.0 * np.arange(240))):
+        file = tmp_path / "a.csv"
+        file.write_text("Time;A\n" + "".join(f"{one};{k},5\n" for k, one in enumerate(held)), encoding="utf-8")
+        quick, slow = both(monkeypatch, file, [])
+        assert isinstance(quick, Table) and isinstance(slow, Table)
+        np.testing.assert_array_equal(quick.others["Time"].values, right)
+        np.testing.assert_array_equal(slow.others["Time"].values, right)
+    cells_[100] = "4/3/2026 13:20:00 PM"
+    file.write_text("Time;A\n" + "".join(f"{one};{k},5\n" for k, one in enumerate(cells_)), encoding="utf-8")
+    quick, slow = both(monkeypatch, file, [])
+    assert quick == slow and "13:20:00 PM" in str(quick)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
             out.append(
                 f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}, and is followed"
             )
-    out += speed_remarks(aligned)
+    out += speed_remarks(aligned, of_pair=file.pair.speed_rpm)
     wrong = alignment.contradicted
     if wrong is not None:
         places = [

@@ -74,11 +74,13 @@ def _middle(speed: FloatArray | None) -> float | None:
     return float(np.median(held)) if held.size else None
 
 
-def speed_remarks(aligned: Sequence[Aligned]) -> Iterator[str]:
-    """Where a stated speed is not that of the angles over their times."""
+def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -> Iterator[str]:
+    """Where a stated speed is not that of the angles over their times; the speed ``of_pair`` in rpm, which may be of
+    other recordings, only where a mistaken unit explains it."""
     for k, one in enumerate(aligned):
         stated, time = one.cleaned.recording.speed_rpm, one.time_s
         stated = _middle(one.cleaned.speed_rpm) if stated is None else stated
+        of_file, stated = stated is None, of_pair if stated is None else stated
         if not stated or stated < 0.0 or time is None or time[-1] <= time[0]:
             continue
         turning = abs(float(one.theta_1[-1] - one.theta_1[0])) / float(time[-1] - time[0]) / RPM
@@ -87,4 +89,10 @@ def speed_remarks(aligned: Sequence[Aligned]) -> Iterator[str]:
             continue
         units = (*UNITS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
         hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < LIKE), "")
-        yield f"recording {k} states {stated:g} rpm, but turns at {turning:.3g} rpm by its angles and times{hint}"
+        if of_file and hint != TIMES_IN_MS:
+            continue
+        says = f"is of a pair stated to turn at {stated:g} rpm" if of_file else f"states {stated:g} rpm"
+        yield f"recording {k} {says}, but turns at {turning:.3g} rpm by its angles and times{hint}"
+
+
+TIMES_IN_MS = f": {UNITS[1][1]}"

@@ -148,8 +148,9 @@ def check_header(file: Path, where: str, names: Sequence[str], known: Sequence[s
             if parse_number(name) is not None:
                 wish = f"want a header row first, with columns of {known_list}"
                 raise InputFileError(file, where=where, found=f'the number "{name}" for a column name', wish=wish)
-            close = nearest(name, known)
-            wish = f'the nearest known column is "{close}"; want columns of {known_list}'
+            close = nearest(name, known, cutoff=0.6)  # a unit or a word more; others are another column
+            near = f'the nearest known column is "{close}"; ' if close else ""
+            wish = f"{near}want columns of {known_list}"
             raise InputFileError(file, where=where, found=f'unknown column "{shown(name)}"', wish=wish)
         if name in names[:i]:
             found = f'"{name}" is the name of columns {names.index(name) + 1} and {i + 1}'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,41 @@ import numpy.typing as npt
 
 from gearpoly.units import FloatArray
 
+LONGEST_CODE = 40
+"""Characters of a cell that are held; a time stamp has no more."""
 
-def even_codes(column: Any) -> npt.NDArray[np.uint8] | None:
-    """The characters (n, length) of a chunked column of bytes, all of one length; ``None`` where they are not."""
+
+def codes_of(column: Any) -> npt.NDArray[np.uint8] | None:
+    """The characters (n, length) of a chunked column of bytes, short ones filled up with zeros; ``None`` where one is
+    missing, empty or long."""
     parts = []
     for chunk in column.chunks:
+        if not len(chunk):
+            continue
         _, offsets, data = chunk.buffers()
         places = np.frombuffer(offsets, dtype=np.int32, count=len(chunk) + 1, offset=4 * chunk.offset)
-        length = int(places[1] - places[0]) if len(chunk) else 0
-        if chunk.null_count or length == 0 or (np.diff(places) != length).any():
+        lengths = np.diff(places)
+        least, most = int(lengths.min()), int(lengths.max())
+        if chunk.null_count or least == 0 or most > LONGEST_CODE:
             return None
-        held = np.frombuffer(data, dtype=np.uint8, count=length * len(chunk), offset=int(places[0]))
-        parts.append(held.reshape(-1, length))
-    return np.concatenate(parts) if parts and len({part.shape[1] for part in parts}) == 1 else None
+        held = np.frombuffer(data, dtype=np.uint8)[: int(places[-1])]
+        if least == most:
+            parts.append(held[int(places[0]) :].reshape(-1, most))
+            continue
+        part = np.zeros((len(chunk), most), dtype=np.uint8)
+        for length in np.unique(lengths).tolist():
+            rows = np.flatnonzero(lengths == length)
+            part[rows, :length] = held[places[rows][:, np.newaxis] + np.arange(length)]
+        parts.append(part)
+    return joined_codes(parts) if parts else None
+
+
+def joined_codes(parts: Sequence[npt.NDArray[np.uint8]]) -> npt.NDArray[np.uint8]:
+    """The characters (n, length) of all parts, one below the other, short ones filled up with zeros."""
+    most = max(part.shape[1] for part in parts)
+    return np.concatenate(
+        [part if part.shape[1] == most else np.pad(part, ((0, 0), (0, most - part.shape[1]))) for part in parts]
+    )
 
 
 def doubles(column: Any) -> FloatArray | None:

@@ -222,6 +222,10 @@ def _first_row(recording: Recording) -> int:
 def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
     """Time must not run back: files that were strung together, or a clock that was set."""
     back = np.flatnonzero(np.diff(position) < 0.0)
+    if 2 * back.size > position.size:
+        found = f"a time that falls from row to row, from {position[0]:g} to {position[-1]:g} s"
+        wish = "want the oldest row first: sort the rows by their times"
+        raise InputFileError(recording.source, where="column time_s", found=found, wish=wish)
     if back.size:
         sample = int(keep[back[0] + 1])
         found = f"a time {position[back[0]] - position[back[0] + 1]:g} s before the row above"
@@ -260,7 +264,8 @@ def _check_direction(recording: Recording, shafts: dict[str, Continuous]) -> Non
         turns = " and ".join(f"{-travel[name] / TURN:.2f}" for name in wrong)
         found, counts = f"angles that both {goes}, by {turns} turns, as the recording runs", "both encoders count"
     wanted = "fall" if recording.backward else "rise"
-    wish = f"want angles that {wanted} as the pair runs {runs}; state {keys} if {counts} the other way"
+    wish = f"want angles that {wanted} as the pair runs {runs}; state {keys} (in a map as keys.NAME) if {counts} "
+    wish += "the other way"
     if len(wrong) == len(shafts):
         way, ran = ("false", "forward") if recording.backward else ("true", "backwards")
         wish += f", or reversed = {way} if the pair ran {ran}"

@@ -24,7 +24,7 @@ MAP_LIMIT_BYTES = 2**20
 """Largest map; one of every column has 4 kB."""
 
 TOP = ("section", "leave_out", "text", "keys", "columns")
-TEXT = ("encoding", "separator", "decimal", "thousands", "dates", "header_line", "units_line", "missing")
+TEXT = ("encoding", "separator", "decimal", "thousands", "dates", "header_line", "units_line", "missing", "torn_lines")
 COLUMN = ("from", "unit", "scale", "sign", "zero", "wraps")
 
 LINES_LIMIT = 10_000_000
@@ -188,7 +188,10 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
     missing = raw.get("missing", [])
     if not isinstance(missing, list) or not all(isinstance(one, str) and one.strip() for one in missing):
         raise _fault(file, "text.missing", missing, 'a list of cells without a reading, as text: ["OVERLOAD", "-9999"]')
-    held: dict[str, Any] = {key: str(raw[key]) for key in TEXT[:5] if key in raw}
+    torn = raw.get("torn_lines", "")
+    if torn not in ("", "left out"):
+        raise _fault(file, "text.torn_lines", torn, '"left out", or no such line to have them told')
+    held: dict[str, Any] = {key: str(raw[key]) for key in (*TEXT[:5], "torn_lines") if key in raw}
     held["missing"] = tuple(one.strip() for one in missing)
     return Writing(**(held | lines))
 

@@ -10,12 +10,17 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
+from gearpoly.recording.by_readings import contradicting, since_1970
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import contradicting, header_unit, quoted
+from gearpoly.recording.meaning import header_unit, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
+
+SLIP = 0.75
+"""Likeness (difflib, 0..1) from which a name in a map is one of the file misspelt: two letters exchanged in six give
+0.83, and "angle in" is to "angle away" 0.67."""
 
 
 def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
@@ -104,7 +109,7 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
         numbers = {one.number or k: path for k, (path, one) in enumerate(channels.items(), start=1)}
         if int(number) in numbers:
             return numbers[int(number)]
-    close = nearest(name, channels)
+    close = nearest(name, channels, cutoff=SLIP)
     there = shorten(", ".join(channels), width=200)
     found = f'"{shorten(name)}" is no column of the recording'
     if len(bare) > 1:
@@ -124,6 +129,9 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         read = np.isfinite(values)
         values = values.copy()
         values[read] = np.unwrap(values[read], period=source.wraps)
+    if column == "time_s" and (counted := since_1970(values)) is not None and counted.size == factor:
+        values = values - values[np.isfinite(values)][0]  # small, so that no digit is lost where it is used
+        out.remarks.append(f'"{shorten(source.channel)}" counts from 1970, and is taken from its first reading on')
     if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
         values = values - source.zero if source.zero else values
         factor *= source.sign

@@ -8,6 +8,7 @@ read by a library in a process of its own.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import zlib
 from collections.abc import Mapping
@@ -60,6 +61,10 @@ from gearpoly.recording.table import Channel, Table
 
 DEPTH = 4
 """Structs within structs that are looked through: data of a run of a test of a rig."""
+
+
+SERIES = ("Data", "data", "Values", "values")
+"""Fields of a struct that hold the numbers of a channel."""
 
 
 def read_table(file: Path) -> Table:
@@ -119,7 +124,8 @@ def _read(file: Path, stream: BinaryIO) -> Table:
             table.columns[name] = numbers(file, name, numbers_of(array))
         else:
             values = np.ascontiguousarray(numbers_of(array).reshape(-1), dtype=np.float64)
-            table.others[name] = Channel(values=values, leaf=others[name][0])
+            leaf, unit = _called(file, groups[name.rpartition(".")[0]], others[name][0])
+            table.others[name] = Channel(values=values, unit=unit, leaf=leaf)
     take_tables(file, table, objects, lambda names: read_apart(TABLES, file, names))
     take_own(file, table)
     check_held(file, where or "variables", table, left)
@@ -195,6 +201,20 @@ def _others(
             elif size > 1:
                 out[path] = (name, array)
     return out, left
+
+
+def _called(file: Path, beside: Mapping[str, Array], field: str) -> tuple[str, str]:
+    """The name and the unit of the numbers in a ``field``: those in the texts ``Name`` and ``Unit`` beside them, where
+    ControlDesk and others keep each channel as a struct; else the field's own name, and nothing."""
+    texts = []
+    for key in ("Name", "Unit"):
+        text: object = ""
+        if key in beside and beside[key].kind == CHAR:
+            with contextlib.suppress(InputFileError):  # a long text is no name, and nothing of the recording
+                text = _value(file, field, beside[key])
+        texts.append(str(text).strip())
+    name = texts[0].rpartition("/")[2].strip('" ')  # the last part of a path in the model
+    return (name, texts[1]) if field in SERIES and name else (field, "")
 
 
 def _is_scalar_key(name: str, array: Array) -> bool:

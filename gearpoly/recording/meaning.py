@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.errors import shown
+from gearpoly.recording.by_readings import are_days, contradicting, since_1970, wrapped_unit
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -29,27 +30,22 @@ from gearpoly.recording.quantities import (
     unit_written,
     units_written,
 )
-from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, SHAFTS
 from gearpoly.recording.table import Channel
-from gearpoly.recording.words import NAME_LIMIT, OTHER, TE, plain, quantity_of, shaft_of, tokens
+from gearpoly.recording.words import NAME_LIMIT, OTHER, TE, by_letter, plain, quantity_of, shaft_of, tokens
 from gearpoly.units import FloatArray
 
+_BRACKETS = (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*\{([^{}]*)\}", r"(.*\S)\s*<([^<>]*)>")
+
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
+
+COUNTED = ("count", "counts", "inc", "incs", "inkremente", "impulse", "pulses", "ticks", "cts")
+"""Units of nothing but an encoder's counts."""
 
 NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
 """Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
 
-SERIAL_DAYS = (20_000.0, 80_000.0)
-"""Days by which spreadsheets count dates, from 1954 to 2119."""
-
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
-
-ENOUGH = 16_000
-"""Readings of an angle that are looked at for its unit, the first or some of all; a turn has a few hundred."""
-
-WRAP_TOLERANCE = 0.01
-"""Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
-a tenth apart."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +80,11 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
         ask = (entry(column, one.channel, one.unit),)
         found[found.index(one)] = replace(one, column=column, ask=ask)
+    counts = [one for one in found if one.dimension == COUNT and one.doubt and not shafts[one.channel]]
+    free = [shaft for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True) if angle not in taken]
+    for one, shaft in zip(counts, (s for s in free if s not in shafts.values()), strict=False):
+        found[found.index(one)] = _counted(one, shaft)
+    found = _without_twins(channels, found)
     found = _called_twice(channels, found)
     for column in {one.column for one in found if one.column and not one.doubt}:
         rivals = [one for one in found if one.column == column and not one.doubt]
@@ -96,16 +97,41 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     return found
 
 
+def _without_twins(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
+    """What was ``found``, without what states once more what another channel states in the same numbers: a trace that
+    comes with a time for each channel. What lies in another group is of another recording."""
+    out: list[Meaning] = []
+    for one in found:
+        held = channels[one.channel]
+        twin = next(
+            (
+                other.channel
+                for other in out
+                if one.column and other.column == one.column and other.unit == one.unit
+                if channels[other.channel].group(other.channel) == held.group(one.channel)
+                if np.array_equal(channels[other.channel].values, held.values, equal_nan=True)
+            ),
+            None,
+        )
+        out.append(
+            one
+            if twin is None
+            else Meaning(channel=one.channel, why=f'the same readings as "{shown(twin)}"', dimension=one.dimension)
+        )
+    return out
+
+
 def _called_twice(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
     """What was ``found``, with a doubt of each that may be a column and whose name another one has too."""
     numbers: dict[str, list[int]] = {}
-    for channel in channels.values():
-        if channel.number and channel.leaf:
+    meant = {one.channel for one in found if one.column}
+    for name, channel in channels.items():
+        if channel.number and channel.leaf and name in meant:
             numbers.setdefault(channel.leaf, []).append(channel.number)
     out = []
     for one in found:
         held = channels[one.channel]
-        alike = numbers.get(held.leaf, ()) if held.number else ()
+        alike = numbers.get(held.leaf, ()) if held.number and held.leaf else ()
         if one.column and len(alike) > 1:
             doubt = f'"{shown(held.leaf)}" is the name of columns {" and ".join(map(str, alike))}'
             doubt += f", and {one.doubt}" if one.doubt else ""
@@ -133,10 +159,11 @@ def header_unit(header: str) -> tuple[str, str]:
         return text, ""
     if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
         return found[1].strip(), found[2].strip()
-    for pattern in (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):
+    for pattern in (*_BRACKETS, r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):
         found = re.fullmatch(pattern, text)
         known = found is not None and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL)
-        if found and known and not (pattern is _SUFFIX and found[2].lower() in NO_SUFFIX):
+        ended = pattern is _SUFFIX and found is not None and (found[2].lower() in NO_SUFFIX or found[2][:1].isdigit())
+        if found and known and not ended:
             return found[1].strip(), found[2].strip()
     return text, ""
 
@@ -151,26 +178,30 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     if quantity == OTHER:
         return Meaning(channel=channel)
     doubt = ""
-    letter = len(plain(name)) == 1 and name.strip() != "t"
+    letter = by_letter(name) and name.strip() != "t"
     if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
+        if stated.strip().lower() in COUNTED:
+            dimensions = {COUNT}
         if len(dimensions) != 1:
             return Meaning(channel=channel)
         quantity = dimensions.pop()
         doubt = f"known by its unit alone, {stated}"
     if quantity == TIME:
         unit = unit_written(stated, TIME)
-        if unit is None and not stated and "dat" in plain(name) and _are_days(held.values):
+        if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
             doubt = "a date as spreadsheets count them, in days"
             ask = (entry("time_s", channel, UNITS[TIME]["d"]),)
             return Meaning(channel=channel, column="time_s", dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask)
+        counted = since_1970(held.values) if unit is None and not stated else None
+        if counted is not None:
+            why = f'"{name}", {counted.name} since 1970'
+            return Meaning(channel=channel, column="time_s", unit=counted, dimension=TIME, why=why)
         return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
     if quantity == COUNT:
-        column = f"{shaft or 'driving'}_count"
         doubt = "counts of an encoder whose lines are not stated"
-        own = f"keys.{shaft or 'driving'}"
-        counts = (entry(column, channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
-        return Meaning(channel=channel, column=column, dimension=COUNT, why=f'"{name}"', doubt=doubt, ask=counts)
+        found = Meaning(channel=channel, dimension=COUNT, why=f'"{name}"', doubt=doubt)
+        return _counted(found, shaft or "driving")
     if quantity == TE:
         unit = unit_written(stated, ANGLE) or unit_written(stated, LENGTH)
         column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
@@ -182,7 +213,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     doubts = [doubt] if doubt else []
     other = contradicting(held.values, unit) if quantity == ANGLE and unit is not None else None
     if unit is not None and other is not None:
-        doubts.append(f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}")
+        many = f" (or after more turns: unit = {quoted(unit.name)} and wraps)" if other.name[:1].isdigit() else ""
+        doubts.append(
+            f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}{many}"
+        )
         unit = other
     if quantity == TORQUE and shaft == "driving":
         doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
@@ -194,10 +228,11 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     return replace(settled, named=not doubt)
 
 
-def _are_days(values: FloatArray) -> bool:
-    """Whether readings (n,) may be dates of a spreadsheet."""
-    held = values[np.isfinite(values)]
-    return bool(held.size and SERIAL_DAYS[0] < held.min() and held.max() < SERIAL_DAYS[1])
+def _counted(one: Meaning, shaft: str) -> Meaning:
+    """Counts as those of a ``shaft``, with the lines of a map that say so."""
+    own, column = f"keys.{shaft}", f"{shaft}_count"
+    ask = (entry(column, one.channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
+    return replace(one, column=column, ask=ask)
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:
@@ -225,7 +260,7 @@ def _settled(
         dimension=dimension,
         why=f'"{name}", {known}' if unit is not None else f'"{name}"',
         doubt=doubt,
-        ask=(entry(column, channel, unit),) if doubt else (),
+        ask=(entry(column, channel, unit, *(["scale = 1.0"] if stated and unit is None else [])),) if doubt else (),
     )
 
 
@@ -238,8 +273,9 @@ def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """A text as TOML writes it, whatever it holds."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    """A text as TOML writes it, whatever it holds; what does not print is escaped, so that it can be copied."""
+    held = json.dumps(text, ensure_ascii=False)
+    return held if held.isprintable() else "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in held)
 
 
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:
@@ -251,48 +287,3 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
     if stated:
         return unit_written(stated, dimension)
     return wrapped_unit(values) if dimension == ANGLE else None
-
-
-@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
-def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
-    """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
-    shown_by, net = _begun_again(values)
-    if shown_by is None or abs(shown_by.size / unit.size - 1.0) <= WRAP_TOLERANCE:
-        return None
-    # A spike goes there and back; of turns more begin again one way than the other.
-    return shown_by if net else None
-
-
-def wrapped_unit(values: FloatArray) -> Unit | None:
-    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
-    return _begun_again(values)[0]
-
-
-def _begun_again(values: FloatArray) -> tuple[Unit | None, int]:
-    """The unit in which readings (n,) begin again after one turn, by the first of many or by some of all, and how many
-    more of them do so downward than upward."""
-    for some in (values[:ENOUGH], values[:: max(1, values.size // ENOUGH)]):
-        found = _jumps(some)
-        if found[0] is not None:
-            return found
-    return None, 0
-
-
-def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
-    read = np.isfinite(values)
-    held = values if read.all() else values[read]
-    if held.size < 8:
-        return None, 0
-    with np.errstate(over="ignore"):  # a damaged file may hold anything
-        steps = np.diff(held)
-        span = float(np.ptp(held))
-    sizes = np.abs(steps)
-    jumps = steps[sizes > 0.5 * span]
-    if not 1 <= jumps.size <= held.size // 4:
-        return None, 0
-    usual = float(np.median(sizes))
-    modulus = float(np.median(np.abs(jumps))) + usual
-    for unit in (UNITS[ANGLE][one] for one in ("deg", "rad", "gon", "mrad")):
-        if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
-            return unit, -int(np.sum(np.sign(jumps)))
-    return None, 0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.errors import InputFileError, MissingExtraError
+from gearpoly.files.traces import shorten
 from gearpoly.recording.arrow import doubles
 from gearpoly.recording.reader import (
     Reader,
@@ -49,6 +50,10 @@ def read_table(file: Path) -> Table:
             name: types.is_floating(column.type) or types.is_integer(column.type) or types.is_boolean(column.type)
             for name, column in named.items()
         }
+        clocks = [
+            name for name, column in named.items() if types.is_timestamp(column.type) or types.is_duration(column.type)
+        ]
+        clock = clocks[0] if len(clocks) == 1 and "time_s" not in named else ""
         for name, column in named.items():
             if name in COLUMNS:
                 stamps = name == "time_s" and types.is_timestamp(column.type)
@@ -65,7 +70,7 @@ def read_table(file: Path) -> Table:
                 take_key(file, "metadata", name, text_value(value.decode("utf-8", errors="replace")), keys)
         table = Table(columns={}, keys=keys)
         for number, (name, column) in enumerate(named.items(), start=1):
-            if not plain[name] and name != "time_s":
+            if not plain[name] and name != "time_s" and name not in clocks:
                 continue
             # One at a time, so that only one column is held twice; all of a name come at once.
             alike = [k for k, one in enumerate(schema.names, start=1) if one == column.name]
@@ -74,13 +79,19 @@ def read_table(file: Path) -> Table:
             if values is None:
                 values = np.asarray(held.to_numpy())
             del held
-            if name in (*COLUMNS, *PASSED_OVER):
+            if name == clock:
+                table.columns["time_s"] = numbers(file, "time_s", values)
+                table.remarks.append(f'"{shorten(name)}" taken for time_s: the only time stamps, in s after the first')
+            elif name in (*COLUMNS, *PASSED_OVER):
                 table.columns[name] = numbers(file, name, values)
+            elif name in clocks:
+                leaf = column.name if column.name != name else ""
+                table.others[name] = Channel(values=numbers(file, "time_s", values), unit="s", leaf=leaf, number=number)
             else:
                 values = np.ascontiguousarray(values, dtype=np.float64)
                 leaf = column.name if column.name != name else ""
                 table.others[name] = Channel(values=values, unit=_unit(column), leaf=leaf, number=number)
-        left = [name for name in named if not plain[name] and name != "time_s"]
+        left = [name for name in named if not plain[name] and name != "time_s" and name not in clocks]
     pass_over(table)
     check_held(file, "schema", table, left)
     return table

@@ -131,7 +131,8 @@ def fault_of(file: Path, section: Section) -> InputFileError | None:
         return InputFileError(file, where=where, found="no Pixel scale", wish=wish)
     if section.pulsed and not known.get("rate", 0.0) > 0.0:
         wish = "want xRate = a number above 0, without which pulses are no angle: calibrate PHD2, and guide again"
-        return InputFileError(file, where=where, found="no xRate", wish=wish)
+        found = f"xRate = {known['rate']:g}" if "rate" in known else "no xRate"
+        return InputFileError(file, where=where, found=found, wish=wish)
     if abs(known.get("declination", 0.0)) > POLE_DEG:
         wish = f"want a star within {POLE_DEG:g} deg of the equator; beyond, the axis hardly moves it"
         found = f"a declination of {known['declination']:g} deg"

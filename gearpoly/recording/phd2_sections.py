@@ -33,7 +33,10 @@ DECIMALS = (
 SEEN = (0, 1)
 """Error codes of frames that show the star: none, and saturated. By others it is lost, weak or another one."""
 
-NUMBER = r"(-?\d+(?:[.,]\d+)?)"
+NUMBER = r"([+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)"
+
+SENSES = {"W": 1.0, "WEST": 1.0, "E": -1.0, "EAST": -1.0}
+"""Directions of pulses along the right ascension; a pulse to the west takes the star back that the axis lets fall."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +174,8 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: S
         try:
             values[name] = float(text)
         except ValueError:
-            section.fault = _fault(file, number, f"{name} = {shorten(text)}", "want a number")
+            wish = "want a number; delete the line if it is torn"
+            section.fault = _fault(file, number, f"{name} = {shorten(text)}", wish)
             return
     time, pulse = values["Time"], values["RADuration"]
     if not (math.isfinite(time) and math.isfinite(pulse)) or any(map(math.isinf, values.values())):
@@ -186,7 +190,13 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: S
         return
     seen = cells["mount"] != "DROP" and cells.get("ErrorCode", "0").strip() in ("", *map(str, SEEN))
     x, y, offset = (values[name] if seen else math.nan for name in ("dx", "dy", "RARawDistance"))
-    sense = {"W": 1.0, "E": -1.0}.get(cells["RADirection"], 0.0)
+    way = cells["RADirection"].strip()
+    sense = SENSES.get(way.upper(), 0.0)
+    if pulse < 0.0 or (pulse > 0.0 and not sense):  # left out, a pulse would be read as motion of the axis
+        found = f"RADuration = {pulse:g} with RADirection = {shorten(way) or 'nothing'}"
+        wish = "want durations of 0 ms or more, with W or E; write them so, or delete the line if it is torn"
+        section.fault = _fault(file, number, found, wish)
+        return
     aim = len(section.aims) - 1
     section.frames.append(Frame(time, x, y, offset, sense * pulse / 1000.0, aim))
 

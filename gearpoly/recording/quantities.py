@@ -115,15 +115,32 @@ _BY_SPELLING: dict[str, dict[str, Unit]] = {
 }
 
 
+_MULTIPLE = re.compile(r"(1/)?(\d{1,6}(?:[.,]\d{1,9})?(?:[eE][+-]?\d{1,2})?)[.*x\u00d7\u00b7]?([^\d.,/+-].*)")
+"""A number before a unit: 0.01 deg, 1/10 deg, 1e-3 rad."""
+
+
 def units_written(text: str) -> tuple[Unit, ...]:
     """Every unit that ``text`` may mean, one a dimension (``nm`` is a torque or a length); none where it is not known.
+    A number before a unit makes a multiple of it (0.01 deg).
 
     Case says nothing, but for an M before small letters, which is no milli.
     """
     plain = _plain(text)
     found = (spellings.get(plain.lower()) for spellings in _BY_SPELLING.values())
     mega = plain[:1] == "M" and plain != plain.upper()
-    return tuple(one for one in found if one is not None and not (mega and one.name in _MILLI))
+    units = tuple(one for one in found if one is not None and not (mega and one.name in _MILLI))
+    many = _MULTIPLE.fullmatch(plain) if not units else None
+    if many is None:
+        return units
+    number = float(many[2].replace(",", "."))
+    if number == 0.0:
+        return ()
+    factor = 1.0 / number if many[1] else number
+    return tuple(
+        Unit(name=f"{factor:g} {one.name}", dimension=one.dimension, size=factor * one.size)
+        for one in units_written(many[3])
+        if one.dimension != COUNT and not one.name[:1].isdigit()
+    )
 
 
 def unit_written(text: str, dimension: str) -> Unit | None:

@@ -17,6 +17,7 @@ from gearpoly.recording.apart import read_apart
 from gearpoly.recording.brought import brought
 from gearpoly.recording.elsewhere import known_elsewhere
 from gearpoly.recording.map_file import RecordingMap, read_map
+from gearpoly.recording.parts import join_parts
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.runs import NAMED, runs_of, usable
@@ -122,6 +123,13 @@ def read_set(paths: Sequence[Path], maps: Sequence[Path] | None, *, worm: WormSe
 def read_tables(path: Path, chart: RecordingMap | None = None) -> list[Table]:
     """What the reader of a file's format finds in it: one table for every recording, or that of the number behind its
     name, or of the map's section."""
+    tables = _tables(path, chart)
+    for table in tables:
+        join_parts(table)
+    return tables
+
+
+def _tables(path: Path, chart: RecordingMap | None) -> list[Table]:
     file, part = parted(path)
     reader = find_reader(file)
     if chart is not None and reader.several is None and chart.writing != Writing():

@@ -21,9 +21,10 @@ from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
+from gearpoly.recording.by_readings import contradicting
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.finite import has_infinite
-from gearpoly.recording.meaning import contradicting, entry
+from gearpoly.recording.meaning import entry
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
@@ -32,6 +33,7 @@ from gearpoly.recording.recording import (
     KEYS,
     PASSED_OVER,
     RAW_COLUMNS,
+    SHAFTS,
     TE_COLUMNS,
     Recording,
     check_complete,
@@ -258,7 +260,7 @@ def since_first(stamps: npt.NDArray[Any]) -> FloatArray:
 def numbers(file: Path, name: str, values: npt.NDArray[Any]) -> FloatArray:
     """One column as float64 (n,); a row or a column of a matrix counts, text and complex numbers do not. Time stamps
     are seconds since the first of them."""
-    if name == "time_s" and values.dtype.kind == "M":
+    if name == "time_s" and values.dtype.kind in "mM":
         values = since_first(values)
     if values.dtype.kind not in "iufb":
         wish = "want plain numbers"
@@ -294,11 +296,18 @@ def offered(
     return [name for name in sizes if name in own]
 
 
+APART = "each column of a matrix or of a table as a series of its own"
+"""What makes a recording of numbers that are kept together."""
+
+
 def check_held(file: Path, where: str, table: Table, left: Collection[str]) -> None:
     """Raise ``InputFileError`` where a ``table`` has no numbers; say what was ``left`` out where it has."""
     said = shorten(", ".join(left), width=200)
     if not table.columns and not table.others:
         held = f"no column of a recording, only {said}" if left else "no columns"
-        raise InputFileError(file, where=where, found=held, wish=f"want columns of {', '.join(COLUMNS)}")
+        apart = f"{APART}, or " if left else ""
+        raise InputFileError(file, where=where, found=held, wish=f"want {apart}columns of {', '.join(COLUMNS)}")
+    if left and len(table.columns) + len(table.others) < len(SHAFTS) and table.unread is None:
+        table.unread = (f"{said}, which is no series of plain numbers", f"want {APART}")
     if left:
         table.remarks.append(f"not read, since no series of plain numbers: {said}")

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import GearpolyError
+from gearpoly.recording.clean import clean
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
@@ -132,6 +133,8 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     try:
         runs = runs_of(recording_from_table(file, taken(file, _copied(table), chart)))
         usable(runs)
+        if len(runs) == 1:
+            _check_clean(runs[0])
     except GearpolyError as error:
         refusal = str(error)
     out, found = assigned(file, table, chart)
@@ -158,6 +161,22 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         ),
         lost=tuple((forth + 1, back + 1, one) for forth, back, one in lost_motions(runs)),
     )
+
+
+CLEANED_MOST = 300_000
+"""Samples up to which a recording is cleaned to see whether a comparison would refuse it; that takes 0.1 s, and a file
+of 100 MB shall be told within two."""
+
+
+def _check_clean(run: Recording) -> None:
+    """Raise what a comparison would, whatever the pair: a time or a shaft that runs back, too few turns."""
+    if run.size > CLEANED_MOST or run.te_mm is not None:
+        return
+    ends = []
+    for angle in (run.driving_angle_rad, run.driven_angle_rad):
+        read = np.empty(0) if angle is None else angle[np.isfinite(angle)]
+        ends.append(abs(float(np.unwrap(read)[-1] - read[0])) if read.size else 0.0)
+    clean(run, ratio=ends[1] / ends[0] if min(ends) > 0.0 else 1.0)
 
 
 def _seal(table: Table) -> None:
@@ -218,13 +237,13 @@ def _clock(time: FloatArray) -> Clock:
     rows = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[rows] if rows.size < time.size else time)
     some = steps[:: max(1, steps.size // ENOUGH)]
-    rising = some[some > 0.0]
+    rising = some[some > 0.0] if 2 * np.count_nonzero(some < 0.0) < some.size else -some[some < 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
     wide = np.flatnonzero(steps > GAP_STEPS * usual)
     return Clock(
         rate_hz=1.0 / usual,
         spread=(high - low) / usual,
-        seconds=float(time[rows[-1]] - time[rows[0]]) if rows.size else 0.0,
+        seconds=abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0,
         gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
         backs=tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0)),
     )

@@ -31,6 +31,9 @@ ASKED = (TIME, TORQUE)
 """Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
 is found without a word."""
 
+ASKED_AT_ONCE = 4
+"""Columns in doubt that one message names: time, both angles and a torque."""
+
 SAME_SPEED = 0.01
 """Relative. A speed display is as true, and speeds of the two shafts differ by a tooth or more, unless they are one."""
 
@@ -52,7 +55,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
     if table.doubts:
         first = table.doubts[0]
         raise InputFileError(file, found=first.says, wish=_wish(first.ask))
-    if not table.others and chart is None:
+    if not table.others and chart is None and (table.unread is None or angles_known(table.columns)):
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
@@ -175,33 +178,55 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not angles_known(out.columns):
-        needed = [one for one in doubtful if one.dimension == ANGLE] or [
+        angles = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in ASKED
         ]
-        if not needed:
+        needed = [*angles, *(one for one in needed if one not in angles)]
+        if not angles:
             there = shorten(", ".join(one.channel for one in meant), width=200)
-            lacks = " and ".join(name for name in ANGLE_COLUMNS if name not in out.columns)
+            lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
+            lacks = " and ".join(lacking)
             free = [one for one in meant if one.channel not in out.taken_from.values()]
-            first = min(free, key=lambda one: bool(one.dimension)).channel if free else "name"
-            wanted = next(name for name in ANGLE_COLUMNS if name not in out.columns)
-            ask = (entry(wanted, first, None),)
-            if all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
+            ask = _offered(lacking, free)
+            if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
             if out.unread is not None:
-                found = f"no column that is surely {lacks}, only {there}; and {out.unread[0]}"
+                found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
                 raise InputFileError(file, found=found, wish=out.unread[1])
+            if len(free) < len(lacking):
+                wish = "want the readings of both shafts, or of one and a transmission error, in one file"
+                raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=wish)
             raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
     if needed:
-        one = needed[0]
-        more = f" (and {len(needed) - 1} more in doubt)" if len(needed) > 1 else ""
-        raise InputFileError(
-            file, where=f'column "{shorten(one.channel)}"', found=f"{one.doubt}{more}", wish=_wish(one.ask)
-        )
+        raise _in_doubt(file, needed)
+
+
+def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
+    """The error for columns in doubt: what each may be, and a line of a map for each that asks for another key."""
+    named = needed[:ASKED_AT_ONCE]
+    by_doubt: dict[str, list[str]] = {}
+    ask: dict[str, str] = {}
+    for one in named:
+        by_doubt.setdefault(one.doubt, []).append(f'"{shorten(one.channel)}"')
+        for line in one.ask:
+            ask.setdefault(line.partition(" = ")[0], line)
+    (doubt, columns), *others = by_doubt.items()
+    says = "".join(f"; {' and '.join(channels)}: {other}" for other, channels in others)
+    beyond = f" (and {len(needed) - len(named)} more in doubt)" if len(needed) > len(named) else ""
+    where = f"column{'s' * (len(columns) > 1)} {' and '.join(columns)}"
+    return InputFileError(file, where=where, found=f"{doubt}{says}{beyond}", wish=_wish(list(ask.values())))
+
+
+def _offered(lacking: Sequence[str], free: Sequence[Meaning]) -> tuple[str, ...]:
+    """The lines of a map for the angles that no name says, one channel for each: those that say the least else."""
+    likely = sorted(free, key=lambda one: bool(one.dimension))
+    return tuple(entry(angle, one.channel, None) for angle, one in zip(lacking, likely, strict=False))
 
 
 def _wish(ask: Sequence[str]) -> str:
-    return f"want in a map, if so: {' '.join(ask)} ({SETTLE})"
+    each = ", each on a line" if len(ask) > 1 else ""
+    return f"want in a map, if so{each}: {' '.join(ask)} ({SETTLE})"
 
 
 def _say_left(found: Iterable[Meaning], out: Table) -> None:

@@ -28,13 +28,17 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
         "drehzahl|geschwindigkeit|speed|velocity|vitesse|velocidad|velocita|numero di giri|omega",
     ),
     (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
-    (TIME, "t time temps tiempo tempo hora ora heure datum date fecha clock", "zeit|timestamp|time stamp|horodatage"),
-    (ANGLE, "phi theta angle angles angulo angolo", "winkel|angle|angulo|angolo"),
+    (
+        TIME,
+        "t time temps tiempo tempo hora ora heure datum date fecha clock epoch stamp",
+        "zeit|timestamp|time stamp|unix ?time|horodatage",
+    ),
+    (ANGLE, "phi theta φ θ ϕ ϑ angle angles angulo angolo", "winkel|angle|angulo|angolo"),
     (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
 )
 """Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
-row is of quantities that no column holds, some of which have an angle in their names. A name of one letter counts only
-with a unit that fits, but for t."""
+row is of quantities that no column holds, some of which have an angle in their names. A word of one letter counts only
+with a unit that fits, but for a name that is t."""
 
 SHAFT_WORDS = {
     "driving": (
@@ -66,6 +70,17 @@ def quantity_of(name: str) -> str:
     return ""
 
 
+def by_letter(name: str) -> bool:
+    """Whether one letter alone says the quantity of a channel's name, as in ``n Antrieb``; so do pieces of words in an
+    encoding that was not found."""
+    words, whole_words = plain(name), tokens(name)
+    for _, whole, parts in QUANTITIES:
+        held = set(whole.split()) & whole_words
+        if held or re.search(parts, words):
+            return bool(held) and not re.search(parts, words) and all(len(one) == 1 for one in held)
+    return False
+
+
 def shaft_of(name: str, *, outs: bool = False) -> str:
     """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
     words, whole_words = plain(name), tokens(name)
@@ -83,9 +98,14 @@ def shaft_of(name: str, *, outs: bool = False) -> str:
 
 def plain(name: str) -> str:
     """A name in small letters, without accents, its words parted by one blank."""
-    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT])
-    bare = unicodedata.normalize("NFKD", split.lower())
-    return " ".join(re.findall(r"[a-z]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
+    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT]).translate(_LOWERED)
+    bare = unicodedata.normalize("NFD", split.lower())
+    # Letters of other alphabets part no words, so that none falls into pieces of one letter.
+    return " ".join(re.findall(r"[^\W\d_]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))
+
+
+_LOWERED = {0x2080 + k: str(k) for k in range(10)}
+"""Lowered digits, as of phi_1."""
 
 
 def tokens(name: str) -> set[str]:

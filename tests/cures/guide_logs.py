@@ -36,6 +36,11 @@ CURES = [
     log("long line", "want a guide log with lines", LOG + "x" * 20_000 + "\n"),
     log("optics", "want a log without adaptive optics", LOG.replace('"Mount"', '"AO"')),
     log("a word", "want a number", LOG.replace(FRAME, FRAME.replace(FRAME.split(",")[1], "soon"))),
+    log(
+        "a pulse without direction",
+        "want durations of 0 ms or more, with W or E",
+        LOG.replace(FRAME, ",".join([*FRAME.split(",")[:10], "Ost", *FRAME.split(",")[11:]])),
+    ),
     log("infinite", "want finite numbers", LOG.replace(FRAME, FRAME.replace(FRAME.split(",")[1], "1e999"))),
     log(
         "clock",

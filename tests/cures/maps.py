@@ -55,6 +55,7 @@ CURES = [
     ),
     line("dates", '"day first"', 'text.dates = "days"\n', 'text.dates = "day first"\n'),
     line("missing", 'as text: ["OVERLOAD", "-9999"]', "text.missing = [-9999]\n", 'text.missing = ["-9999"]\n'),
+    line("torn lines", '"left out", or no such line', "text.torn_lines = true\n", 'text.torn_lines = "left out"\n'),
     line("encoding", '"utf-8", "utf-16", "cp1252"', 'text.encoding = "utf-99"\n', 'text.encoding = "utf-8"\n'),
     line("units alone", "want header_line, the line of the names", "text.units_line = 1\n", "text.header_line = 1\n"),
     line("section", "or no section where there is one recording", "section = 3\n"),
@@ -67,7 +68,7 @@ CURES = [
     torque("source", "in quotes: from =", "from = 3", 'from = "M", unit = "N.m"'),
     torque(
         "column that is not there",
-        "there are: t, Winkel 1, Winkel 2, M",
+        "want one of: t, Winkel 1, Winkel 2, M",
         'from = "N", unit = "N.m"',
         'from = "M", unit = "N.m"',
     ),

@@ -17,7 +17,7 @@ def rows(head: str = TABLE_HEAD, lines: list[str] | None = None) -> str:
 
 
 def tabled(
-    name: str, says: str, bad: str | bytes, good: str = "", *, layout: str = FREE, cured: str | None = None
+    name: str, says: str, bad: str | bytes, good: str | None = "", *, layout: str = FREE, cured: str | None = None
 ) -> Cure:
     """A table that is refused, and one in its place, or the map that says what it leaves open."""
     return sheet(
@@ -40,7 +40,7 @@ TABLES = [
     tabled("cells", "a map may state separator and decimal", TABLE + "18;1\n"),
     tabled(
         "unknown head",
-        '= "ignored", or another word',
+        '= "ignored", or tooth, flank, single_pitch',
         rows(TABLE_HEAD.replace("fp links [µm]", "Wert")),
         cured=FREE.replace(
             "[gear]",
@@ -50,7 +50,19 @@ TABLES = [
         ),
     ),
     tabled("head twice", 'and "ignored" for the others', rows(TABLE_HEAD.replace("Fp links", "fp links"))),
-    tabled("unit", "want um or mm", rows(TABLE_HEAD.replace("[µm]", "[mil]"))),
+    tabled("unit", "want a length: um, mm", rows(TABLE_HEAD.replace("[µm]", "[arcsec]"))),
+    tabled(
+        "no unit, too small",
+        'want unit = "mm"',
+        FLAT + EVEN.replace("5,0.0,0.0,-40.0", "5,0.004,0.0,-0.04").replace(",-40.0", ",-0.04"),
+        None,
+        cured='unit = "mm"\n' + FREE,
+    ),
+    tabled(
+        "another unit",
+        "want the unit that the numbers have",
+        "tooth,fp left [mm]\n1,3.0\n2,-3.0\n" + "".join(f"{n},0.0\n" for n in range(3, 18)),
+    ),
     tabled(
         "no teeth",
         '[columns] in the map wants "NAME" = "tooth"',
@@ -60,7 +72,9 @@ TABLES = [
     ),
     tabled("which flank", "want left or right in its name", rows(TABLE_HEAD.replace("fp links", "fp"))),
     tabled(
-        "tooth's number", "want a tooth number", rows(lines=[TABLE_ROWS[0].replace("1;", "eins;", 1), *TABLE_ROWS[1:]])
+        "tooth's number",
+        "want the number of a tooth",
+        rows(lines=[TABLE_ROWS[0].replace("1;", "eins;", 1), *TABLE_ROWS[1:]]),
     ),
     tabled(
         "flank's name",
@@ -69,7 +83,11 @@ TABLES = [
         "tooth,flank,fp\n" + "".join(f"{n},left,0.0\n" for n in range(1, 18)),
     ),
     tabled("cell", "a map may state decimal", rows(lines=[TABLE_ROWS[0] + "x", *TABLE_ROWS[1:]])),
-    tabled("tooth again", "want each flank once", rows(lines=[TABLE_ROWS[0], *TABLE_ROWS])),
+    tabled(
+        "tooth again",
+        "want each flank once",
+        rows(lines=[";".join(["1", "99,0", *TABLE_ROWS[0].split(";")[2:]]), *TABLE_ROWS]),
+    ),
     tabled(
         "a tooth missing",
         "want all 17 teeth, or an empty column",

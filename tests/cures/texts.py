@@ -255,7 +255,21 @@ RAW = [
     ),
 ]
 
+LABELLED = [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*list(RUN.values())[:3], strict=True)]
+
 CLEAN = [
+    text(
+        "one shaft alone",
+        "want the readings of both shafts",
+        "\n".join(["Time,Input angle", *(one.rpartition(",")[0] for one in LABELLED)]) + "\n",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED]) + "\n",
+    ),
+    text(
+        "a unit in one row",
+        "delete the line if it is no row",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED[:-1], LABELLED[-1].replace("deg", "rad")]) + "\n",
+        "\n".join(["Time,Input angle,Output angle", *LABELLED[:-1]]) + "\n",
+    ),
     text(
         "time runs back",
         "want one recording in the order of time; cut it there",
@@ -263,6 +277,7 @@ CLEAN = [
         rows(*ROWS[:600]),
         ratio=RATIO,
     ),
+    text("newest first", "sort the rows by their times", rows(*ROWS[::-1]), BASE, ratio=RATIO),
     text("too short", "want at least 2 driving turns", rows(*ROWS[:200]), BASE, ratio=RATIO),
     text("few samples", "record longer", rows(*ROWS[:6]), BASE, ratio=RATIO),
     text(

@@ -19,12 +19,12 @@ def uff(*, binary: bool = True, **columns: Any) -> Callable[[Path], None]:
     return lambda file: files.write_uff(file, {**RUN, **columns}, {}, binary=binary)
 
 
-def uneven(name: str, axis: Any, *, kind: int = 17) -> bytes:
-    """A data set of the usual run with values at places of its own."""
+def uneven(name: str, axis: Any, *, kind: int = 17, more: float = 0.0) -> bytes:
+    """A data set of the usual run with values, so much ``more`` each, at places of its own."""
     head = files.uff_header(name, T.size, {}, binary=True, even=False).decode()
     lines = head.splitlines()
     lines[9] = f"{kind:10d}" + lines[9][10:]
-    both = np.stack([axis, RUN[name]], axis=1).astype("<f8").tobytes()
+    both = np.stack([axis, RUN[name] + more], axis=1).astype("<f8").tobytes()
     return "".join(f"{line}\n" for line in lines).encode() + both + b"    -1\n"
 
 
@@ -38,6 +38,8 @@ BACKWARD[5] = 0.0
 HOLE = T.copy()
 HOLE[5] = np.nan
 
+AGAIN = sets(*(uneven(one, T) for one in ANGLES), uneven(ANGLES[0], T, more=1.0))
+
 CURES = [
     written(
         "other text",
@@ -46,7 +48,7 @@ CURES = [
         sets(*(uneven(one, T) for one in ANGLES)),
         "a.uff",
     ),
-    one_of_two("uff", ANGLES[0], (1, 3), sets(*(uneven(one, T) for one in (*ANGLES, ANGLES[0]))), "a.uff"),
+    one_of_two("uff", ANGLES[0], (1, 3), AGAIN, "a.uff"),
     written("long line", "want the whole file", sets(uneven(ANGLES[0], T), b"x" * 300), uff(), "a.uff"),
     written("no end", "want the whole file", sets(b"    -1\n   151\nno end\n"), uff(), "a.uff"),
     written("header", "want the whole file", changed(uff(), b"         4", b"       4.x"), uff(), "a.uff"),

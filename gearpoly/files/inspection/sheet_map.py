@@ -52,6 +52,7 @@ class SheetMap(Section):
 
     separator: Literal[",", ";", "\t", "|"] | None = field("mark between columns")
     decimal: Literal[".", ","] | None = field("decimal mark of numbers")
+    unit: Literal["um", "mm", "nm", "m", "in", "mil"] | None = field("unit of deviations whose heads state none")
     count: Literal["clockwise", "counterclockwise"] | None = field(
         "direction in which teeth are counted, seen on the datum face"
     )

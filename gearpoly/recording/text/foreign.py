@@ -7,12 +7,15 @@ of a map that settles it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
+from gearpoly.recording.arrow import joined_codes
 from gearpoly.recording.comments import read_comment
 from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
@@ -21,10 +24,12 @@ from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
+from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import Lines
-from gearpoly.recording.text.missing import no_reading, without
+from gearpoly.recording.text.missing import no_reading, without, without_empty
 from gearpoly.recording.text.part import Part
+from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -32,6 +37,9 @@ from gearpoly.units import FloatArray
 
 SAMPLE_CELLS = 20_000
 """Cells that are looked at first for the decimal mark; one may settle it."""
+
+NO_COUNTRY = "latin-1"
+"""What bytes are read in that are neither UTF-8 nor of western Windows; nobody writes the characters beyond these."""
 
 CHUNK_CELLS = 20_000
 """Cells that are held as text at a time."""
@@ -58,15 +66,19 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
-    lines = Lines(text, inside)
+    lines = Lines(without_empty(text), inside)
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
+    del text
+    beside = rewritten(file, lines, separator=writing.separator)
+    lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
     if writing.missing:
-        lines = Lines(without(text.decode(inside), writing.missing, separator).encode("utf-8"), "utf-8")
-    del text
+        lines = Lines(without(lines.joined(0, len(lines)), writing.missing, separator).encode("utf-8"), "utf-8")
+    if writing.torn_lines:
+        lines, torn = without_torn(lines, separator)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
@@ -74,6 +86,9 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
+        _say_rewritten(table, block, beside)
+        if torn:
+            table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
         table.layout = {"encoding": encoding, "separator": separator, **table.layout}
@@ -82,8 +97,36 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
             f"text in {encoding}, cells parted by {SEPARATORS.get(separator, shorten(separator))}, names in line "
             f"{block.header or 'none'}, rows from line {block.rows[0]}",
         )
+        if encoding == NO_COUNTRY and not writing.encoding:
+            others = '"shift_jis", "gb18030", "cp1251"'
+            table.remarks.append(f"names are in another encoding: a map may state it, as text.encoding = {others}")
         tables.append(table)
     return tables
+
+
+def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
+    """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
+    for k, word in beside.words.items():
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others and not np.isfinite(table.others[name].values).any():
+            del table.others[name]
+            words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
+            table.remarks.append(f"{words}: not read")
+            table.unread = (words, "want numbers in the columns that are to be read")
+    for k, (label, unit) in enumerate(beside.labels):
+        name = block.names[k] if k < len(block.names) else ""
+        if name not in table.others:
+            continue
+        called = label if label and not block.stated[k] and label not in table.others else name
+        one = replace(table.others[name], unit=table.others[name].unit or unit)
+        table.others = {called if key == name else key: held for key, held in (table.others | {name: one}).items()}
+    if beside.labels:
+        table.remarks.append("labels and units stand beside the numbers of each row")
+    for k in sorted(beside.degrees):
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others:
+            table.others[name] = replace(table.others[name], unit="deg")
+            table.remarks.append(f'"{shorten(name)}": degrees with minutes, taken as decimal degrees')
 
 
 def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
@@ -120,6 +163,7 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
             continue  # a date whose time stands beside it; rows that end in a separator
         unit, own = "s" if k in stamped else block.units[k], block.stated[k]
         table.others[name] = Channel(values=series[k], unit=unit, leaf=own if own != name else "", number=k + 1)
+    take_times(table, lines, block, separator, marks)
     table.layout["decimal"] = marks.decimal
     if marks.thousands:
         table.layout["thousands"] = marks.thousands
@@ -135,9 +179,7 @@ def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dic
         if pieces[-1] is None:
             return None
     columns = [[held[k] for held in pieces if held is not None] for k in range(len(part.block.names))]
-    if any(len({piece.shape[1:] for piece in column}) > 1 for column in columns):
-        return None
-    whole = [np.concatenate(column) for column in columns]
+    whole: list[Any] = [(joined_codes if k in stamped else np.concatenate)(column) for k, column in enumerate(columns)]
     found = {k: even_stamps(whole[k]) for k in stamped}
     if any(one is None for one in found.values()):
         return None
@@ -234,7 +276,8 @@ def _all(cells: Sequence[str], holds: Callable[[str], bool]) -> bool:
 
 def _are_stamps(cells: Sequence[str]) -> bool:
     """Whether a column is of time stamps."""
-    return any(is_stamp(cell) for cell in cells) and _all(cells, is_stamp)
+    first = next((cell for cell in cells if not is_missing(cell)), "")
+    return is_stamp(first) and _all(cells, is_stamp)
 
 
 def _marks(part: Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:

@@ -7,6 +7,7 @@ that makes the longest run of data lines of one width; what stands above such a 
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.quantities import UNSTATED, units_written
+from gearpoly.recording.quantities import DOUBTFUL, UNSTATED, units_written
 from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
@@ -29,6 +30,9 @@ SAMPLE_LINES = 2000
 
 LEAST_ROWS = 8
 """Rows from which a table is a recording where another one of the file has as many; fewer are a logger's settings."""
+
+FIRST_LINES = 64
+"""Lines of a file that are looked at one by one before those below are told at once; most heads are shorter."""
 
 SECTIONS_LIMIT = 100
 """Most recordings in a file."""
@@ -85,23 +89,32 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
     best, longest = "", 0
     sample = lines[:SAMPLE_LINES]
     for separator in SEPARATORS:
-        run, width, most = 0, 0, 0
-        for line in sample:
-            cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
-            if len(cells) > 1 and is_data(cells):
-                run, width = (run + 1 if len(cells) == width else 1), len(cells)
-                most = max(most, run)
-            elif line.strip():
-                run = 0
+        most = longest_run(sample, separator)
         if most > longest:
             best, longest = separator, most
-        if run == most and 2 * most > len(sample):  # rows to the end: another one could only part the heading too
+        if 2 * most > len(sample):  # another one could only part the heading too
             break
     if not best:
         ways = ", ".join(SEPARATORS.values())
         wish = f"want rows of at least two numbers parted by {ways}, below a line with names"
         raise InputFileError(file, found="text without a table of numbers", wish=wish)
     return best
+
+
+def longest_run(sample: Sequence[str], separator: str) -> int:
+    """Most rows of one width, one after the other, that a ``separator`` makes of the lines."""
+    run, width, most = 0, 0, 0
+    for k, line in enumerate(sample, start=1):
+        cells = split(line, separator) if 0 < line.count(separator) < CELLS_LIMIT else []
+        if len(cells) > 1 and is_data(cells):
+            run, width = (run + 1 if len(cells) == width else 1), len(cells)
+            most = max(most, run)
+            rest = "\n".join(sample[k:]).rstrip("\n") if run == LEAST_ROWS else ""
+            if rest and are_rows(rest.encode("utf-8"), separator, line.encode("utf-8")):
+                return max(most, run + rest.count("\n") + 1)
+        elif line.strip():
+            run = 0
+    return most
 
 
 def find_blocks(
@@ -129,7 +142,7 @@ def find_blocks(
     for first, end, width in runs:
         above = [k for k in range(before, first) if lines[k].strip()]
         if blocks and not _begins(lines, above, separator, width):
-            raise _bad_line(file, lines, above, separator, blocks[-1])
+            raise _bad_line(file, lines, above, separator, blocks[-1], gaps=len(runs) - 1)
         blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
         before = end
     tail = [k for k in range(before, len(lines)) if holds_cells(lines[k])]
@@ -147,10 +160,15 @@ def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
         cell = r"[ ]*[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?[ ]*" if separator != "," else r"[ ]*[+-]?\d+(?:\.\d+)?[ ]*"
         quick = re.compile(rf"{cell}(?:{mark}{cell})+")
     open_ = False
-    for begin in range(0, len(lines), LINES_AT_ONCE):
-        end = min(begin + LINES_AT_ONCE, len(lines))
-        if open_ and are_rows(lines.coded(begin, end), separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
-            runs[-1] = (runs[-1][0], end, runs[-1][2])
+    begins = [
+        *range(0, min(LINES_AT_ONCE, len(lines)), FIRST_LINES)[:2],
+        *range(LINES_AT_ONCE, len(lines), LINES_AT_ONCE),
+    ]
+    for begin, end in itertools.pairwise([*begins, len(lines)]):
+        text = lines.coded(begin, end) if open_ else b""
+        held = text.rstrip(b"\n")  # blank lines at the end of the file
+        if held and are_rows(held, separator, lines.coded(runs[-1][1] - 1, runs[-1][1])):
+            runs[-1] = (runs[-1][0], end - len(text) + len(held), runs[-1][2])
             continue
         for k, line in enumerate(lines[begin:end], start=begin):
             if not line or line.isspace() or (open_ and not holds_cells(line)):
@@ -187,8 +205,10 @@ def _begins(lines: Sequence[str], above: Sequence[int], separator: str, width: i
     return False
 
 
-def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block) -> InputFileError:
-    """The error for a line among rows that is none."""
+def _bad_line(
+    file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block, *, gaps: int = 0
+) -> InputFileError:
+    """The error for a line among rows that is none; ``gaps`` are the places where the rows are broken so."""
     width = len(block.names)
     if not above:
         at = block.rows[1] - 1
@@ -199,6 +219,9 @@ def _bad_line(file: Path, lines: Sequence[str], above: Sequence[int], separator:
     cells = split(lines[at], separator)
     if len(cells) != width:
         wish = f"want {width} cells, as above, or a line of names where another recording begins{_cut(lines, at)}"
+        if gaps:
+            more = f" (rows are broken in {gaps} places)" if gaps > 1 else ""
+            wish += f'; delete the line if it is torn, or in a map: text.torn_lines = "left out"{more}'
         found = f"`{shorten(lines[at].strip())}`"
         return InputFileError(file, where=f"line {at + 1}", found=found, wish=wish)
     bad = next((k for k, cell in enumerate(cells) if not is_data([cell, "0"])), 0)
@@ -246,7 +269,11 @@ def _block(
 
 def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> tuple[int, int]:
     """The lines (from 0) of the names and of the units above a run of rows; -1 where there is none."""
-    wide = {k: cells for k in above if (cells := _words(lines[k], separator, width)) and not _part_read(cells)}
+    wide = {
+        k: cells
+        for k in above
+        if (cells := _words(lines[k], separator, width)) and not _part_read(cells) and not _is_rule(cells)
+    }
     if not wide:
         return -1, -1
     *others, last = wide
@@ -255,6 +282,12 @@ def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: 
     named = _named(wide, [*others, last])
     # Some write the units above the names, most of which are no units.
     return named, others[-1] if others and named == last and _are_units(wide[others[-1]]) else -1
+
+
+def _is_rule(cells: Sequence[str]) -> bool:
+    """Whether a line above the rows is one that is drawn below names: ``---`` in each cell."""
+    held = [cell for cell in cells if cell]
+    return bool(held) and all(len(cell) > 2 and not cell.strip("-=:+_") for cell in held)
 
 
 def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
@@ -266,7 +299,7 @@ def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
 def _are_units(cells: Sequence[str]) -> bool:
     """Whether most cells that hold anything hold a unit."""
     held = [cell for cell in map(_bare, cells) if cell not in UNSTATED]
-    known = sum(bool(units_written(cell)) for cell in held)
+    known = sum(bool(units_written(cell)) or cell.lower() in DOUBTFUL for cell in held)
     return known > 0 and 2 * known > len(held)
 
 

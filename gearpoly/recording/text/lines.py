@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import overload
 
@@ -83,6 +84,8 @@ def are_rows(text: bytes, separator: str, row: bytes) -> bool:
     if separator == " ":
         text, row = squeezed(text), squeezed(row)
     mark = separator.encode("ascii")
+    if separator != " " and (found := _HALF.search(row)):
+        text, row = (_without_halves(one, found[0], mark) for one in (text, row))
     beside = WRITTEN.replace(mark, b"")
     like = row.translate(None, beside) + b"\n"  # what parts cells and rows
     parts = text.translate(None, beside) + b"\n"
@@ -101,5 +104,18 @@ def are_rows(text: bytes, separator: str, row: bytes) -> bool:
     empty = np.diff(np.flatnonzero(ends), prepend=-1) == 1
     return bool((read | empty).all() and read.reshape(-1, like.count(mark) + 1).any(axis=1).all())
 
+
+def _without_halves(text: bytes, half: bytes, mark: bytes) -> bytes:
+    """The ``text`` without the halves of the day at the ends of cells, written as ``half`` is."""
+    text += b"\n"
+    for one in {half.translate(_AM), half.translate(_PM)}:
+        for end in (mark, b"\n"):  # a pattern takes ten times as long
+            text = text.replace(one + end, end)
+    return text[:-1]
+
+
+_HALF = re.compile(rb"(?<=\d) ?[AaPp]\.?[Mm]\.?(?=[,;|\t]|\Z)")
+_AM, _PM = bytes.maketrans(b"Pp", b"Aa"), bytes.maketrans(b"Aa", b"Pp")
+"""A half of the day behind a time of it, and what makes one of the other."""
 
 _END, _ZERO, _SMALL = np.uint8(ord("\n")), np.uint8(ord("0")), np.uint8(ord("a") - ord("A"))

@@ -11,14 +11,32 @@ LONGEST_WORD = 40
 """Characters of a cell that a message shows whole; words for no reading are shorter."""
 
 
+_MONTH = r"[A-Za-z\u00e4\u00e9\u00fb]{3,4}"
+_DATE = re.compile(rf"\d{{1,2}}\.?[ -]?{_MONTH}\.?|{_MONTH}[- ]\d{{1,4}}|\d{{1,2}}([./])\d{{1,2}}\1\d{{2,4}}")
+"""Days that spreadsheets make of numbers: 4. Nov, Nov 04, 4-Nov, 04.11.2026."""
+
+
 def no_reading(cell: str) -> str:
-    """The line of a map for a cell that is a word for no reading."""
+    """The line of a map for a cell that is a word for no reading, or what made it of a number."""
+    if _DATE.fullmatch(cell):
+        return (
+            "; a spreadsheet made a date of a number: export it again, with these columns as text before it is opened"
+        )
     return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
 
 
 def holds_cells(line: str) -> bool:
     """Whether a line among rows is more than blank, or a comment that states no key."""
     return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
+
+
+def without_empty(text: bytes) -> bytes:
+    """The ``text`` with blank lines in the place of those that hold nothing but what parts cells, as spreadsheets write
+    rows that were once filled."""
+    for mark in (b",", b";", b"\t"):
+        if any(begin in text for begin in (b"\n" + mark + mark, b"\n" + mark + b"\n")):  # patterns take far longer
+            text = re.sub(rb"(?m)^[%b ]+$" % mark, b"", text)
+    return text
 
 
 def without(text: str, missing: Sequence[str], separator: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any, BinaryIO
 
 import numpy.typing as npt
 
-from gearpoly.recording.arrow import doubles, even_codes
+from gearpoly.recording.arrow import codes_of, doubles
 from gearpoly.recording.finite import has_infinite
 
 LARGE_BYTES = 2**22
@@ -31,7 +31,7 @@ def parsed(
 ) -> list[npt.NDArray[Any]] | None:
     """The columns (n,) of a text in UTF-8, a stream of about ``size`` bytes or a piece of so large a one, below so many
     ``lines_above``, with ``nan`` where a cell is empty; of the columns of these numbers that are ``texts`` the
-    characters (n, length).
+    characters (n, length), short ones filled up with zeros.
 
     ``None`` where it is small, pyarrow is missing, or any row is not one of ``columns`` finite numbers: whoever reads
     it line by line says which.
@@ -59,7 +59,7 @@ def parsed(
         return None
     out = []
     for k, name in enumerate(names):
-        values: npt.NDArray[Any] | None = (even_codes if k in texts else doubles)(table.column(name))
+        values: npt.NDArray[Any] | None = (codes_of if k in texts else doubles)(table.column(name))
         table = table.drop_columns([name])  # so that only one column is held twice
         if values is None or not values.size or (k not in texts and has_infinite(values)):
             return None

@@ -144,8 +144,15 @@ def _time_of_day(found: re.Match[str], prefix: str) -> float:
     if hour > 24 or minute > 59 or second >= 61.0:
         raise ValueError("a time that no clock shows")
     zone = found["zone"] if not prefix else None
-    if not zone or zone == "Z":
-        return 3600.0 * hour + 60.0 * minute + second
+    ahead = zone_seconds(zone or "")
+    # Small numbers, so that no digit of the second is lost.
+    return 3600.0 * hour + 60.0 * minute + second - ahead if ahead else 3600.0 * hour + 60.0 * minute + second
+
+
+def zone_seconds(zone: str) -> float:
+    """What a zone such as +01:00 is ahead of Greenwich, in s."""
+    if zone in ("", "Z"):
+        return 0.0
     digits = zone[1:].replace(":", "")
     ahead = 3600.0 * int(digits[:2]) + 60.0 * int(digits[2:])
-    return 3600.0 * hour + 60.0 * minute + second + (ahead if zone[0] == "-" else -ahead)
+    return -ahead if zone[0] == "-" else ahead

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 @dataclass(frozen=True, kw_only=True)
 class Writing:
     """Encoding, separator of cells, decimal mark, what parts thousands, order of dates ("day first"), the lines of
-    names and units (from 1) and cells that hold no reading, as far as a map states them; what is empty or 0 is found
-    from the file."""
+    names and units (from 1), cells that hold no reading, and "left out" for torn lines, as far as a map states them;
+    what is empty or 0 is found from the file."""
 
     encoding: str = ""
     separator: str = ""
@@ -19,3 +19,4 @@ class Writing:
     header_line: int = 0
     units_line: int = 0
     missing: tuple[str, ...] = ()
+    torn_lines: str = ""

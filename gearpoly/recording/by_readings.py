@@ -1,0 +1,91 @@
+"""The unit of an angle or a time by its readings alone: where an angle begins again, from when a time counts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
+from gearpoly.units import FloatArray
+
+SERIAL_DAYS = (20_000.0, 80_000.0)
+"""Days by which spreadsheets count dates, from 1954 to 2119."""
+
+ENOUGH = 16_000
+"""Readings of an angle that are looked at for its unit, the first or some of all; a turn has a few hundred."""
+
+WRAP_TOLERANCE = 0.01
+"""Relative. Jumps of an angle that begins again are its modulus less a step; a turn of 360 deg and one of 400 gon are
+a tenth apart."""
+
+
+TURNS_IN = tuple(
+    unit
+    for name in ("deg", "rad", "gon", "mrad", "rev", "arcmin", "arcsec", "mdeg", "urad", "mgon", "0.1 deg", "0.01 deg")
+    if (unit := unit_written(name, ANGLE)) is not None
+)
+"""Units that readings which begin again after one turn are told by."""
+
+SINCE_1970 = (1e9, 4.1e9)
+"""Seconds since 1970 from 2001 to 2099."""
+
+
+def since_1970(values: FloatArray) -> Unit | None:
+    """The unit in which readings (n,) of a time count from 1970, as the clocks of computers do, or ``None``."""
+    held = values[np.isfinite(values)]
+    if not held.size:
+        return None
+    for unit in (UNITS[TIME][one] for one in ("s", "ms", "us", "ns")):
+        if SINCE_1970[0] < held.min() * unit.size and held.max() * unit.size < SINCE_1970[1]:
+            return unit
+    return None
+
+
+def are_days(values: FloatArray) -> bool:
+    """Whether readings (n,) may be dates of a spreadsheet."""
+    held = values[np.isfinite(values)]
+    return bool(held.size and SERIAL_DAYS[0] < held.min() and held.max() < SERIAL_DAYS[1])
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
+def contradicting(values: FloatArray, unit: Unit) -> Unit | None:
+    """The unit in which readings (n,) of an angle begin again after one turn, where it is another than ``unit``."""
+    shown_by, net = _begun_again(values)
+    if shown_by is None or abs(shown_by.size / unit.size - 1.0) <= WRAP_TOLERANCE:
+        return None
+    # A spike goes there and back; of turns more begin again one way than the other.
+    return shown_by if net else None
+
+
+def wrapped_unit(values: FloatArray) -> Unit | None:
+    """The unit in which readings (n,) begin again after one turn, or ``None`` where they do not."""
+    return _begun_again(values)[0]
+
+
+def _begun_again(values: FloatArray) -> tuple[Unit | None, int]:
+    """The unit in which readings (n,) begin again after one turn, by the first of many or by some of all, and how many
+    more of them do so downward than upward."""
+    for some in (values[:ENOUGH], values[:: max(1, values.size // ENOUGH)]):
+        found = _jumps(some)
+        if found[0] is not None:
+            return found
+    return None, 0
+
+
+def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
+    read = np.isfinite(values)
+    held = values if read.all() else values[read]
+    if held.size < 8:
+        return None, 0
+    with np.errstate(over="ignore"):  # a damaged file may hold anything
+        steps = np.diff(held)
+        span = float(np.ptp(held))
+    sizes = np.abs(steps)
+    jumps = steps[sizes > 0.5 * span]
+    if not 1 <= jumps.size <= held.size // 4:
+        return None, 0
+    usual = float(np.median(sizes))
+    modulus = float(np.median(np.abs(jumps))) + usual
+    for unit in TURNS_IN:
+        if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
+            return unit, -int(np.sum(np.sign(jumps)))
+    return None, 0
