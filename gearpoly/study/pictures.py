@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 from gearpoly.study.answers import Answers
 from gearpoly.study.groups import Sample, sweep_name
 from gearpoly.study.labels import LINE, TITLE, UPRIGHT, axis_label, row_label
@@ -63,7 +63,7 @@ class Picture:
         labels = [textwrap.fill(label, 80) for _, label in self.key]
         below = LETTER * sum(1 + label.count("\n") for label in labels)
         size = (max(self.size[0] * columns, 6.4), self.size[1] * rows + below)
-        figure = Figure(figsize=size, layout="constrained")
+        figure = ShownFigure(figsize=size, layout="constrained")
         axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
         for axis in axes[len(self.panels) :]:
             axis.remove()
