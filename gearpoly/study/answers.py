@@ -12,11 +12,12 @@ import numpy as np
 
 from gearpoly.study.causes import Cause, causes
 from gearpoly.study.design import CHANCE, Design
-from gearpoly.study.groups import Group, group, sweep_name
+from gearpoly.study.groups import Group, group
 from gearpoly.study.models import Limit
 from gearpoly.study.pipeline import DONE
 from gearpoly.study.statistics import Indices, factorial_indices, saltelli_indices
 from gearpoly.study.store import Store, as_numbers, read_store
+from gearpoly.study.words import sweep_name
 from gearpoly.study.yields import Cheapest, Yield, cheapest, yields
 
 

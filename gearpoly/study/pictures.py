@@ -7,7 +7,7 @@ screen and below one another on a phone; ``figures`` puts them into one.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -18,9 +18,10 @@ from matplotlib.lines import Line2D
 
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 from gearpoly.study.answers import Answers
-from gearpoly.study.groups import Sample, sweep_name
-from gearpoly.study.labels import LINE, TITLE, UPRIGHT, axis_label, row_label
+from gearpoly.study.groups import Sample
+from gearpoly.study.labels import LINE, TITLE, UPRIGHT, asked_words, axis_label, row_label
 from gearpoly.study.store import as_numbers
+from gearpoly.study.words import factor_words, with_unit
 from gearpoly.units import FloatArray
 
 COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
@@ -111,7 +112,7 @@ def _distributions(answers: Answers, names: list[str], *, name: str) -> Picture:
             name=name,
             caption="Share of pairs at or below a value, one curve per combination; dashed, its limit.",
             panels=tuple(partial(_curves, answers=answers, name=one) for one in names),
-            key=tuple((COLOURS[k], g.label) for k, g in enumerate(answers.groups)) if len(answers.groups) > 1 else (),
+            key=tuple((COLOURS[k], g.words) for k, g in enumerate(answers.groups)) if len(answers.groups) > 1 else (),
         )
     x, over = _over(answers)
     return Picture(
@@ -148,7 +149,7 @@ def _over(answers: Answers) -> tuple[FloatArray, str]:
     plain = answers.store.plan.design.plain
     values = [group.values[plain[0].all_keys[0]] for group in answers.groups] if len(plain) == 1 else []
     if values and all(isinstance(v, int | float) for v in values) and np.all(np.diff(values) > 0):
-        return np.array(values, dtype=np.float64), sweep_name(plain[0])
+        return np.array(values, dtype=np.float64), with_unit(plain[0])
     return np.arange(float(len(answers.groups))), ""
 
 
@@ -178,16 +179,17 @@ def _percentiles(samples: list[Sample]) -> tuple[FloatArray, ...]:
 def _sensitivity(answers: Answers) -> Picture:
     shown = [(name, indices) for name, indices in answers.sensitivity if indices]
     most = max(len(indices) for _, indices in shown)
+    words = factor_words(answers.store.plan.file.sweep)
     return Picture(
         name="sensitivity",
         caption="Sobol indices: full bars, what a factor makes on its own; pale bars, what it has a part in; lines, "
         "95 % intervals. Chance is what the grade leaves open.",
-        panels=tuple(partial(_bars, name=name, indices=indices) for name, indices in shown),
+        panels=tuple(partial(_bars, name=name, indices=indices, words=words) for name, indices in shown),
         size=(WIDTH, 1.3 + 0.42 * most),
     )
 
 
-def _bars(axis: Any, *, name: str, indices: Any) -> None:
+def _bars(axis: Any, *, name: str, indices: Any, words: Mapping[str, str]) -> None:
     _grid(axis)
     y = np.arange(len(indices))[::-1]
     for values, alpha, height in (([i.total for i in indices], 0.3, 0.7), ([i.first for i in indices], 1.0, 0.35)):
@@ -197,7 +199,7 @@ def _bars(axis: Any, *, name: str, indices: Any) -> None:
         axis.errorbar(
             middle, y, xerr=ends, fmt="none", ecolor="#222222", elinewidth=0.8, capsize=2.0, alpha=max(alpha, 0.5)
         )
-    axis.set_yticks(y, labels=[row_label(i.factor) for i in indices], fontsize=8)
+    axis.set_yticks(y, labels=[row_label(words.get(i.factor, i.factor)) for i in indices], fontsize=8)
     axis.set_xlim(0.0, max(1.05, max(i.total.value for i in indices) * 1.05))
     axis.set_xlabel("share of the variance")
     axis.set_title(axis_label(name, line=TITLE), loc="left", fontsize=9)
@@ -211,7 +213,7 @@ def _yields(answers: Answers) -> Picture:
         "asked. A combination of which no pair could be judged has no point.",
         panels=(partial(_kept, answers=answers),),
         size=(WIDTH, max(2.2, 0.8 + max(_rows_height(answers), (0.1 + 0.14 * len(judged)) * len(answers.groups)))),
-        key=tuple((COLOURS[k % len(COLOURS)], one.words) for k, one in enumerate(judged)),
+        key=tuple((COLOURS[k % len(COLOURS)], asked_words(one)) for k, one in enumerate(judged)),
     )
 
 
@@ -239,7 +241,7 @@ def _rows_height(answers: Answers) -> float:
     """Inches that the names of all combinations need below one another."""
     if len(answers.groups) > NAMED:
         return 0.08 * min(len(answers.groups), 60)
-    lines = max(1 + row_label(group.label).count("\n") for group in answers.groups)
+    lines = max(1 + row_label(group.words).count("\n") for group in answers.groups)
     return (LETTER * lines + 0.05) * len(answers.groups)
 
 
@@ -247,7 +249,7 @@ def _name_rows(axis: Any, answers: Answers) -> None:
     """Combinations from the top down, which stand at 0, 1, 2, ..., with their names where there are few."""
     axis.set_ylim(len(answers.groups) - 0.5, -0.5)
     if len(answers.groups) <= NAMED:
-        labels = [row_label(group.label) for group in answers.groups]
+        labels = [row_label(group.words) for group in answers.groups]
         axis.set_yticks(range(len(labels)), labels=labels, fontsize=8)
     else:
         axis.set_ylabel("combination, in the order of the tables")
@@ -261,19 +263,21 @@ def _points(answers: Answers) -> Picture:
     rows = np.flatnonzero(columns["status"] == "done")
     rows = rows[np.unique(np.linspace(0, rows.size - 1, min(rows.size, CLOUD)).astype(int))] if rows.size else rows
 
-    def cloud(axis: Any, *, name: str, key: str) -> None:
+    def cloud(axis: Any, *, name: str, key: str, words: str) -> None:
         _grid(axis)
         axis.plot(
             as_numbers(columns[key])[rows], as_numbers(columns[name])[rows], ".", markersize=2.0, color=BLUE, alpha=0.5,
             rasterized=True,
         )  # fmt: skip
-        axis.set_xlabel(key, fontsize=8)
+        axis.set_xlabel(words, fontsize=8)
         axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=7)
 
     return Picture(
         name="points",
         caption="Every dot a pair: outputs over what the Sobol points vary.",
-        panels=tuple(partial(cloud, name=name, key=sweep.all_keys[0]) for name in names for sweep in sweeps),
+        panels=tuple(
+            partial(cloud, name=name, key=one.all_keys[0], words=with_unit(one)) for name in names for one in sweeps
+        ),
         size=(WIDTH, 2.4),
         columns=len(sweeps),
     )
