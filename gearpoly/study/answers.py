@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.study.causes import Cause, causes
+from gearpoly.study.causes import FailureCause, causes
 from gearpoly.study.design import CHANCE, Design
 from gearpoly.study.groups import Group, group
 from gearpoly.study.models import Limit
@@ -35,7 +35,7 @@ class Answers:
     cheapest: tuple[Cheapest, ...]
     sensitivity: tuple[tuple[str, tuple[Indices, ...]], ...]
     remarks: tuple[str, ...]
-    causes: tuple[Cause, ...]
+    causes: tuple[FailureCause, ...]
     pairs: int
 
 

@@ -13,7 +13,7 @@ LINE, TITLE, UPRIGHT, BESIDE = 46, 36, 26, 22
 a name left of a row."""
 
 
-TOGETHER = "\N{NO-BREAK SPACE}"
+NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 def limit_words(limit: Limit) -> str:
@@ -41,5 +41,5 @@ def row_label(name: str, *, line: int = BESIDE) -> str:
     out = []
     for one in name.split(", "):
         words, equals, value = one.partition(" = ")
-        out.append(textwrap.fill(words + equals[:2] + (equals[2:] + value).replace(" ", TOGETHER), line))
-    return "\n".join(out).replace(TOGETHER, " ")
+        out.append(textwrap.fill(words + equals[:2] + (equals[2:] + value).replace(" ", NO_BREAK), line))
+    return "\n".join(out).replace(NO_BREAK, " ")

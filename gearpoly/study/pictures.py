@@ -47,7 +47,7 @@ CLOUD = 1500
 
 
 @dataclass(frozen=True, kw_only=True)
-class Picture:
+class StudyPicture:
     """``panels`` that draw into an axis each, of ``size`` (width, height) in inches; ``key`` says what colours are."""
 
     name: str
@@ -86,7 +86,7 @@ class Picture:
         return out
 
 
-def pictures(answers: Answers) -> Iterator[Picture]:
+def pictures(answers: Answers) -> Iterator[StudyPicture]:
     """All that can be drawn of ``answers``."""
     names = [
         name for name in answers.store.plan.file.outputs if any(g.sample(name).values.size for g in answers.groups)
@@ -105,17 +105,17 @@ def _grid(axis: Any) -> None:
     axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
 
 
-def _distributions(answers: Answers, names: list[str], *, name: str) -> Picture:
+def _distributions(answers: Answers, names: list[str], *, name: str) -> StudyPicture:
     few = len(answers.groups) <= CURVES
     if few:
-        return Picture(
+        return StudyPicture(
             name=name,
             caption="Share of pairs at or below a value, one curve per combination; dashed, its limit.",
             panels=tuple(partial(_curves, answers=answers, name=one) for one in names),
             key=tuple((COLOURS[k], g.words) for k, g in enumerate(answers.groups)) if len(answers.groups) > 1 else (),
         )
     x, over = _over(answers)
-    return Picture(
+    return StudyPicture(
         name=name,
         caption="Median and range from the 5th to the 95th percentile of each combination; dashed, its limit.",
         panels=tuple(partial(_ranges, answers=answers, name=one, x=x, over=over) for one in names),
@@ -176,11 +176,11 @@ def _percentiles(samples: list[Sample]) -> tuple[FloatArray, ...]:
     return tuple(np.array([np.quantile(values, q) for values in known]) for q in (0.05, 0.5, 0.95))
 
 
-def _sensitivity(answers: Answers) -> Picture:
+def _sensitivity(answers: Answers) -> StudyPicture:
     shown = [(name, indices) for name, indices in answers.sensitivity if indices]
     most = max(len(indices) for _, indices in shown)
     words = factor_words(answers.store.plan.file.sweep)
-    return Picture(
+    return StudyPicture(
         name="sensitivity",
         caption="Sobol indices: full bars, what a factor makes on its own; pale bars, what it has a part in; lines, "
         "95 % intervals. Chance is what the grade leaves open.",
@@ -205,9 +205,9 @@ def _bars(axis: Any, *, name: str, indices: Any, words: Mapping[str, str]) -> No
     axis.set_title(axis_label(name, line=TITLE), loc="left", fontsize=9)
 
 
-def _yields(answers: Answers) -> Picture:
+def _yields(answers: Answers) -> StudyPicture:
     judged = [one for one in answers.yields if any(one.judged)]
-    return Picture(
+    return StudyPicture(
         name="yield",
         caption="Share of the drawn pairs that keep each limit, with its interval; dashed lines, the share that is "
         "asked. A combination of which no pair could be judged has no point.",
@@ -255,7 +255,7 @@ def _name_rows(axis: Any, answers: Answers) -> None:
         axis.set_ylabel("combination, in the order of the tables")
 
 
-def _points(answers: Answers) -> Picture:
+def _points(answers: Answers) -> StudyPicture:
     design = answers.store.plan.design
     names = list(answers.store.plan.file.outputs)[:3]
     sweeps = design.ranges[:4]
@@ -272,7 +272,7 @@ def _points(answers: Answers) -> Picture:
         axis.set_xlabel(words, fontsize=8)
         axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=7)
 
-    return Picture(
+    return StudyPicture(
         name="points",
         caption="Every dot a pair: outputs over what the Sobol points vary.",
         panels=tuple(

@@ -15,7 +15,7 @@ from rich.text import Text
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
 from gearpoly.study.answers import Answers
-from gearpoly.study.causes import Cause, causes, count_words
+from gearpoly.study.causes import FailureCause, causes, count_words
 from gearpoly.study.groups import Sample, counted
 from gearpoly.study.labels import asked_words
 from gearpoly.study.models import Limit
@@ -48,7 +48,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     console.print(f"answers: gearpoly study-report {store.folder}", highlight=False)
 
 
-def _print_causes(console: Console, found: tuple[Cause, ...], *, pairs: int) -> None:
+def _print_causes(console: Console, found: tuple[FailureCause, ...], *, pairs: int) -> None:
     """Print how many of all ``pairs`` have no result and why, one cause a line with one row as an example."""
     for line in count_words(found, pairs=pairs):
         console.print(line, style="bold yellow", highlight=False)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from gearpoly.keys.edit import GEARS
 from gearpoly.study.models import Sweep
 
-UNITS = {
+KEY_UNITS = {
     "um_per_nm": "um/(N.m)",
     "urad_per_nm": "urad/(N.m)",
     "urad": "urad",
@@ -28,11 +28,11 @@ def key_words(key: str) -> tuple[str, str]:
     """A dotted key of the pair file in words, and its unit (empty where it has none): ``driving.tip_relief.amount_um``
     is the tip relief amount of the driving gear, in um."""
     *path, last = key.split(".")
-    unit = next((end for end in UNITS if last.endswith(f"_{end}")), "")
+    unit = next((end for end in KEY_UNITS if last.endswith(f"_{end}")), "")
     gear = path.pop(0) if path and path[0] in GEARS else ""
     above = [part for part in path if part not in ("pair", "model", "limits")]
     name = " ".join(_spaced(part) for part in (*above, last.removesuffix(f"_{unit}")))
-    return f"{name} of the {gear} gear" if gear else name, UNITS.get(unit, "")
+    return f"{name} of the {gear} gear" if gear else name, KEY_UNITS.get(unit, "")
 
 
 def _spaced(part: str) -> str:
