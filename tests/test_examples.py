@@ -15,7 +15,7 @@ from matplotlib import image
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.name != "first_run.py")
-SLOW = {"diagnose_recording", "compare_recording", "guide_log"}
+SLOW = {"diagnose_recording", "compare_recording", "guide_log", "which_recording"}
 """What a quicker test of the API or of guide logs shows as well."""
 
 
