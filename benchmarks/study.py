@@ -23,7 +23,7 @@ import numpy as np
 from gearpoly.assemble import Assembled
 from gearpoly.positions import cycle_positions
 from gearpoly.study.pipeline import _assembled, first_touch, make_row
-from gearpoly.study.plan import Plan
+from gearpoly.study.plan import StudyPlan
 from gearpoly.study.read import read_study
 from gearpoly.study.run import plan_study, run_study
 from gearpoly.study.store import Store, opened
@@ -48,7 +48,7 @@ def timed(run: Callable[[], Any]) -> tuple[float, float, Any]:
 
 def bare(text: str, start: int, stop: int, barrier: Any, out: Any) -> None:
     """Rows in a process that shares nothing with anybody: no pool, no queue, no file."""
-    plan = Plan(text)
+    plan = StudyPlan(text)
     make_row(plan, 0)  # imports and compiled code are not what scales
     barrier.wait()
     c, w = time.process_time(), time.monotonic()
@@ -57,7 +57,7 @@ def bare(text: str, start: int, stop: int, barrier: Any, out: Any) -> None:
     out.put((time.process_time() - c, w, time.monotonic()))
 
 
-def bare_processes(plan: Plan, count: int) -> tuple[float, float]:
+def bare_processes(plan: StudyPlan, count: int) -> tuple[float, float]:
     """CPU in all and wall time in s of ROWS rows split over ``count`` bare processes."""
     context = get_context("spawn")
     barrier, out = context.Barrier(count), context.Queue()
@@ -71,7 +71,7 @@ def bare_processes(plan: Plan, count: int) -> tuple[float, float]:
     return sum(f[0] for f in found), max(f[2] for f in found) - min(f[1] for f in found)
 
 
-def engine(plan: Plan, workers: int) -> tuple[float, float]:
+def engine(plan: StudyPlan, workers: int) -> tuple[float, float]:
     """Wall time in s that the engine takes from its first row kept to its last of ROWS, and rows between them, so that
     starting processes, which a long study does once, is left out; returns (rows per second, rows)."""
     from gearpoly.study.local import in_processes
@@ -87,7 +87,7 @@ def engine(plan: Plan, workers: int) -> tuple[float, float]:
     return (stamps[-1][1] - first[1]) / (stamps[-1][0] - first[0]), stamps[-1][1] - first[1]
 
 
-def parts(plan: Plan) -> None:
+def parts(plan: StudyPlan) -> None:
     """What one row costs, part by part."""
     assembled: list[Assembled] = []
     make_row(plan, 1)
@@ -103,7 +103,7 @@ def parts(plan: Plan) -> None:
     print(f"  10 000 pairs: {1000 * f:.0f} s CPU, {500 * f / 60:.1f} min on two free cores")
 
 
-def serial(plan: Plan) -> float:
+def serial(plan: StudyPlan) -> float:
     """CPU in s that the one writing process spends on a row: hand out, take in, write."""
     rows = [make_row(plan, index) for index in range(1)]
     per_part = {}

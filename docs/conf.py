@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import io
 import re
+from pathlib import Path
 
 import matplotlib
 from docutils import nodes
@@ -13,6 +14,7 @@ from matplotlib.mathtext import math_to_image
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
+import gearpoly
 from gearpoly import __version__
 
 project = "gearpoly"
@@ -23,13 +25,18 @@ version = release = __version__
 SIZE = 12.0
 """Points that a formula is drawn at; it is scaled with the text."""
 
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
-source_suffix = {".md": "markdown"}
+extensions = ["myst_nb", "sphinx.ext.autodoc"]
+source_suffix = {".md": "myst-nb"}
 exclude_patterns = ["tutorial/pictures.py"]
 myst_enable_extensions = ["dollarmath", "attrs_inline"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]
 nitpicky = False
+
+nb_execution_mode = "auto"
+nb_execution_timeout = 600
+nb_execution_raise_on_error = True
+nb_merge_streams = True
 
 html_theme = "furo"
 html_title = f"gearpoly {release}"
@@ -72,7 +79,15 @@ def _block(visitor: HTML5Translator, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def _made_by_the_package(app: Sphinx, page: str, source: list[str]) -> None:
+    """Outputs of a notebook are made anew where any module of gearpoly is newer than they are."""
+    if page.startswith("notebooks/"):
+        for module in Path(gearpoly.__file__).parent.rglob("*.py"):
+            app.env.note_dependency(str(module))
+
+
 def setup(app: Sphinx) -> None:
     """Draw equations by matplotlib, which gearpoly brings anyway."""
+    app.connect("source-read", _made_by_the_package)
     app.add_html_math_renderer("drawn", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.config.html_math_renderer = "drawn"

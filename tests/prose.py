@@ -57,7 +57,9 @@ def blocks(path: Path) -> list[tuple[int, bool, list[Token]]]:
     out = []
     line = 1
     cell = False
-    for token in MarkdownIt("commonmark").enable("table").parse(path.read_text(encoding="utf-8")):
+    # What stands before a notebook's text is for programs; its lines still count.
+    text = re.sub(r"\A---\n(.*\n)*?---\n", lambda head: "\n" * head[0].count("\n"), path.read_text(encoding="utf-8"))
+    for token in MarkdownIt("commonmark").enable("table").parse(text):
         line = token.map[0] + 1 if token.map else line
         if token.type in ("td_open", "th_open", "td_close", "th_close"):
             cell = token.type.endswith("open")

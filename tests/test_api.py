@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import gearpoly
 from gearpoly import api
@@ -62,6 +63,11 @@ def test_no_name_is_a_module_of_the_package() -> None:
     assert not there & set(gearpoly.__all__)
 
 
+def shown_in_a_notebook(figure: Figure) -> bool:
+    """Whether a notebook finds a picture in it without pyplot."""
+    return figure._repr_png_().startswith(b"\x89PNG") and "pyplot" not in type(figure).__module__  # type: ignore[attr-defined]
+
+
 def test_a_simulation_is_the_commands(tmp_path: Path, gearpoly_command: Command) -> None:
     run = gearpoly.load(GRADED, seed=3).simulate(turns=0.2, fast=True)
     target = tmp_path / "te.csv"
@@ -76,7 +82,9 @@ def test_a_simulation_is_the_commands(tmp_path: Path, gearpoly_command: Command)
             np.testing.assert_allclose(ours, theirs, atol=1e-6)  # the file's last place
     assert run.te_pp_um == pytest.approx(np.ptp(run.te_um), rel=1e-12)
     assert run.backlash_mean_um == pytest.approx(run.backlash_um.mean(), rel=1e-12)
-    assert run.plot(tmp_path / "te.svg").axes[0].lines[0].get_ydata() == pytest.approx(run.te_um)
+    figure = run.plot(tmp_path / "te.svg")
+    assert figure.axes[0].lines[0].get_ydata() == pytest.approx(run.te_um)
+    assert shown_in_a_notebook(figure)
     assert (tmp_path / "te.svg").stat().st_size > 5000
 
 
@@ -97,6 +105,7 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
     # What was named is gone from a comparison with the fitted pair.
     assert back.compare(bench / "rec.csv").residual_rms_um < 1.2 * NOISE_UM
     assert found.plot().axes[1].get_ylabel() == "residual / um"
+    assert shown_in_a_notebook(found.plot()) and shown_in_a_notebook(pair.compare(bench / "rec.csv").plot())
     found.to_html(tmp_path / "page.html")
     assert (tmp_path / "page.html").stat().st_size > 100_000
 
@@ -157,7 +166,7 @@ values = [4, 7]
     (tmp_path / "study.toml").write_text(study, encoding="utf-8")
     made = gearpoly.run_study(tmp_path / "study.toml", tmp_path / "out")
     assert made.pairs == 6 and gearpoly.open_study(tmp_path / "out").pairs == 6
-    assert made.plot().axes[0].get_ylabel() == "share of pairs"
+    assert made.plot().axes[0].get_ylabel() == "share of pairs" and shown_in_a_notebook(made.plot())
     with pytest.raises(gearpoly.OutOfRangeError, match='no picture "bear"; want one of outputs_1'):
         made.plot(what="bear")
     pandas = pytest.importorskip("pandas")

@@ -70,6 +70,7 @@ def test_a_tooth_that_no_grade_allows_is_the_one_place() -> None:
     (found,) = standing(located(recording_of(5, proud=30.0)))
     assert (found.kind, found.gear, found.tooth) == ("tooth", "driven", 4)
     assert found.amplitude_um is not None
+    assert found.rms_um == found.amplitude_um
     # About the mean of its gear: 30/13 um less, and what its own 2.5 um add; slopes of 2.5 um move where it touches.
     assert found.amplitude_um == pytest.approx(30.0 * 12 / 13, abs=3.0 * 2.5 * math.sqrt(1.25))
 

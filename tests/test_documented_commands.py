@@ -37,6 +37,8 @@ PARSED = {
     "python examples/": "tests of the examples and of the stories run them",
     "make": "this suite and set-ups",
     "pip install": "changes the environment",
+    "pytest": "tests are run by themselves",
+    "python -m gearpoly.physics.page": "writes into the docs; a test compares",
 }
 """Commands, by how they begin, of which only the words are checked, and why."""
 
@@ -52,7 +54,7 @@ SLOW = (
 )
 """Commands, by how they begin, that take longer than a few seconds."""
 
-BEGINS = re.compile(r"(gearpoly|python|make|pip) [\w.-]")
+BEGINS = re.compile(r"(gearpoly|python|make|pip|pytest) [\w.-]")
 
 
 def code(page: Path) -> list[tuple[str, list[str]]]:
@@ -84,7 +86,9 @@ def blocks() -> list[list[str]]:
                 found.append([line.partition(" #")[0].strip() for line in lines if BEGINS.match(line.strip())])
         # In a line of text, those that name a file of this repository or a module.
         text = page.read_text(encoding="utf-8")
-        loose = re.findall(r"`((?:gearpoly \S+ data/|python -m |python examples/|pip install -e )[^`\n]*)`", text)
+        loose = re.findall(
+            r"`((?:gearpoly \S+ data/|python -m |python examples/|pip install -e |pytest )[^`\n]*)`", text
+        )
         found += [[one] for one in loose]
     return [list(block) for block in dict.fromkeys(map(tuple, found)) if block]
 
@@ -162,6 +166,9 @@ def test_a_documented_command_that_is_long_has_the_right_words(command: str, her
         assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file()
     elif given[0] == "python":
         assert (ROOT / given[1]).is_file()
+    elif given[0] == "pytest":
+        named = [one for one in given[1:] if one.endswith(".py")]
+        assert named and all((ROOT / one).is_file() for one in named)
     else:
         assert given[:3] == ["pip", "install", "-e"]
         extra = given[3].partition("[")[2].rstrip("]")

@@ -15,7 +15,7 @@ from matplotlib import image
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.name != "first_run.py")
-SLOW = {"diagnose_recording", "compare_recording", "guide_log"}
+SLOW = {"diagnose_recording", "compare_recording", "guide_log", "which_recording"}
 """What a quicker test of the API or of guide logs shows as well."""
 
 
@@ -29,31 +29,44 @@ def test_there_are_ten_and_each_asserts_a_number() -> None:
         assert not re.search(r"(from|import) gearpoly\.", text), path.name
 
 
+AS_A_PROGRAM = "ideal_pair"
+"""The one that is started as a user starts it; the others run in this process, which has gearpoly loaded."""
+
+
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(path, marks=pytest.mark.slow if path.stem in SLOW else (), id=path.stem) for path in EXAMPLES],
+    [
+        pytest.param(path, marks=pytest.mark.slow if path.stem in SLOW else (), id=path.stem)
+        for path in EXAMPLES
+        if path.stem != AS_A_PROGRAM
+    ],
 )
 def test_an_example_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """In a module of its own, as a user's Python would; one of them is started as a user does, below."""
+    """In a module of its own, as a user's Python would."""
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(path), run_name="__main__")
     assert capfd.readouterr().out
-    (picture,) = tmp_path.iterdir()
-    assert picture.name == f"{path.stem}.png"
-    # Paper, axes and a curve at least.
-    colours = np.rint(255.0 * image.imread(picture)).astype(np.uint8).view(np.uint32)
-    assert np.unique(colours).size > 10
+    assert_one_picture(tmp_path, path.stem)
 
 
 def test_an_example_is_a_program(tmp_path: Path) -> None:
     ran = subprocess.run(
-        [sys.executable, str(ROOT / "examples" / "ideal_pair.py")], capture_output=True, text=True, check=False,
+        [sys.executable, str(ROOT / "examples" / f"{AS_A_PROGRAM}.py")], capture_output=True, text=True, check=False,
         cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout
+    assert_one_picture(tmp_path, AS_A_PROGRAM)
+
+
+def assert_one_picture(folder: Path, name: str) -> None:
+    (picture,) = folder.iterdir()
+    assert picture.name == f"{name}.png"
+    # Paper, axes and a curve at least.
+    colours = np.rint(255.0 * image.imread(picture)).astype(np.uint8).view(np.uint32)
+    assert np.unique(colours).size > 10
 
 
 def test_the_page_lists_every_example() -> None:

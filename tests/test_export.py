@@ -192,14 +192,15 @@ def test_magnified_zero_times_is_the_ideal_gear(pair: api.Pair, ideal: api.Pair)
 
 
 def test_crossing_teeth_are_refused_with_the_magnification_from_which_they_cross(pair: api.Pair) -> None:
+    detail = Detail(points=200)  # the search draws the gears a dozen times
     with pytest.raises(InputFileError, match=r"teeth cross.*from (\d+\.?\d*) on") as refused:
-        pair.drawing(Request(apart=True, magnify=5000.0))
+        pair.drawing(Request(apart=True, magnify=5000.0, detail=detail))
     most = float(str(refused.value).rpartition("from ")[2].split()[0])
     assert 5.0 < most < 100.0
-    pair.drawing(Request(apart=True, magnify=most))
+    pair.drawing(Request(apart=True, magnify=most, detail=detail))
     with pytest.raises(InputFileError):
         # The onset is searched to 1e-3 and stated rounded down to three digits.
-        pair.drawing(Request(apart=True, magnify=1.02 * most))
+        pair.drawing(Request(apart=True, magnify=1.02 * most, detail=detail))
 
 
 def test_magnified_gears_that_jam_are_refused_unless_apart() -> None:

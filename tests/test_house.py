@@ -59,12 +59,18 @@ def modules() -> dict[str, ast.Module]:
     return out
 
 
-def imports(name: str, *, inside_functions: bool = True) -> set[str]:
+@cache
+def nodes(name: str) -> tuple[ast.AST, ...]:
+    """All nodes of a module, walked once."""
+    return tuple(ast.walk(modules()[name]))
+
+
+@cache
+def imports(name: str, *, inside_functions: bool = True) -> frozenset[str]:
     """Modules of the package that a module imports; what only type checkers see counts too."""
     out = set()
     tree = modules()[name]
-    nodes = ast.walk(tree) if inside_functions else iter(tree.body)
-    for node in nodes:
+    for node in nodes(name) if inside_functions else tree.body:
         if isinstance(node, ast.Import):
             out |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module is not None:
@@ -72,7 +78,7 @@ def imports(name: str, *, inside_functions: bool = True) -> set[str]:
             for alias in node.names:
                 whole = f"{node.module}.{alias.name}"
                 out.add(whole if whole in modules() else node.module)
-    return {one for one in out if one.split(".")[0] == "gearpoly" and one != name}
+    return frozenset(one for one in out if one.split(".")[0] == "gearpoly" and one != name)
 
 
 def part(name: str) -> str:
@@ -115,8 +121,8 @@ def test_the_contact_kernel_knows_no_gears(name: str) -> None:
 
 
 def test_the_root_is_imported_for_its_version_alone() -> None:
-    for name, tree in modules().items():
-        for node in ast.walk(tree):
+    for name in modules():
+        for node in nodes(name):
             if isinstance(node, ast.ImportFrom) and node.module == "gearpoly":
                 names = {alias.name for alias in node.names}
                 of_package = {one for one in names if f"gearpoly.{one}" in modules()}
@@ -125,21 +131,23 @@ def test_the_root_is_imported_for_its_version_alone() -> None:
 
 def test_matplotlib_is_imported_by_pictures_only() -> None:
     """No other part draws, and no picture is made unless asked for; what only type checkers see draws nothing."""
-    for name, tree in modules().items():
+    for name in modules():
         if part(name) in ("report", "study", "prove") or name == "gearpoly.proving.life.pictures":
             continue
+        drawing = [node for node in nodes(name) if _loads(node, "matplotlib")]
         typed = {
             id(inner)
-            for node in ast.walk(tree)
+            for node in (nodes(name) if drawing else ())
             if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
             for inner in ast.walk(node)
         }
-        for node in ast.walk(tree):
-            if id(node) in typed:
-                continue
-            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            assert not any(one.split(".")[0] == "matplotlib" for one in names), name
+        assert all(id(node) in typed for node in drawing), name
+
+
+def _loads(node: ast.AST, package: str) -> bool:
+    names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+    return any(one.split(".")[0] == package for one in names)
 
 
 def test_the_proof_shares_no_code_with_what_it_proves() -> None:

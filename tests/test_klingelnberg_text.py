@@ -9,7 +9,7 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.inspection.klingelnberg import read_klingelnberg
-from gearpoly.files.inspection.klingelnberg_text import Curve, Probe, read_export
+from gearpoly.files.inspection.klingelnberg_text import Probe, SheetCurve, read_export
 from gearpoly.files.inspection.probes import counting
 
 HEAD = """\
@@ -33,7 +33,7 @@ def file(folder: Path, text: str) -> Path:
     return path
 
 
-def curve(folder: Path, line: str, *, title: str = "") -> Curve:
+def curve(folder: Path, line: str, *, title: str = "") -> SheetCurve:
     (found,) = read_export(file(folder, f"{HEAD}{title}{line}\n 1.0 2.0\n -2147483.648 .5\n")).curves
     return found
 

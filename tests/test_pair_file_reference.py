@@ -13,7 +13,9 @@ PAGE = Path(__file__).parents[1] / "docs" / "reference" / "pair_file.md"
 
 
 def test_the_page_is_what_the_models_say() -> None:
-    assert PAGE.read_text(encoding="utf-8") == pair_file_reference(), f"write {PAGE.name} anew"
+    assert PAGE.read_text(encoding="utf-8") == pair_file_reference(), (
+        "write it anew: python -m gearpoly.files.reference docs/reference/pair_file.md"
+    )
 
 
 def test_every_key_of_a_gear_stands_on_the_page_with_its_meaning() -> None:

@@ -19,7 +19,7 @@ from gearpoly.gear.deviations import Span, total
 from gearpoly.gear.gear import Gear
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import MADE, READ, Physics
-from gearpoly.physics.page import table, unsearched
+from gearpoly.physics.page import table, unsearched, written
 from gearpoly.physics.place import Place
 from gearpoly.prove.truth import SIZES
 from gearpoly.proving.physics import PHYSICS as BENCH
@@ -137,11 +137,15 @@ def test_a_new_file_is_all_it_takes(newcomer: Physics) -> None:
 
 def test_the_pages_say_what_the_files_of_the_catalogue_do() -> None:
     page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
-    assert table(catalogue().values()) in page, "write the table anew: python -m gearpoly.physics.page"
+    assert table(catalogue().values()) in page, "write it anew: python -m gearpoly.physics.page docs/diagnose.md"
+    assert written(page, catalogue().values()) == page
+    fewer = written(page, [catalogue()["wear"]])
+    assert "| `friction` |" in page and "| `friction` |" not in fewer
+    assert written(fewer, catalogue().values()) == page
     assert unsearched(catalogue().values()) in page
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     looked_for = [one for one in catalogue().values() if not one.unsearched]
-    assert f"a catalogue of {len(looked_for)}," in readme
+    assert f"a catalogue of {len(looked_for)}," in readme, "write the number in the README anew"
 
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
@@ -164,6 +168,7 @@ def test_ranks_are_all_different_and_in_the_order_of_a_life() -> None:
 
 def test_every_physics_has_its_twin_in_the_bench_and_the_scorer_its_size() -> None:
     for one in catalogue().values():
+        assert one.twin in BENCH, f"write gearpoly/proving/physics/{one.twin}.py too (docs/howto/add_physics.md)"
         assert not BENCH[one.twin].outside
         assert SIZES[one.twin] == one.parameters[0] == BENCH[one.twin].size
 

@@ -8,7 +8,7 @@ import pytest
 from rich.progress import Progress
 
 from gearpoly.diagnose.budget import STAGES, Watch
-from gearpoly.report.progress import Steps, steps
+from gearpoly.report.progress import StageProgress, steps
 
 
 def test_a_pipe_gets_nothing(capsys: pytest.CaptureFixture[str]) -> None:
@@ -23,7 +23,7 @@ def test_a_pipe_gets_nothing(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_bar_follows_the_stages() -> None:
     """All stages in their order move the bar on; the next recording, thought of per finding, does not."""
     with Progress(disable=True) as bar:
-        step = Steps(bar)
+        step = StageProgress(bar)
         watch = Watch(step, step.reached)
         seen = []
         for name in (*STAGES[:4], "next recording", *STAGES[4:]):

@@ -33,7 +33,7 @@ def test_every_physics_of_the_catalogue_is_in_the_glossary() -> None:
     for name in catalogue():
         words = name.replace("_", " ")
         parts = {loose.get(part, part) for part in words.split()}
-        assert words in known or parts <= known | {"profile", "tip", "mesh", "centre"}, name
+        assert words in known or parts <= known | {"profile", "tip", "mesh", "centre"}, f"the glossary lacks {words}"
 
 
 def test_a_long_sentence_and_a_foreign_term_are_seen(tmp_path: Path) -> None:

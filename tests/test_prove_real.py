@@ -11,12 +11,12 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.prove.judgement import read_judgement
-from gearpoly.prove.real import Span, prove_real, score
+from gearpoly.prove.real import PeriodsAt, prove_real, score
 from tests.made_command import Command
 from tests.test_guide_logs import LOGS, made_log
 
 REAL = Path(__file__).parents[1] / "data" / "real"
-SPAN = Span(z_1=12, z_2=47, turns=4.0, seconds=480.0)
+SPAN = PeriodsAt(z_1=12, z_2=47, turns=4.0, seconds=480.0)
 
 
 def judged(folder: Path, name: str = "log", **changes: Any) -> Path:

@@ -10,9 +10,19 @@ from typing import Any
 import pytest
 
 from gearpoly.prove.judgement import read_judgement
-from gearpoly.prove.real import Span, real_json
+from gearpoly.prove.real import PeriodsAt, real_json
 from gearpoly.prove.real import score as real_score
-from gearpoly.prove.reliability import Forecast, Stated, bins, chances, claimed, figures, joined, log_score, stated
+from gearpoly.prove.reliability import (
+    Forecast,
+    StatedChances,
+    bins,
+    chances,
+    claimed,
+    figures,
+    joined,
+    log_score,
+    stated,
+)
 from gearpoly.prove.thresholds import read_thresholds
 from gearpoly.prove.truth import Truth, read_truth
 from tests.made_prove import PAIR, claim, verdict
@@ -37,7 +47,7 @@ def once_a_turn(p: float, q: float, unknown: float) -> dict[str, Any]:
     return claim("eccentricity", "driving", rivals=[rival]) | {"probability": p, "unknown_probability": unknown}
 
 
-def of(said: dict[str, Any], known: Truth) -> Stated:
+def of(said: dict[str, Any], known: Truth) -> StatedChances:
     return stated(said, known, LIMITS)
 
 
@@ -98,7 +108,7 @@ def test_a_p_value_is_shared_among_a_name_and_its_rivals(rivals: int, each: floa
 
 def test_what_states_no_chance_is_not_scored(tmp_path: Path) -> None:
     assert of(verdict(claim("wear", "driving"), unexplained=[{"kind": "mesh_order", "order": 1}]), truth(tmp_path)) == (
-        Stated()
+        StatedChances()
     )
     assert log_score((), LIMITS) == {"log_score": None, "log_score_std": None, "entries": 0}
 
@@ -199,7 +209,7 @@ def test_on_real_recordings_a_name_is_right_where_the_judgement_lets_it_stand(tm
     path.write_text(json.dumps(held))
     said = {"missing": [once_a_turn(0.7, 0.2, 0.1), claim("wear", "driving") | {"p_value": 0.1}], "where": [],
             "unexplained": [], "fit": {"heldout_rms_um": {"before": 4.0, "after": 5.0}}}  # fmt: skip
-    found = real_score(read_judgement(path), said, Span(z_1=12, z_2=47, turns=4.0, seconds=480.0), seconds=3.0)
+    found = real_score(read_judgement(path), said, PeriodsAt(z_1=12, z_2=47, turns=4.0, seconds=480.0), seconds=3.0)
     sums = real_json((found,))
     # Of the wear nothing may stand: something else did it, to which the verdict left nothing.
     logs = [math.log(0.7), math.log(LIMITS.least_chance)]

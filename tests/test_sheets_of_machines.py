@@ -297,7 +297,7 @@ def test_a_table_says_what_curves_say(
     pair: gearpoly.Pair, gearpoly_command: Command, tmp_path: Path, which: str
 ) -> None:
     """Semicolons, decimal commas, German heads; in English with points; a row per flank: one gear."""
-    seen = inspect(getattr(pair, which))
+    seen = inspect(getattr(pair, which), points=POINTS)
     german = table(seen)
     left, right = (np.round(seen.single(side), 2) for side in ("left", "right"))  # type: ignore[arg-type]
     english = "# a sheet\ntooth,fp left (um),fp right (um)\n" + "".join(

@@ -10,7 +10,7 @@ import pytest
 from gearpoly.study.design import Design
 from gearpoly.study.keys import is_whole, known_keys, with_values
 from gearpoly.study.models import StudyFile
-from gearpoly.study.plan import Plan, plan_of, size_at
+from gearpoly.study.plan import StudyPlan, plan_of, size_at
 from gearpoly.study.read import read_study
 from tests.study_files import GRADES, write_study
 
@@ -73,7 +73,7 @@ def test_sensitivity_blocks_swap_one_factor_each() -> None:
 
 @pytest.mark.parametrize("rows", [1, 3, 399, 400, 401, 5000, 200_000])
 def test_chunks_cover_every_missing_row_once(rows: int) -> None:
-    plan = Plan("{}")
+    plan = StudyPlan("{}")
     done = [(0, 2), (5, 6), (300, 420)]
     cuts = [7, 100, 350, 100_000]
     seen = list(plan.chunks(rows=rows, done=done, cuts=cuts))

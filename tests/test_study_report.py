@@ -16,12 +16,14 @@ from typer.testing import CliRunner
 from gearpoly.cli import app
 from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.study.answers import Answers, answer
+from gearpoly.study.keys import known_keys
 from gearpoly.study.labels import row_label
-from gearpoly.study.models import Limit
+from gearpoly.study.models import Limit, Sweep
 from gearpoly.study.pictures import pictures
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
 from gearpoly.study.statistics import share
+from gearpoly.study.words import key_words, sweep_words
 from gearpoly.study.yields import cheapest, yields
 from tests.study_files import GRADES, THICKNESS, write_study
 
@@ -218,7 +220,8 @@ def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> 
     limits = tuple(Limit(output=name, at_most=50.0, share=0.9) for name in ("te_pp_um", "backlash_least_um"))
     answers = answer(plain.store.folder, limits=list(limits))
     longer = tuple(
-        replace(one, label=f"{one.label}, driven.inspection.tooth_thickness_um = -60") for one in answers.groups
+        replace(one, words=f"{one.words}, inspection tooth thickness of the driven gear = -60 um")
+        for one in answers.groups
     )
     # Once as curves, and once with more combinations than curves have colours.
     for groups in (longer, longer * 3):
@@ -239,11 +242,12 @@ def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> 
     ("name", "lines"),
     [
         ("grade = 5", ["grade = 5"]),
-        ("grade = 5, driving.bore_mm = 6.25", ["grade = 5", "driving.bore_mm = 6.25"]),
-        ("driven.inspection.tooth_thickness_um = -60", ["driven.inspection.", "tooth_thickness_um =", "-60"]),
+        ("grade = 5, teeth = 25", ["grade = 5", "teeth = 25"]),
+        ("bore of the driving gear = 6.25 mm", ["bore of the driving", "gear = 6.25 mm"]),
+        ("grade of all 22 teeth = 4 um", ["grade of all 22 teeth", "= 4 um"]),
     ],
 )
-def test_names_of_rows_are_parted_at_what_is_swept_and_at_dots(name: str, lines: list[str]) -> None:
+def test_names_of_rows_are_parted_at_what_is_swept_and_between_words(name: str, lines: list[str]) -> None:
     assert row_label(name).split("\n") == lines
 
 
@@ -276,6 +280,33 @@ def test_page_needs_no_network_and_no_script(table: Path, tmp_path: Path) -> Non
     assert found["groups"][0]["outputs"]["te_pp_um"]["percentiles"]["50"]["value"] > 0.0
     assert found["groups"][0]["outputs"]["te_pp_um"]["percentiles"]["99"]["high"] is None  # 12 pairs do not place it
     assert found["yields"][0]["limit"] == "te_pp_um at most 60 in 90 % of pairs"
+    # Words with units where people read; keys for programs, and small beside them.
+    assert "<p>Peak-to-peak TE along the line of action at most 60 um in 90 % of pairs<br>" in text
+    assert "<h3>Least normal backlash / um</h3><p><small><code>backlash_least_um</code></small></p>" in text
+    assert "grade = 5, bore of the driving gear = 6 mm" in text
+    assert not re.search(r">[^<]*\b(te_pp_um|driving\.)[^<]*</(h2|h3|td|th|figcaption|li|b)>", text)
+
+
+def test_keys_of_a_pair_file_in_words() -> None:
+    words = {
+        "driving.tip_relief.amount_um": ("tip relief amount of the driving gear", "um"),
+        "driven.limits.E_sns_um": ("E_sns of the driven gear", "um"),
+        "pair.centre_distance_mm": ("centre distance", "mm"),
+        "pair.windup_urad_per_nm": ("windup", "urad/(N.m)"),
+        "material.youngs_modulus_gpa": ("material youngs modulus", "GPa"),
+        "driving.points_per_flank": ("points per flank of the driving gear", ""),
+    }
+    assert {key: key_words(key) for key in words} == words
+    # No unit of any key is taken for a word.
+    left = {key_words(key)[0].partition(" of the ")[0].rpartition(" ")[2] for key in known_keys()}
+    assert not left & {"um", "mm", "deg", "nm", "urad", "hz", "rpm", "gpa", "n", "kg"}
+
+    def both(*keys: str, **further: str) -> tuple[str, str]:
+        return sweep_words(Sweep.model_validate({"keys": keys, "method": "list", "values": [1.0], **further}))
+
+    assert both("driving.bore_mm", "driven.bore_mm") == ("bore of both gears", "mm")
+    assert both("driving.bore_mm", "driven.tip_relief.amount_um") == ("bore of the driving gear and 1 more", "mm")
+    assert both("driving.bore_mm", "driven.bore_mm", name="bore") == ("bore", "mm")
 
 
 def test_commands_from_end_to_end(tmp_path: Path) -> None:

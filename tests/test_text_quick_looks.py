@@ -14,8 +14,8 @@ from gearpoly.recording.text import cells, foreign, parsed
 from gearpoly.recording.text.cells import marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import Codes, EvenStamps
-from gearpoly.recording.text.lines import WRITTEN, Lines, are_rows
-from gearpoly.recording.text.part import Part
+from gearpoly.recording.text.lines import WRITTEN, TextLines, are_rows
+from gearpoly.recording.text.part import TextPart
 
 PIECES = ("1", "12,5", "-0.25", "3e5", "+4E-2", "7.", " 8 ", "1.000,5", "05.03.2026")
 ODD = ("", "-", "e5", "1e", "x", "1;2", "1\t2", ".e3", "\u00b0", "+", "1:2")
@@ -114,7 +114,7 @@ def test_empty_cells_are_the_same_in_one_go_and_cell_by_cell(monkeypatch: pytest
         file.write_text(mark.join("ABC") + "\n" + "".join(mark.join(row) + "\n" for row in rows), encoding="utf-8")
         quick = read_tables(file)[0]
         with monkeypatch.context() as patch:
-            patch.setattr(Part, "plain", lambda *_: None)
+            patch.setattr(TextPart, "plain", lambda *_: None)
             slow = read_tables(file)[0]
         assert quick.remarks == slow.remarks
         assert any(word in one for one in quick.remarks) and np.isnan(quick.others["B"].values).sum() == 2
@@ -147,7 +147,7 @@ def test_a_text_is_held_in_its_own_bytes_or_in_utf_8(
         end.join([*wanted, ""]).encode(encoding) + (b"" if "16" in encoding or "32" in encoding else b"\0")
     )
     text, inside, found = coded(file, stated=stated)
-    lines = Lines(text, inside)
+    lines = TextLines(text, inside)
     assert found == name
     assert [*lines] == [*wanted, ""]
     assert lines[0] == wanted[0] and lines[-2] == wanted[-1]

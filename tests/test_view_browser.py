@@ -23,7 +23,7 @@ from gearpoly.simulate import Simulation, simulate
 from gearpoly.units import DEG, NM, UM, FloatArray
 from gearpoly.view.document import document
 from gearpoly.view.html import page_text
-from gearpoly.view.scene import Scene, scene_of
+from gearpoly.view.scene import ViewScene, scene_of
 from tests.chromium import Chromium
 
 ROOT = Path(__file__).parents[1]
@@ -42,7 +42,7 @@ class Shown:
     """A page, and the scene that it was made from."""
 
     page: Path
-    scene: Scene
+    scene: ViewScene
 
     @property
     def pair(self) -> GearPair:
@@ -152,7 +152,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Shown]:
     return out
 
 
-def at_angles(scene: Scene, theta_2: FloatArray) -> Simulation:
+def at_angles(scene: ViewScene, theta_2: FloatArray) -> Simulation:
     """``simulate`` at angles of its own, certified by the polygon kernel, not those that the page was given."""
     one = scene.simulation
     return simulate(

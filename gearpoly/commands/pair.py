@@ -12,7 +12,7 @@ from typer.core import TyperCommand
 ORDER = 5
 
 
-class GearChoice(StrEnum):
+class OneGear(StrEnum):
     """Which gear of the pair a file is of."""
 
     driving = "driving"
@@ -67,7 +67,7 @@ def pair(
         ),
     ] = None,
     which: Annotated[
-        GearChoice | None, typer.Option("--as", help="Which gear the sheet is of; of a design, what its first gear is.")
+        OneGear | None, typer.Option("--as", help="Which gear the sheet is of; of a design, what its first gear is.")
     ] = None,
     flank: Annotated[
         SideChoice | None, typer.Option(help="Which flank of the sheet is the drive flank, seen on the datum face.")
@@ -141,7 +141,7 @@ def _from(
     source: Path,
     target: Path,
     *,
-    which: GearChoice | None,
+    which: OneGear | None,
     flank: SideChoice | None,
     count: CountChoice | None,
     layout: Path | None,

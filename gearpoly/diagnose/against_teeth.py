@@ -110,13 +110,15 @@ def beyond_grade(by: Against, waves: Sequence[Entry]) -> list[Entry]:
         known, numbered = by.comparison.gears[gear], by.comparison.alignment.numbered[gear]
         system = system.with_columns([one[:, 2 * best : 2 * best + 2] for one in free])
         stands = [at[best], system.size - 2]  # what its grade makes likely, and what is beyond that
+        ahead = float(np.sum(system.solution[stands]))
         out.append(
             Entry(
                 kind="tooth",
                 gear="driving" if gear == 0 else "driven",
                 tooth=tooth if numbered else None,
                 encoder_deg=known.encoder_deg(tooth),
-                amplitude_um=float(np.sum(system.solution[stands])),
+                amplitude_um=ahead,
+                rms_um=abs(ahead),
                 std_um=math.sqrt(float(np.sum(system.covariance[np.ix_(stands, stands)]))),
                 recordings=tuple(k for k, one in enumerate(by.comparison.aligned) if one.flank == flank),
                 p_value=chance,

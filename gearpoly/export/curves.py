@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from gearpoly.export.drawing import Drawing, Placed
-from gearpoly.export.outline import FINER, Outline, Part
+from gearpoly.export.outline import FINER, Outline, OutlinePart
 from gearpoly.units import FloatArray
 
 
@@ -61,7 +61,7 @@ def bulges(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return a, bulge
 
 
-def arc_angles(part: Part, gear: Placed) -> tuple[float, float, float]:
+def arc_angles(part: OutlinePart, gear: Placed) -> tuple[float, float, float]:
     """Radius in mm and both directions in rad of a tip or land, an arc counter-clockwise about the gear's centre."""
     first, last = part.points[0] - gear.centre, part.points[-1] - gear.centre
     return (

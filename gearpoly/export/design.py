@@ -12,7 +12,7 @@ from gearpoly.export.drawing import Request
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.files.output import written_aside
 from gearpoly.files.rexs.gear import LIMITS
-from gearpoly.files.rexs.model import Attribute, Component, Model, Relation, Value
+from gearpoly.files.rexs.model import Attribute, Component, Relation, RexsModel, Value
 from gearpoly.files.rexs.source import ENDINGS
 from gearpoly.files.rexs.write import write_model
 from gearpoly.gear.gear import Gear
@@ -79,7 +79,7 @@ class _Builder:
         self.relations.append(Relation(id=len(self.relations) + 1, type=type_, refs=refs, order=order))
 
 
-def design_model(file: PairFile, assembled: Assembled) -> Model:
+def design_model(file: PairFile, assembled: Assembled) -> RexsModel:
     """The stage with its gears, flanks, tools and reliefs as REXS 2.0 has them."""
     build, pair = _Builder(), assembled.pair
     unit = build.add("gear_unit", file.name, {})
@@ -109,7 +109,9 @@ def design_model(file: PairFile, assembled: Assembled) -> Model:
         _flanks(build, section, gear, number, name)
         gears.append(number)
     build.relate("stage", ("stage", stage), ("gear_1", gears[0]), ("gear_2", gears[1]))
-    return Model(file=Path("design"), version=VERSION, components=build.components, relations=tuple(build.relations))
+    return RexsModel(
+        file=Path("design"), version=VERSION, components=build.components, relations=tuple(build.relations)
+    )
 
 
 def _blank(section: GearSection, gear: Gear) -> dict[str, tuple[Value | None, str]]:

@@ -27,7 +27,7 @@ from gearpoly.errors import (
     OutOfRangeError,
 )
 from gearpoly.export.magnify import LARGEST, magnified, onset
-from gearpoly.export.outline import Detail, Outline, Part, draw_outline
+from gearpoly.export.outline import Detail, Outline, OutlinePart, draw_outline
 from gearpoly.gear.deviations import Deviations
 from gearpoly.gear.flank import Flanks
 from gearpoly.gear.polygon import rotate
@@ -110,7 +110,7 @@ class Placed:
         """The gear with its bore as a Shapely polygon in mm."""
         return Polygon(self.ring, [self.bore])
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[OutlinePart]:
         """The outline's parts as drawn."""
         return [replace(part, points=read_only(self.at(part.points))) for part in self.outline.parts]
 

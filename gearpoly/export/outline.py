@@ -77,7 +77,7 @@ class Detail:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class OutlinePart:
     """One smooth piece of the outline: ``points`` (k, 2) in mm, counter-clockwise, both ends shared with its
     neighbours.
 
@@ -102,7 +102,7 @@ class Outline:
     """
 
     gear: Gear
-    parts: tuple[Part, ...]
+    parts: tuple[OutlinePart, ...]
     centre: FloatArray
     bore: FloatArray
     r_bore: float
@@ -187,7 +187,7 @@ def stand_off(flanks: Flanks, fine: Flanks) -> float:
 
 def _parts(
     flanks: Flanks, root: Root, centre_lines: FloatArray, centre: FloatArray, *, chord: float
-) -> tuple[Part, ...]:
+) -> tuple[OutlinePart, ...]:
     """The outline's parts, counter-clockwise, starting with the coast fillet of the tooth nearest above angle 0.
 
     Each fillet turns with its flank. Where neighbouring fillets then overlap, the space ends at their crossing;
@@ -210,7 +210,7 @@ def _parts(
     closed = np.flatnonzero(np.min(above, axis=1) <= 0.0)
     if closed.size:
         raise GeometryError(f"the flanks of teeth {closed[0]} and {following[closed[0]]} cross")
-    parts: list[Part] = []
+    parts: list[OutlinePart] = []
     bottoms = [_bottom(r, space[k]) for k in range(gear.z)]
     before = np.empty_like(order)
     before[following] = np.arange(gear.z)
@@ -227,21 +227,21 @@ def _parts(
             flank = placed(own.r[first:], middle + sign * angles[first:])
             low = placed(*_cut(r, psi[side][k], cut, middle, sign))
             if side == "coast":
-                parts.append(Part(tooth=k, kind="fillet", side="coast", points=low))
-                parts.append(Part(tooth=k, kind="flank", side="coast", points=flank))
+                parts.append(OutlinePart(tooth=k, kind="fillet", side="coast", points=low))
+                parts.append(OutlinePart(tooth=k, kind="flank", side="coast", points=flank))
                 tip = rotate(arc(r_tip, -float(own.coast[-1]), float(own.drive[-1]), chord_error=chord), middle)
                 ends = placed(np.full(2, r_tip), middle + np.array([-own.coast[-1], own.drive[-1]]))
                 points = np.concatenate((ends[:1], tip + centre, ends[1:]))
-                parts.append(Part(tooth=k, kind="tip", side="", points=read_only(points)))
+                parts.append(OutlinePart(tooth=k, kind="tip", side="", points=read_only(points)))
             else:
-                parts.append(Part(tooth=k, kind="flank", side="drive", points=read_only(flank[::-1])))
-                parts.append(Part(tooth=k, kind="fillet", side="drive", points=read_only(low[::-1])))
+                parts.append(OutlinePart(tooth=k, kind="flank", side="drive", points=read_only(flank[::-1])))
+                parts.append(OutlinePart(tooth=k, kind="fillet", side="drive", points=read_only(low[::-1])))
         if bottoms[k] is None:
             stop = middle + float(psi["drive"][k, 0])
             land = arc(gear.r_f, stop, stop + float(space[k, 0]), chord_error=chord)
             ends = placed(np.full(2, gear.r_f), stop + np.array([0.0, space[k, 0]]))
             points = np.concatenate((ends[:1], land + centre, ends[1:]))
-            parts.append(Part(tooth=k, kind="land", side="", points=read_only(points)))
+            parts.append(OutlinePart(tooth=k, kind="land", side="", points=read_only(points)))
     return _joined(parts)
 
 
@@ -267,11 +267,11 @@ def _cut(
     return r, middle + sign * psi
 
 
-def _joined(parts: list[Part]) -> tuple[Part, ...]:
+def _joined(parts: list[OutlinePart]) -> tuple[OutlinePart, ...]:
     """The parts with each end exactly the next one's start: rounding differs by 1e-15 where two formulas meet."""
     out = []
     for k, part in enumerate(parts):
         points = part.points.copy()
         points[-1] = parts[(k + 1) % len(parts)].points[0]
-        out.append(Part(tooth=part.tooth, kind=part.kind, side=part.side, points=read_only(points)))
+        out.append(OutlinePart(tooth=part.tooth, kind=part.kind, side=part.side, points=read_only(points)))
     return tuple(out)

@@ -33,14 +33,14 @@ class Choices:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Made:
+class MadeFiles:
     """Files that were written, with what is in them, and what was taken for what or is still open."""
 
     files: tuple[tuple[Path, str], ...]
     says: tuple[str, ...]
 
 
-def pair_from(source: Path, target: Path, choices: Choices) -> Made:
+def pair_from(source: Path, target: Path, choices: Choices) -> MadeFiles:
     """Write what ``source`` holds into the pair file ``target``.
 
     Raises ``InputFileError`` for a file that cannot be read, and asking for what it does not say.
@@ -61,7 +61,7 @@ def pair_from(source: Path, target: Path, choices: Choices) -> Made:
                     source, found=f"a design, and {option}", wish=f"leave {option} out: designs need none"
                 )
         says = write_design(source, target, stage=choices.stage, first=choices.which)
-        return Made(files=((target, f"a pair file with the design of {source.name}"),), says=tuple(says))
+        return MadeFiles(files=((target, f"a pair file with the design of {source.name}"),), says=tuple(says))
     if choices.stage is not None:
         raise InputFileError(source, found="no REXS design, and --stage", wish="leave --stage out, or name a design")
     which, drive = choices.which, choices.drive
@@ -78,7 +78,7 @@ def pair_from(source: Path, target: Path, choices: Choices) -> Made:
     keys = translated(sheet, which=which, drive=drive)
     written, open_ = write_gear(aim, sheet, keys, which=which)
     drives = f"the {drive} flank is the drive flank of the {which} gear"
-    return Made(
+    return MadeFiles(
         files=tuple(
             (one, f"the {which} gear's " + ("inspection" if one == target else "measured profiles")) for one in written
         ),

@@ -1,8 +1,11 @@
-"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page`` prints it; a test compares the page."""
+"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page docs/diagnose.md`` writes it into the page
+anew; a test compares."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
+from pathlib import Path
 
 from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.base import Physics
@@ -25,5 +28,17 @@ def unsearched(known: Iterable[Physics]) -> str:
     return "\n".join(f"`{one.name}` is not looked for yet: {one.unsearched}." for one in known if one.unsearched)
 
 
+def written(page: str, known: Iterable[Physics]) -> str:
+    """The ``page`` with its table of the catalogue as it is now."""
+    head = "\n".join(HEAD)
+    before, found, after = page.partition(head)
+    _, _, rest = after.partition("\n\n")
+    if not found:
+        raise ValueError(f"no table of the catalogue, which begins {HEAD[0]}")
+    return f"{before}{table(known)}\n\n{rest}"
+
+
 if __name__ == "__main__":
-    print(table(catalogue().values()), unsearched(catalogue().values()), sep="\n\n")
+    target = Path(sys.argv[1])
+    anew = written(target.read_text(encoding="utf-8"), catalogue().values())
+    target.write_text(anew, encoding="utf-8", newline="\n")

@@ -25,7 +25,7 @@ differ by a tenth."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class PlaceWanted:
     """A line that has to be located: its ``kind``, ``gear`` (of a shaft's order), ``order`` or ``hz``, amplitude in um
     and the part of that by which it may be off."""
 
@@ -51,7 +51,7 @@ class Judgement:
     case: CaseFiles
     control: bool
     may_name: tuple[tuple[str, str | None], ...]
-    must_locate: tuple[Place, ...]
+    must_locate: tuple[PlaceWanted, ...]
 
 
 def read_judgement(path: Path) -> Judgement:
@@ -87,7 +87,7 @@ def read_judgement(path: Path) -> Judgement:
     return Judgement(case=case, control=control, may_name=may_name, must_locate=places)
 
 
-def _place(raw: Fields) -> Place:
+def _place(raw: Fields) -> PlaceWanted:
     kind, gear = raw.word("kind"), raw.gear()
     order, hz = raw.number("order"), raw.number("hz")
     if kind not in KINDS:
@@ -98,7 +98,7 @@ def _place(raw: Fields) -> Place:
     if kind == "shaft_order" and gear is None:
         raise ValueError(f"no {raw.where}gear of a shaft's order")
     tolerance = raw.number("tolerance")
-    return Place(
+    return PlaceWanted(
         kind=kind, gear=gear, order=order, hz=hz, amplitude_um=raw.number("amplitude_um"),
         tolerance=TOLERANCE if tolerance is None else tolerance,
     )  # fmt: skip

@@ -17,10 +17,10 @@ from gearpoly.prove import diagnoser as diagnosers
 from gearpoly.prove import reliability
 from gearpoly.prove.diagnoser import Diagnoser, How
 from gearpoly.prove.expert import FAILURES
-from gearpoly.prove.judgement import ENDING, Judgement, Place, read_judgement
+from gearpoly.prove.judgement import ENDING, Judgement, PlaceWanted, read_judgement
 from gearpoly.prove.match import reported_set
 from gearpoly.prove.pool import each
-from gearpoly.prove.reliability import NAME, Stated, bins, claimed
+from gearpoly.prove.reliability import NAME, StatedChances, bins, claimed
 from gearpoly.prove.run import code_under_proof, made_folder
 from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import read_thresholds
@@ -50,7 +50,7 @@ class RealScore:
     error: str = ""
     failure: str = ""
     seconds: float | None = None
-    stated: Stated = field(default_factory=Stated)
+    stated: StatedChances = field(default_factory=StatedChances)
 
     @property
     def ratio(self) -> float | None:
@@ -64,7 +64,7 @@ class RealScore:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Span:
+class PeriodsAt:
     """What lies between a place and its frequency: teeth of both gears, turns of the driven shaft that were recorded,
     and seconds per turn (None: no time)."""
 
@@ -83,15 +83,15 @@ class Span:
         return float(order * (self.z_2 / self.z_1 if place.get("gear") == "driving" else 1.0))
 
 
-def span_of(recordings: list[Recording], *, z_1: int, z_2: int) -> Span:
+def span_of(recordings: list[Recording], *, z_1: int, z_2: int) -> PeriodsAt:
     """Turns and seconds of the longest of some recordings."""
-    best = Span(z_1=z_1, z_2=z_2, turns=0.0, seconds=None)
+    best = PeriodsAt(z_1=z_1, z_2=z_2, turns=0.0, seconds=None)
     for one in recordings:
         driven = one.driven_angle_rad
         turns = _turns(driven) if driven is not None else _turns(one.driving_angle_rad) * z_1 / z_2
         if turns > best.turns:
             time = None if one.time_s is None else float(np.nanmax(one.time_s) - np.nanmin(one.time_s)) / turns
-            best = Span(z_1=z_1, z_2=z_2, turns=turns, seconds=time)
+            best = PeriodsAt(z_1=z_1, z_2=z_2, turns=turns, seconds=time)
     return best
 
 
@@ -102,7 +102,7 @@ def _turns(angle: FloatArray | None) -> float:
     return float(np.ptp(np.unwrap(held))) / (2.0 * math.pi)
 
 
-def score(judgement: Judgement, verdict: dict[str, Any] | None, span: Span, *, error: str = "", failure: str = "",
+def score(judgement: Judgement, verdict: dict[str, Any] | None, span: PeriodsAt, *, error: str = "", failure: str = "",
           seconds: float | None = None) -> RealScore:  # fmt: skip
     """How a ``verdict`` (None: none was reached, for the reason ``error``) stands beside a judgement."""
     wanted = {place.label: place for place in judgement.must_locate}
@@ -146,7 +146,7 @@ def _label(entry: dict[str, Any]) -> str:
     return " ".join(word for word in words if word)
 
 
-def _is_at(entry: dict[str, Any], place: Place, span: Span) -> bool:
+def _is_at(entry: dict[str, Any], place: PlaceWanted, span: PeriodsAt) -> bool:
     """Whether an entry of the verdict lies at a place, by whichever shaft it is told, and is as large."""
     there, here = span.per_turn(asdict(place)), span.per_turn(entry)
     if there is None or here is None or abs(here - there) > HALF_WIDTH / max(span.turns, 1e-9):
@@ -170,7 +170,7 @@ def prove_real(
         wish = f"want NAME{ENDING} beside the recordings (docs/explanation/prove.md says what is in it)"
         raise InputFileError(folder, found="no judgement", wish=wish)
     wrong: list[str] = []
-    judged: list[tuple[Judgement, Span]] = []
+    judged: list[tuple[Judgement, PeriodsAt]] = []
     for path in paths:
         try:
             one = read_judgement(path)

@@ -40,14 +40,14 @@ class Forecast:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class StatedChances:
     """The ``forecasts`` of a verdict, and for each of its entries the chance that was stated of what was ``true``."""
 
     forecasts: tuple[Forecast, ...] = ()
     true: tuple[float, ...] = ()
 
 
-def stated(verdict: Entry, truth: Truth, limits: Thresholds) -> Stated:
+def stated(verdict: Entry, truth: Truth, limits: Thresholds) -> StatedChances:
     """Every chance that a verdict states, beside the truth. An entry without any is passed over."""
     return joined(
         (
@@ -57,10 +57,10 @@ def stated(verdict: Entry, truth: Truth, limits: Thresholds) -> Stated:
     )
 
 
-def joined(parts: Iterable[Stated]) -> Stated:
+def joined(parts: Iterable[StatedChances]) -> StatedChances:
     """Some verdicts, or entries of one, as one."""
     every = tuple(parts)
-    return Stated(
+    return StatedChances(
         forecasts=tuple(one for part in every for one in part.forecasts),
         true=tuple(one for part in every for one in part.true),
     )
@@ -81,15 +81,15 @@ def chances(claim: Entry) -> tuple[float, ...]:
     return ()
 
 
-def claimed(claim: Entry, rights: Sequence[bool]) -> Stated:
+def claimed(claim: Entry, rights: Sequence[bool]) -> StatedChances:
     """One entry of ``missing``, of which ``rights`` says what of it is true: the name, its rivals in order, the
     unknown. What was true is the first of these; if none is, the rest of the probability."""
     found = chances(claim)
     if not found:
-        return Stated()
+        return StatedChances()
     forecasts = [Forecast(of=NAME, stated=p, right=right) for p, right in zip(found, rights, strict=True) if p > 0.0]
     true = next((p for p, right in zip(found, rights, strict=True) if right), max(1.0 - sum(found), 0.0))
-    return Stated(forecasts=tuple(forecasts), true=(true,))
+    return StatedChances(forecasts=tuple(forecasts), true=(true,))
 
 
 def _rights(claim: Entry, truth: Truth, limits: Thresholds) -> list[bool]:
@@ -117,7 +117,7 @@ def _nameless(truth: Truth) -> Iterator[Item]:
     yield from truth.background
 
 
-def _left(entry: Entry, truth: Truth, limits: Thresholds) -> Stated:
+def _left(entry: Entry, truth: Truth, limits: Thresholds) -> StatedChances:
     """One entry of ``unexplained``: the chance that it is there (one less its ``p_value`` where it states none), and
     those of the physics that it could be. What was true is the first of these that is, else the rest of the chance that
     it is there; of a place where nothing is, the rest to 1."""
@@ -125,7 +125,7 @@ def _left(entry: Entry, truth: Truth, limits: Thresholds) -> Stated:
     if there is None and entry.get("p_value") is not None:
         there = 1.0 - float(entry["p_value"])
     if there is None:
-        return Stated()
+        return StatedChances()
     may = [one for one in entry.get("could_be", ()) if one.get("probability")]
     effects = [item for item in truth.items if item.physics]
     rights = [
@@ -136,7 +136,7 @@ def _left(entry: Entry, truth: Truth, limits: Thresholds) -> Stated:
     rest = max(there - sum(found), 0.0) if right else 1.0 - there
     true = next((p for p, good in zip(found, rights, strict=True) if good), rest)
     names_ = [Forecast(of=NAME, stated=p, right=good) for p, good in zip(found, rights, strict=True)]
-    return Stated(forecasts=(*names_, Forecast(of=PLACE, stated=there, right=right)), true=(true,))
+    return StatedChances(forecasts=(*names_, Forecast(of=PLACE, stated=there, right=right)), true=(true,))
 
 
 def _something_there(entry: Entry, truth: Truth, limits: Thresholds) -> bool:
@@ -172,7 +172,7 @@ def _of_all_meshes(entry: Entry, place: str, truth: Truth) -> bool:
     return abs(meshes - round(meshes)) * z < 0.1 and round(meshes) > 0
 
 
-def figures(some: Stated, limits: Thresholds) -> dict[str, Any]:
+def figures(some: StatedChances, limits: Thresholds) -> dict[str, Any]:
     """Bins of stated chances of names and of places, and the log score of all entries."""
     return {
         NAME: bins([one for one in some.forecasts if one.of == NAME], limits.bins),

@@ -23,7 +23,7 @@ from gearpoly.prove.pool import each
 from gearpoly.prove.score import CaseScore, score
 from gearpoly.prove.thresholds import Thresholds, read_thresholds
 from gearpoly.prove.truth import read_truth
-from gearpoly.prove.work import Diagnosing, Writing, diagnose, result, seconds, write
+from gearpoly.prove.work import CaseToWrite, Diagnosing, diagnose, result, seconds, write
 from gearpoly.proving.grounds import BENCH, GROUNDS
 from gearpoly.proving.rig import BenchError
 from gearpoly.proving.write import seal
@@ -65,7 +65,7 @@ def prove_ground(
     for name in ("cases", "truths", "sealed"):
         made_folder(out / name)
     writing = [
-        Writing(
+        CaseToWrite(
             seed=seed, index=k, quick=quick, folder=out / "cases", truths=out / "truths",
             sealed=out / "sealed" / entries[k].name, code=bench, ground=ground,
         ) for k in chosen

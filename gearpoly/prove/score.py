@@ -8,7 +8,7 @@ from typing import Any
 
 from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set, stands_at
-from gearpoly.prove.reliability import Stated, stated
+from gearpoly.prove.reliability import StatedChances, stated
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import FROM_ONE, SIZES, Item, Truth
 
@@ -84,7 +84,7 @@ class CaseScore:
     before: float | None
     after: float | None
     expert: Expert
-    stated: Stated
+    stated: StatedChances
 
     @property
     def unseen_ratio(self) -> float | None:

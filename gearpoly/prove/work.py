@@ -53,7 +53,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Writing:
+class CaseToWrite:
     """A case of a ground to be written under ``folder``, its truth under ``truths``, its hash to ``sealed``."""
 
     seed: int
@@ -74,7 +74,7 @@ class Writing:
         return self.sealed.read_text(encoding="utf-8").split() == [truth_hash(truth), self.code]
 
 
-def write(job: Writing) -> None:
+def write(job: CaseToWrite) -> None:
     """Write the case; its hash comes last, so that a killed run writes it again. Raises ``InputFileError`` where the
     folder cannot be written to."""
     from gearpoly.proving.write import write_case

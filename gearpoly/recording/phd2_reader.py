@@ -15,7 +15,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, unreadable
-from gearpoly.recording.phd2_sections import PER_MS, Log, Section, read_log
+from gearpoly.recording.phd2_sections import PER_MS, GuidingSection, Log, read_log
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
 from gearpoly.recording.text.encoding import LOOKED_AT, shown
@@ -80,7 +80,7 @@ def read_table(file: Path, part: int | None = None) -> Table:
     return _table(chosen, list(_others(file, log, chosen, faults)))
 
 
-def _chosen(file: Path, log: Log, faults: dict[int, InputFileError], part: int | None) -> Section:
+def _chosen(file: Path, log: Log, faults: dict[int, InputFileError], part: int | None) -> GuidingSection:
     """The section that is asked for, or the longest without a fault; the longest of all where each has one."""
     if part is not None:
         if not 1 <= part <= len(log.sections):
@@ -95,7 +95,7 @@ def _calibrations(log: Log) -> str:
     return "1 calibration" if log.calibrations == 1 else f"{log.calibrations} calibrations"
 
 
-def _others(file: Path, log: Log, chosen: Section, faults: dict[int, InputFileError]) -> Iterator[str]:
+def _others(file: Path, log: Log, chosen: GuidingSection, faults: dict[int, InputFileError]) -> Iterator[str]:
     """What is said of the rest of a log that holds more than one section."""
     if len(log.sections) > 1:
         beside = f" and {_calibrations(log)}" if log.calibrations else ""
@@ -114,7 +114,7 @@ def _others(file: Path, log: Log, chosen: Section, faults: dict[int, InputFileEr
         yield f"{len(faults) - NAMED} more sections cannot be used"
 
 
-def fault_of(file: Path, section: Section) -> InputFileError | None:
+def fault_of(file: Path, section: GuidingSection) -> InputFileError | None:
     """Why a section cannot be used, with a cure; None where it can."""
     if section.fault is not None:
         return section.fault
@@ -143,7 +143,7 @@ def fault_of(file: Path, section: Section) -> InputFileError | None:
     return None
 
 
-def _table(section: Section, remarks: list[str]) -> Table:
+def _table(section: GuidingSection, remarks: list[str]) -> Table:
     known = section.header
     if "declination" not in known:
         remarks.append(
@@ -180,7 +180,7 @@ def _table(section: Section, remarks: list[str]) -> Table:
     )
 
 
-def direction(section: Section) -> tuple[float, float, float]:
+def direction(section: GuidingSection) -> tuple[float, float, float]:
     """Cosine and sine of the right ascension's direction on the camera, and the length that frames give a pixel along
     it: from the offsets along both camera axes, or from the header where frames do not have them."""
     held = np.array([(f.x, f.y, f.offset) for f in section.frames])
@@ -196,7 +196,7 @@ def direction(section: Section) -> tuple[float, float, float]:
     return math.cos(angle), math.sin(angle), 1.0
 
 
-def _re_aimed(section: Section, star: FloatArray, along: tuple[float, float], remarks: list[str]) -> FloatArray:
+def _re_aimed(section: GuidingSection, star: FloatArray, along: tuple[float, float], remarks: list[str]) -> FloatArray:
     """What re-aimings of the camera moved the star by (n,), in px, from its place ``star`` (n,) with all pulses undone.
 
     A dither moves the lock position and keeps the star, so the star stands off by as much; another star comes with its

@@ -54,7 +54,7 @@ class Frame:
 
 
 @dataclass
-class Section:
+class GuidingSection:
     """One guiding section: its ``number`` from 1 and ``line`` in the log, when it ``began``, what its header states,
     its ``frames``, the lock positions ``aims`` in px, how often it was ``dithered`` and ``paused``, whether the lock
     position was ``shifted`` along unseen, whether its numbers have decimal ``commas``, and its ``fault``, if any."""
@@ -86,22 +86,22 @@ class Section:
 class Log:
     """A whole log: its guiding sections in order, and how many calibrations it holds."""
 
-    sections: tuple[Section, ...]
+    sections: tuple[GuidingSection, ...]
     calibrations: int
 
 
 def read_log(file: Path, lines: Iterator[str]) -> Log:
     """All sections of a log; the last may be cut off. Raises ``InputFileError`` for lines that no log has."""
-    found: list[Section] = []
+    found: list[GuidingSection] = []
     calibrations = 0
-    open_: Section | None = None
+    open_: GuidingSection | None = None
     names: list[str] = []
     for number, line in enumerate(_short(file, lines), start=1):
         begins = re.match(r"(Guiding|Calibration) Begins at (.*)", line)
         if begins or line.startswith("Guiding Ends"):
             open_, names = None, []
             if begins and begins[1] == "Guiding":
-                open_ = Section(number=len(found) + 1, line=number, began=shorten(begins[2].strip()))
+                open_ = GuidingSection(number=len(found) + 1, line=number, began=shorten(begins[2].strip()))
                 found.append(open_)
             calibrations += bool(begins and begins[1] == "Calibration")
         elif open_ is None or open_.fault is not None:
@@ -129,7 +129,7 @@ def _fault(file: Path, number: int, found: str, wish: str) -> InputFileError:
     return InputFileError(file, where=f"line {number}", found=found, wish=wish)
 
 
-def _take_words(line: str, section: Section) -> None:
+def _take_words(line: str, section: GuidingSection) -> None:
     """What a line of the header, or one between frames, says."""
     if not section.frames:
         section.header = {**dict(_header(line)), **section.header}
@@ -159,7 +159,7 @@ def _number(text: str) -> float:
     return float(text.replace(",", "."))
 
 
-def _take_frame(file: Path, number: int, names: list[str], line: str, section: Section) -> None:
+def _take_frame(file: Path, number: int, names: list[str], line: str, section: GuidingSection) -> None:
     """Put the frame of a line into its ``section``; a row that was cut off is left out."""
     cells = _cells(names, line, section)
     if not all(name in cells for name in COLUMNS):
@@ -201,7 +201,7 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: S
     section.frames.append(Frame(time, x, y, offset, sense * pulse / 1000.0, aim))
 
 
-def _cells(names: list[str], line: str, section: Section) -> Mapping[str, str]:
+def _cells(names: list[str], line: str, section: GuidingSection) -> Mapping[str, str]:
     """The cells of a row by column. Where a computer writes decimal commas, a number takes two of them."""
     try:
         cells = next(csv.reader([line.strip()]))

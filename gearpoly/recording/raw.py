@@ -27,7 +27,7 @@ from gearpoly.recording.pulses import (
     quadrature,
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, SHAFTS, raw_channels
-from gearpoly.recording.sources import Source, brought_together, is_wrapped, unwrapped
+from gearpoly.recording.sources import TimedColumn, brought_together, is_wrapped, unwrapped
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray, IntArray
 
@@ -47,7 +47,7 @@ def angles_from_raw(file: Path, table: Table) -> Table:
     for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True):
         ways = _ways(file, table, shaft, angle, time, remarks, has_time=has_time)
         if angle in table.columns:
-            ways.insert(0, _Way(angle, Source(column=angle, time=time, values=table.columns[angle]), 0.0))
+            ways.insert(0, _Way(angle, TimedColumn(column=angle, time=time, values=table.columns[angle]), 0.0))
             if unused := [f"{shaft}_{c}" for c in raw_channels(table.columns, shaft)]:
                 remarks.append(f"{' and '.join(unused)} not used, since {angle} gives the angle")
         for other in ways[1:]:
@@ -55,7 +55,9 @@ def angles_from_raw(file: Path, table: Table) -> Table:
         sources += [one.source for one in ways[:1]]
     given = {one.column for one in sources} | {"time_s", *RAW_COLUMNS}
     sources += [
-        Source(column=name, time=time, values=values) for name, values in table.columns.items() if name not in given
+        TimedColumn(column=name, time=time, values=values)
+        for name, values in table.columns.items()
+        if name not in given
     ]
     common, columns = brought_together(file, sources, remarks)
     if has_time:
@@ -74,7 +76,7 @@ class _Way:
     """One way to the angle of a shaft: the column it comes from, its readings in deg, and what one count of it is."""
 
     column: str
-    source: Source
+    source: TimedColumn
     step: float
 
 
@@ -139,7 +141,7 @@ def _shaft(
     remarks: list[str],
     *,
     has_time: bool,
-) -> tuple[Source, float]:
+) -> tuple[TimedColumn, float]:
     """The readings of one shaft's raw channels in deg, and what one count is."""
     lines = _key(file, table, f"{shaft}_lines", f"{shaft}_lines = 1024, the lines of the encoder on that shaft")
     if "count" in channels:
@@ -166,7 +168,7 @@ def _shaft(
     seen = "s" if has_time else "samples"
     span = f"{counts.time[0]:g} to {counts.time[-1]:g} {seen}"
     remarks.append(f"{shaft}: {kind}, {counts.time.size} readings from {span}, one count is {step:.6g} deg")
-    return Source(column=angle, time=counts.time, values=count * step), step
+    return TimedColumn(column=angle, time=counts.time, values=count * step), step
 
 
 def _key(file: Path, table: Table, key: str, example: str) -> float:

@@ -24,7 +24,7 @@ COMPANIONS = ("torque_nm", "speed_rpm")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Source:
+class TimedColumn:
     """Values (m,) in the column's unit at rising times (m,)."""
 
     column: str
@@ -33,7 +33,7 @@ class Source:
 
 
 def brought_together(
-    file: Path, sources: Sequence[Source], remarks: list[str]
+    file: Path, sources: Sequence[TimedColumn], remarks: list[str]
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The common times (k,) and every source's values (k,) there; what was done is put into ``remarks``.
 
@@ -73,7 +73,7 @@ def put_on_one_axis(file: Path, table: Table, times: Mapping[str, FloatArray]) -
     for name, time in times.items():
         if not time.size:
             raise InputFileError(file, where=f"column {name}", found="no values", wish="want rows of numbers")
-    sources = [Source(column=name, time=times[name], values=values) for name, values in table.columns.items()]
+    sources = [TimedColumn(column=name, time=times[name], values=values) for name, values in table.columns.items()]
     begins = {one.column: one.time[0] for one in sources}
     first, last = min(begins, key=begins.__getitem__), max(begins, key=begins.__getitem__)
     late = begins[last] - begins[first]
@@ -82,7 +82,7 @@ def put_on_one_axis(file: Path, table: Table, times: Mapping[str, FloatArray]) -
     table.columns = {"time_s": common, **columns}
 
 
-def interpolated(one: Source, time: FloatArray) -> FloatArray:
+def interpolated(one: TimedColumn, time: FloatArray) -> FloatArray:
     """A source's values (k,) at ``time`` (k,); an angle across its wraps; ``nan`` beside a drop-out and where
     it was not read."""
     wrapped = is_wrapped(one)
@@ -95,7 +95,7 @@ def interpolated(one: Source, time: FloatArray) -> FloatArray:
     return np.asarray(np.mod(found - low, 360.0) + low)
 
 
-def is_wrapped(one: Source) -> bool:
+def is_wrapped(one: TimedColumn) -> bool:
     """Whether a source is an angle that begins again after each turn: its readings span no more than one."""
     held = one.values[np.isfinite(one.values)]
     return one.column in ANGLE_COLUMNS and held.size > 0 and bool(np.ptp(held) <= WRAPPED_SPAN * 360.0)

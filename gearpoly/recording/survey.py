@@ -31,7 +31,7 @@ from gearpoly.units import FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
-class Clock:
+class SampleTimes:
     """Times of the samples: ``rate_hz`` of the usual step, its ``spread`` (5 to 95 % of the steps, relative),
     ``seconds`` from first to last, ``gaps`` of more than three steps as (row, s) and ``backs``, rows before which the
     time runs back."""
@@ -98,7 +98,7 @@ class Survey:
     format: str
     channels: tuple[Seen, ...]
     time: FloatArray | None
-    clock: Clock | None
+    clock: SampleTimes | None
     keys: Mapping[str, object]
     layout: Mapping[str, str]
     doubts: tuple[Doubt, ...]
@@ -233,14 +233,14 @@ def _seen(
     )
 
 
-def _clock(time: FloatArray) -> Clock:
+def _clock(time: FloatArray) -> SampleTimes:
     rows = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[rows] if rows.size < time.size else time)
     some = steps[:: max(1, steps.size // ENOUGH)]
     rising = some[some > 0.0] if 2 * np.count_nonzero(some < 0.0) < some.size else -some[some < 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
     wide = np.flatnonzero(steps > GAP_STEPS * usual)
-    return Clock(
+    return SampleTimes(
         rate_hz=1.0 / usual,
         spread=(high - low) / usual,
         seconds=abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0,

@@ -16,7 +16,7 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.report.lost_motion_report import draw_lost
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import NM, UM, FloatArray
 
 MESHES = 6.0
@@ -40,7 +40,7 @@ def comparison_figure(comparison: Comparison) -> Figure:
     timed = [k for k, one in enumerate(aligned) if one.time_s is not None]
     lost = lost_motions(comparison)
     heights = [5, 3, *[3] * bool(timed), *[3] * bool(lost)]
-    figure = Figure(figsize=(13.0, float(sum(heights))), layout="constrained")
+    figure = ShownFigure(figsize=(13.0, float(sum(heights))), layout="constrained")
     rows: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
     worst = int(np.argmax([one.rms for one in aligned]))
     _maps(rows[0], comparison, worst)

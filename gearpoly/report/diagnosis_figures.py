@@ -13,7 +13,7 @@ from gearpoly.compare.beside import Aligned
 from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.report.diagnosis_data import by_driven, marked, order_spectra, recording_label, tooth_residuals
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import DEG, UM, FloatArray
 
 WIDTH = 7.0
@@ -68,7 +68,7 @@ def fit_figure(diagnosis: Diagnosis) -> Figure:
 
 def curves_figure(one: Aligned, left: FloatArray, *, title: str) -> Figure:
     """Transmission error recorded and simulated, before and after, and both residuals, over the driven angle."""
-    figure = Figure(figsize=(WIDTH, 4.6), layout="constrained")
+    figure = ShownFigure(figsize=(WIDTH, 4.6), layout="constrained")
     axes: Any = figure.subplots(2, 1, sharex=True)
     order = np.argsort(one.theta_2, kind="stable")
     x = one.theta_2[order] / DEG

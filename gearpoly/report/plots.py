@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,15 @@ FORMATS = (".png", ".svg", ".pdf")
 
 # Okabe and Ito's palette keeps its contrasts for all common kinds of colour blindness.
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
+
+
+class ShownFigure(Figure):
+    """A figure that a notebook shows: matplotlib's own does so only where pyplot was imported before."""
+
+    def _repr_png_(self) -> bytes:
+        png = BytesIO()
+        self.savefig(png, format="png", dpi=100)
+        return png.getvalue()
 
 
 def check_format(target: Path) -> None:
@@ -41,7 +51,7 @@ def plot_run(simulation: Simulation, *, name: str, target: Path) -> None:
 
 def run_figure(simulation: Simulation, *, name: str) -> Figure:
     """Transmission error, backlash and number of touching pairs over the driven angle, one below the other."""
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    figure = ShownFigure(figsize=(11.0, 7.5), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 1))
     found = simulation.contacts
     order = np.argsort(found.theta_2, kind="stable")

@@ -41,7 +41,7 @@ def watched(total: int, what: str) -> Iterator[Callable[[int], None]]:
         yield lambda done: bar.advance(task, done)
 
 
-class Steps:
+class StageProgress:
     """What is done next, and how many stages are behind; nothing shows where standard error is no terminal."""
 
     def __init__(self, bar: Progress | None = None) -> None:
@@ -59,11 +59,11 @@ class Steps:
 
 
 @contextmanager
-def steps() -> Iterator[Steps]:
+def steps() -> Iterator[StageProgress]:
     """A function to call with what is done next; it shows on standard error where that is a terminal, with a bar of
     the stages where somebody counts them."""
     if not sys.stderr.isatty():
-        yield Steps()
+        yield StageProgress()
         return
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -76,4 +76,4 @@ def steps() -> Iterator[Steps]:
         TextColumn("{task.description}", markup=False),
     )
     with Progress(*columns, console=Terminal(stderr=True), transient=True) as bar:
-        yield Steps(bar)
+        yield StageProgress(bar)

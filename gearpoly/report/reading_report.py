@@ -16,7 +16,7 @@ from gearpoly.errors import shown
 from gearpoly.files.traces import shorten
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.quantities import column_unit
-from gearpoly.recording.survey import Clock, RunSeen, Seen, Survey
+from gearpoly.recording.survey import RunSeen, SampleTimes, Seen, Survey
 from gearpoly.recording.turning import Turning
 from gearpoly.report.terminal import Terminal
 from gearpoly.units import ARCMIN, UM
@@ -79,7 +79,7 @@ def _taken(one: Seen) -> str:
     return one.column if one.sure else f"{one.column}?"
 
 
-def _clock_words(clock: Clock) -> str:
+def _clock_words(clock: SampleTimes) -> str:
     words = [f"{clock.seconds:.6g} s at {clock.rate_hz:.5g} samples per second"]
     if clock.spread > 0.01:
         words.append(f"steps vary by {clock.spread:.0%}")
@@ -150,7 +150,7 @@ def _lost_held(forth: int, back: int, one: LostMotion) -> dict[str, Any]:
     return {"runs": [forth, back], **{f"{what}_{name}": size / unit for what, size in sizes.items()}}
 
 
-def _clock_held(clock: Clock) -> dict[str, Any]:
+def _clock_held(clock: SampleTimes) -> dict[str, Any]:
     return {
         "rate_hz": _number(clock.rate_hz),
         "spread": _number(clock.spread),

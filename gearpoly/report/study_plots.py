@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, save
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 
 COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
 """Okabe and Ito's, with a dark grey for references."""
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 6.2, 4.2
 """Inches of one panel."""
 
 
-def draw_picture(picture: Picture, target: Path) -> None:
+def draw_picture(picture: PaperPicture, target: Path) -> None:
     """Write ``picture`` to ``target`` (png, svg or pdf), whole or not at all."""
     n = len(picture.panels)
     # Three beside one another are made narrower, so that their letters stay readable on a page.

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.study.causes import Cause, causes
+from gearpoly.study.causes import FailureCause, causes
 from gearpoly.study.design import CHANCE, Design
-from gearpoly.study.groups import Group, group, sweep_name
+from gearpoly.study.groups import Group, group
 from gearpoly.study.models import Limit
 from gearpoly.study.pipeline import DONE
 from gearpoly.study.statistics import Indices, factorial_indices, saltelli_indices
 from gearpoly.study.store import Store, as_numbers, read_store
+from gearpoly.study.words import sweep_name
 from gearpoly.study.yields import Cheapest, Yield, cheapest, yields
 
 
@@ -34,7 +35,7 @@ class Answers:
     cheapest: tuple[Cheapest, ...]
     sensitivity: tuple[tuple[str, tuple[Indices, ...]], ...]
     remarks: tuple[str, ...]
-    causes: tuple[Cause, ...]
+    causes: tuple[FailureCause, ...]
     pairs: int
 
 

@@ -20,7 +20,7 @@ _WORDS = {JAMS: ("jams", "jam"), NO_CONTACT: ("loses contact", "lose contact"),
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cause:
+class FailureCause:
     """``pairs`` without a result for one cause, and the first of them: row ``index``, its ``seed``, the ``values`` of
     its swept keys and its ``reason``. ``status`` as in the table."""
 
@@ -47,7 +47,7 @@ class Cause:
         return f"row {self.index} ({values}seed {self.seed})"
 
 
-def count_words(found: tuple[Cause, ...], *, pairs: int) -> list[str]:
+def count_words(found: tuple[FailureCause, ...], *, pairs: int) -> list[str]:
     """How many of all ``pairs`` have no result, and what yields make of them: a sentence for each kind there is."""
     counted = {status: sum(one.pairs for one in found if one.status == status) for status in _WORDS}
     bad = counted[JAMS] + counted[NO_CONTACT]
@@ -62,7 +62,7 @@ def count_words(found: tuple[Cause, ...], *, pairs: int) -> list[str]:
     return out
 
 
-def causes(store: Store, *, rows: int | None = None) -> tuple[Cause, ...]:
+def causes(store: Store, *, rows: int | None = None) -> tuple[FailureCause, ...]:
     """Every cause among the first ``rows`` rows of ``store`` (None: all), refused pairs first, the most frequent ones
     before the others."""
     found = store.columns(["index", "combination", "seed", "status", "reason"])
@@ -72,7 +72,7 @@ def causes(store: Store, *, rows: int | None = None) -> tuple[Cause, ...]:
     return _grouped(store.plan.design, {name: column[without] for name, column in found.items()})
 
 
-def _grouped(design: Design, found: dict[str, Any]) -> tuple[Cause, ...]:
+def _grouped(design: Design, found: dict[str, Any]) -> tuple[FailureCause, ...]:
     members: dict[tuple[str, str], list[int]] = {}
     for k, (status, reason) in enumerate(zip(found["status"], found["reason"], strict=True)):
         members.setdefault((status, _NUMBER.sub("#", reason)), []).append(k)
@@ -80,7 +80,7 @@ def _grouped(design: Design, found: dict[str, Any]) -> tuple[Cause, ...]:
     for (status, _), rows in members.items():
         first = rows[int(np.argmin(found["index"][rows]))]
         out.append(
-            Cause(
+            FailureCause(
                 status=status,
                 pairs=len(rows),
                 reason=str(found["reason"][first]),

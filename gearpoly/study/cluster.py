@@ -8,8 +8,8 @@ from typing import Any, cast
 
 from gearpoly.errors import GearpolyError, MissingExtraError
 from gearpoly.study.local import Chunk
-from gearpoly.study.pipeline import Made, make_row
-from gearpoly.study.plan import Plan, plan_from, versions
+from gearpoly.study.pipeline import MadeRow, make_row
+from gearpoly.study.plan import StudyPlan, plan_from, versions
 
 ANSWER = 20.0
 """s. How long a scheduler may take to answer, and then to have a worker. A live one takes milliseconds."""
@@ -24,7 +24,9 @@ LOOK = 5.0
 """s between looks at whether workers are left."""
 
 
-def on_cluster(plan: Plan, chunks: Iterator[Chunk], *, address: str, silence: float = SILENCE) -> Iterator[list[Made]]:
+def on_cluster(
+    plan: StudyPlan, chunks: Iterator[Chunk], *, address: str, silence: float = SILENCE
+) -> Iterator[list[MadeRow]]:
     """Rows of all chunks in the order in which they are finished, on the workers of the scheduler at ``address``.
 
     Chunks of a worker that is lost are done again by others. Raises ``GearpolyError`` where the cluster does not
@@ -70,8 +72,8 @@ def _first_line(error: BaseException) -> str:
 
 
 def _run(
-    client: Any, as_completed: Any, plan: Plan, chunks: Iterator[Chunk], *, silence: float
-) -> Iterator[list[Made]]:
+    client: Any, as_completed: Any, plan: StudyPlan, chunks: Iterator[Chunk], *, silence: float
+) -> Iterator[list[MadeRow]]:
     from distributed import TimeoutError
 
     def submit(room: int) -> list[Any]:
@@ -111,7 +113,7 @@ def _words(found: dict[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in found.items())
 
 
-def _make(text: str, chunk: Chunk) -> tuple[dict[str, str], list[Made]]:
+def _make(text: str, chunk: Chunk) -> tuple[dict[str, str], list[MadeRow]]:
     """One chunk on a worker, with the versions that made it."""
     plan = plan_from(text)
     return versions(), [make_row(plan, index) for index in range(*chunk)]

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from gearpoly.study.design import Design
-from gearpoly.study.models import Sweep
 from gearpoly.study.pipeline import DONE, JAMS, NO_CONTACT, REFUSED
 from gearpoly.study.statistics import Interval, mean, percentile
 from gearpoly.study.store import as_numbers
+from gearpoly.study.words import sweep_name, sweep_words
 from gearpoly.units import FloatArray
 
 PERCENTILES = (50.0, 90.0, 95.0, 99.0)
@@ -34,10 +34,12 @@ class Sample:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Group:
-    """One combination of lists and grids: its ``label`` and ``values``, how many pairs there are and what became of
-    them. ``ran`` (output: (done,)) holds the outputs pair by pair, nan where a pair has none."""
+    """One combination of lists and grids: its ``label`` by keys, the same in ``words`` with units, its ``values``, how
+    many pairs there are and what became of them. ``ran`` (output: (done,)) holds the outputs pair by pair, nan where a
+    pair has none."""
 
     label: str
+    words: str
     values: dict[str, Any]
     pairs: int
     done: int
@@ -65,6 +67,7 @@ def group(design: Design, k: int, found: dict[str, Any], *, confidence: float) -
     count = {name: int(np.count_nonzero(status == name)) for name in (DONE, JAMS, NO_CONTACT, REFUSED)}
     return Group(
         label=_label(design, values),
+        words=_words(design, values),
         values={key: values[key] for sweep in design.plain for key in sweep.all_keys},
         pairs=int(status.size),
         done=count[DONE],
@@ -87,19 +90,16 @@ def _sample(name: str, column: FloatArray, confidence: float) -> Sample:
     )
 
 
-def sweep_name(sweep: Sweep) -> str:
-    """A short name of what a sweep varies: common parts of its keys once."""
-    keys = sweep.all_keys
-    if sweep.name is not None:
-        return sweep.name
-    if len(keys) == 1:
-        return keys[0]
-    first = keys[0].split(".")[-1]
-    return first if len(keys) == 2 and keys[1].endswith("." + first) else f"{first} and {len(keys) - 1} more"
-
-
 def _label(design: Design, values: dict[str, Any]) -> str:
     parts = [f"{sweep_name(sweep)} = {shown(values[sweep.all_keys[0]])}" for sweep in design.plain]
+    return ", ".join(parts) or "all pairs"
+
+
+def _words(design: Design, values: dict[str, Any]) -> str:
+    parts = []
+    for sweep in design.plain:
+        name, unit = sweep_words(sweep)
+        parts.append(f"{name} = {shown(values[sweep.all_keys[0]])} {unit}".rstrip())
     return ", ".join(parts) or "all pairs"
 
 

@@ -1,15 +1,33 @@
-"""Labels of pictures of a study, in lines that fit."""
+"""What a study's page calls outputs and limits: words with units, in lines that fit a picture."""
 
 from __future__ import annotations
 
-import re
 import textwrap
 
+from gearpoly.study.models import Limit
 from gearpoly.study.outputs import output
+from gearpoly.study.yields import Yield
 
 LINE, TITLE, UPRIGHT, BESIDE = 46, 36, 26, 22
 """Letters of one line of a label along an axis of 4.6 inches, over one with names at its left, up one of 2.4, and of
 a name left of a row."""
+
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+def limit_words(limit: Limit) -> str:
+    """A limit without its share."""
+    one = output(limit.output)
+    bound = f"at most {limit.at_most:g}" if limit.at_most is not None else f"at least {limit.at_least:g}"
+    return f"{one.says} {bound}{f' {one.unit}' if one.unit else ''}"
+
+
+def asked_words(found: Yield) -> str:
+    """What a yield asks of how many pairs."""
+    bounds = " and ".join(limit_words(limit) for limit in found.limits)
+    together = "" if len(found.limits) == 1 else f"all {len(found.limits)} limits together: "
+    return f"{together}{bounds} in {100.0 * found.share:g} % of pairs"
 
 
 def axis_label(name: str, *, line: int = LINE) -> str:
@@ -19,12 +37,9 @@ def axis_label(name: str, *, line: int = LINE) -> str:
 
 
 def row_label(name: str, *, line: int = BESIDE) -> str:
-    """A name in lines for the left of a row: one for each swept thing, and long keys parted at their dots."""
+    """A name in lines for the left of a row: one or more for each swept thing, and a value beside its unit."""
     out = []
     for one in name.split(", "):
-        out.append("")
-        for part in re.split(r"(?<=\.)(?=[a-z])|(?<= )", one):
-            if out[-1] and len(out[-1]) + len(part.rstrip()) > line:
-                out.append("")
-            out[-1] += part
-    return "\n".join(one.rstrip() for one in out)
+        words, equals, value = one.partition(" = ")
+        out.append(textwrap.fill(words + equals[:2] + (equals[2:] + value).replace(" ", NO_BREAK), line))
+    return "\n".join(out).replace(NO_BREAK, " ")

@@ -16,8 +16,8 @@ from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 
 from gearpoly.errors import GearpolyError
-from gearpoly.study.pipeline import Made, make_row
-from gearpoly.study.plan import Plan, plan_from
+from gearpoly.study.pipeline import MadeRow, make_row
+from gearpoly.study.plan import StudyPlan, plan_from
 
 AHEAD = 3
 """Chunks per worker that are handed out: none waits for the next, and memory does not grow with the study."""
@@ -30,13 +30,13 @@ Chunk = tuple[int, int]
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
-def in_this_process(plan: Plan, chunks: Iterator[Chunk]) -> Iterator[list[Made]]:
+def in_this_process(plan: StudyPlan, chunks: Iterator[Chunk]) -> Iterator[list[MadeRow]]:
     """Rows of all chunks, one after the other."""
     for start, stop in chunks:
         yield [make_row(plan, index) for index in range(start, stop)]
 
 
-def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterator[list[Made]]:
+def in_processes(plan: StudyPlan, chunks: Iterator[Chunk], *, workers: int) -> Iterator[list[MadeRow]]:
     """Rows of all chunks in the order in which they are finished, by ``workers`` processes.
 
     Where a worker dies, its chunks are done again by others. Raises ``GearpolyError`` where they keep dying.
@@ -44,7 +44,7 @@ def in_processes(plan: Plan, chunks: Iterator[Chunk], *, workers: int) -> Iterat
     left: list[Chunk] = []
     breaks = 0
     while True:
-        under_way: dict[Future[list[Made]], Chunk] = {}
+        under_way: dict[Future[list[MadeRow]], Chunk] = {}
         others = set(active_children())
         pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
         try:
@@ -127,6 +127,6 @@ def begin_worker() -> None:
         threading.Thread(target=watch, daemon=True).start()
 
 
-def _make(text: str, chunk: Chunk) -> list[Made]:
+def _make(text: str, chunk: Chunk) -> list[MadeRow]:
     plan = plan_from(text)
     return [make_row(plan, index) for index in range(*chunk)]

@@ -14,8 +14,10 @@ from gearpoly.page.render import render
 from gearpoly.study.answers import Answers
 from gearpoly.study.causes import count_words
 from gearpoly.study.groups import PERCENTILES, counted
-from gearpoly.study.outputs import describe
+from gearpoly.study.labels import asked_words, axis_label
+from gearpoly.study.outputs import output
 from gearpoly.study.statistics import Interval
+from gearpoly.study.words import factor_words
 from gearpoly.study.yields import DOES_NOT, KEEPS, NONE_DRAWN, yield_words
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ def _svg(figure: Figure) -> str:
 
 def page(answers: Answers, figures: Sequence[dict[str, Any]]) -> str:
     """The page as text, with ready-made ``figures``."""
+    words = factor_words(answers.store.plan.file.sweep)
     seed, version = answers.manifest["seed"], answers.manifest["gearpoly"]
     return render(
         "report/page/study.html",
@@ -60,17 +63,17 @@ def page(answers: Answers, figures: Sequence[dict[str, Any]]) -> str:
         f"intervals of {100.0 * answers.confidence:g} %",
         remarks=answers.remarks,
         causes=_causes(answers),
-        cheapest=[(one.found.words, line) for one in answers.cheapest for line in one.says],
+        cheapest=[(_heading(asked_words(one.found)), line) for one in answers.cheapest for line in one.says],
         yields=_yields(answers),
         figures=figures,
         sensitivity=[
-            (name, one.factor, part_words(one.first), part_words(one.total))
+            (output(name).says, words.get(one.factor, one.factor), part_words(one.first), part_words(one.total))
             for name, indices in answers.sensitivity
             for one in indices
         ],
         head=["combination", "pairs", "mean", "std", *(f"{p:g} %" for p in PERCENTILES), "greatest"],
         outputs=[
-            {"name": name, "says": describe(name), "rows": _percentile_rows(answers, name)}
+            {"name": name, "says": _heading(axis_label(name, line=200)), "rows": _percentile_rows(answers, name)}
             for name in answers.store.plan.file.outputs
         ],
     )
@@ -86,11 +89,11 @@ def _yields(answers: Answers) -> list[dict[str, Any]]:
     """How many pairs of each combination keep each limit, and what that means."""
     return [
         {
-            "words": found.words,
-            "says": "; ".join(f"{limit.output}: {describe(limit.output)}" for limit in found.limits),
+            "words": _heading(asked_words(found)),
+            "outputs": [limit.output for limit in found.limits],
             "rows": [
                 (
-                    group.label,
+                    group.words,
                     yield_words(found, answers.groups, k),
                     {"tone": TONES.get(found.verdicts[k], ""), "verdict": found.verdicts[k]},
                 )
@@ -106,9 +109,14 @@ def _percentile_rows(answers: Answers, name: str) -> list[list[str]]:
     for group in answers.groups:
         sample = group.sample(name)
         greatest = number(float(sample.values[-1])) if sample.values.size else ""
-        rows.append([group.label, str(sample.values.size), interval(sample.mean), number(sample.std),
+        rows.append([group.words, str(sample.values.size), interval(sample.mean), number(sample.std),
                      *(interval(found) for _, found in sample.percentiles), greatest])  # fmt: skip
     return rows
+
+
+def _heading(words: str) -> str:
+    """Words as a heading begins."""
+    return words[:1].upper() + words[1:]
 
 
 def number(value: float) -> str:

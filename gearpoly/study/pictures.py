@@ -7,7 +7,7 @@ screen and below one another on a phone; ``figures`` puts them into one.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -16,11 +16,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 from gearpoly.study.answers import Answers
-from gearpoly.study.groups import Sample, sweep_name
-from gearpoly.study.labels import LINE, TITLE, UPRIGHT, axis_label, row_label
+from gearpoly.study.groups import Sample
+from gearpoly.study.labels import LINE, TITLE, UPRIGHT, asked_words, axis_label, row_label
 from gearpoly.study.store import as_numbers
+from gearpoly.study.words import factor_words, with_unit
 from gearpoly.units import FloatArray
 
 COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
@@ -46,7 +47,7 @@ CLOUD = 1500
 
 
 @dataclass(frozen=True, kw_only=True)
-class Picture:
+class StudyPicture:
     """``panels`` that draw into an axis each, of ``size`` (width, height) in inches; ``key`` says what colours are."""
 
     name: str
@@ -63,7 +64,7 @@ class Picture:
         labels = [textwrap.fill(label, 80) for _, label in self.key]
         below = LETTER * sum(1 + label.count("\n") for label in labels)
         size = (max(self.size[0] * columns, 6.4), self.size[1] * rows + below)
-        figure = Figure(figsize=size, layout="constrained")
+        figure = ShownFigure(figsize=size, layout="constrained")
         axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
         for axis in axes[len(self.panels) :]:
             axis.remove()
@@ -85,7 +86,7 @@ class Picture:
         return out
 
 
-def pictures(answers: Answers) -> Iterator[Picture]:
+def pictures(answers: Answers) -> Iterator[StudyPicture]:
     """All that can be drawn of ``answers``."""
     names = [
         name for name in answers.store.plan.file.outputs if any(g.sample(name).values.size for g in answers.groups)
@@ -104,17 +105,17 @@ def _grid(axis: Any) -> None:
     axis.grid(color=GREY, alpha=0.25, linewidth=0.5)
 
 
-def _distributions(answers: Answers, names: list[str], *, name: str) -> Picture:
+def _distributions(answers: Answers, names: list[str], *, name: str) -> StudyPicture:
     few = len(answers.groups) <= CURVES
     if few:
-        return Picture(
+        return StudyPicture(
             name=name,
             caption="Share of pairs at or below a value, one curve per combination; dashed, its limit.",
             panels=tuple(partial(_curves, answers=answers, name=one) for one in names),
-            key=tuple((COLOURS[k], g.label) for k, g in enumerate(answers.groups)) if len(answers.groups) > 1 else (),
+            key=tuple((COLOURS[k], g.words) for k, g in enumerate(answers.groups)) if len(answers.groups) > 1 else (),
         )
     x, over = _over(answers)
-    return Picture(
+    return StudyPicture(
         name=name,
         caption="Median and range from the 5th to the 95th percentile of each combination; dashed, its limit.",
         panels=tuple(partial(_ranges, answers=answers, name=one, x=x, over=over) for one in names),
@@ -148,7 +149,7 @@ def _over(answers: Answers) -> tuple[FloatArray, str]:
     plain = answers.store.plan.design.plain
     values = [group.values[plain[0].all_keys[0]] for group in answers.groups] if len(plain) == 1 else []
     if values and all(isinstance(v, int | float) for v in values) and np.all(np.diff(values) > 0):
-        return np.array(values, dtype=np.float64), sweep_name(plain[0])
+        return np.array(values, dtype=np.float64), with_unit(plain[0])
     return np.arange(float(len(answers.groups))), ""
 
 
@@ -175,19 +176,20 @@ def _percentiles(samples: list[Sample]) -> tuple[FloatArray, ...]:
     return tuple(np.array([np.quantile(values, q) for values in known]) for q in (0.05, 0.5, 0.95))
 
 
-def _sensitivity(answers: Answers) -> Picture:
+def _sensitivity(answers: Answers) -> StudyPicture:
     shown = [(name, indices) for name, indices in answers.sensitivity if indices]
     most = max(len(indices) for _, indices in shown)
-    return Picture(
+    words = factor_words(answers.store.plan.file.sweep)
+    return StudyPicture(
         name="sensitivity",
         caption="Sobol indices: full bars, what a factor makes on its own; pale bars, what it has a part in; lines, "
         "95 % intervals. Chance is what the grade leaves open.",
-        panels=tuple(partial(_bars, name=name, indices=indices) for name, indices in shown),
+        panels=tuple(partial(_bars, name=name, indices=indices, words=words) for name, indices in shown),
         size=(WIDTH, 1.3 + 0.42 * most),
     )
 
 
-def _bars(axis: Any, *, name: str, indices: Any) -> None:
+def _bars(axis: Any, *, name: str, indices: Any, words: Mapping[str, str]) -> None:
     _grid(axis)
     y = np.arange(len(indices))[::-1]
     for values, alpha, height in (([i.total for i in indices], 0.3, 0.7), ([i.first for i in indices], 1.0, 0.35)):
@@ -197,21 +199,21 @@ def _bars(axis: Any, *, name: str, indices: Any) -> None:
         axis.errorbar(
             middle, y, xerr=ends, fmt="none", ecolor="#222222", elinewidth=0.8, capsize=2.0, alpha=max(alpha, 0.5)
         )
-    axis.set_yticks(y, labels=[row_label(i.factor) for i in indices], fontsize=8)
+    axis.set_yticks(y, labels=[row_label(words.get(i.factor, i.factor)) for i in indices], fontsize=8)
     axis.set_xlim(0.0, max(1.05, max(i.total.value for i in indices) * 1.05))
     axis.set_xlabel("share of the variance")
     axis.set_title(axis_label(name, line=TITLE), loc="left", fontsize=9)
 
 
-def _yields(answers: Answers) -> Picture:
+def _yields(answers: Answers) -> StudyPicture:
     judged = [one for one in answers.yields if any(one.judged)]
-    return Picture(
+    return StudyPicture(
         name="yield",
         caption="Share of the drawn pairs that keep each limit, with its interval; dashed lines, the share that is "
         "asked. A combination of which no pair could be judged has no point.",
         panels=(partial(_kept, answers=answers),),
         size=(WIDTH, max(2.2, 0.8 + max(_rows_height(answers), (0.1 + 0.14 * len(judged)) * len(answers.groups)))),
-        key=tuple((COLOURS[k % len(COLOURS)], one.words) for k, one in enumerate(judged)),
+        key=tuple((COLOURS[k % len(COLOURS)], asked_words(one)) for k, one in enumerate(judged)),
     )
 
 
@@ -239,7 +241,7 @@ def _rows_height(answers: Answers) -> float:
     """Inches that the names of all combinations need below one another."""
     if len(answers.groups) > NAMED:
         return 0.08 * min(len(answers.groups), 60)
-    lines = max(1 + row_label(group.label).count("\n") for group in answers.groups)
+    lines = max(1 + row_label(group.words).count("\n") for group in answers.groups)
     return (LETTER * lines + 0.05) * len(answers.groups)
 
 
@@ -247,13 +249,13 @@ def _name_rows(axis: Any, answers: Answers) -> None:
     """Combinations from the top down, which stand at 0, 1, 2, ..., with their names where there are few."""
     axis.set_ylim(len(answers.groups) - 0.5, -0.5)
     if len(answers.groups) <= NAMED:
-        labels = [row_label(group.label) for group in answers.groups]
+        labels = [row_label(group.words) for group in answers.groups]
         axis.set_yticks(range(len(labels)), labels=labels, fontsize=8)
     else:
         axis.set_ylabel("combination, in the order of the tables")
 
 
-def _points(answers: Answers) -> Picture:
+def _points(answers: Answers) -> StudyPicture:
     design = answers.store.plan.design
     names = list(answers.store.plan.file.outputs)[:3]
     sweeps = design.ranges[:4]
@@ -261,19 +263,21 @@ def _points(answers: Answers) -> Picture:
     rows = np.flatnonzero(columns["status"] == "done")
     rows = rows[np.unique(np.linspace(0, rows.size - 1, min(rows.size, CLOUD)).astype(int))] if rows.size else rows
 
-    def cloud(axis: Any, *, name: str, key: str) -> None:
+    def cloud(axis: Any, *, name: str, key: str, words: str) -> None:
         _grid(axis)
         axis.plot(
             as_numbers(columns[key])[rows], as_numbers(columns[name])[rows], ".", markersize=2.0, color=BLUE, alpha=0.5,
             rasterized=True,
         )  # fmt: skip
-        axis.set_xlabel(key, fontsize=8)
+        axis.set_xlabel(words, fontsize=8)
         axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=7)
 
-    return Picture(
+    return StudyPicture(
         name="points",
         caption="Every dot a pair: outputs over what the Sobol points vary.",
-        panels=tuple(partial(cloud, name=name, key=sweep.all_keys[0]) for name in names for sweep in sweeps),
+        panels=tuple(
+            partial(cloud, name=name, key=one.all_keys[0], words=with_unit(one)) for name in names for one in sweeps
+        ),
         size=(WIDTH, 2.4),
         columns=len(sweeps),
     )

@@ -35,7 +35,7 @@ from gearpoly.positions import cycle_positions
 from gearpoly.study.keys import with_values
 from gearpoly.study.making import Maker, maker
 from gearpoly.study.outputs import Curves, needs_of, output
-from gearpoly.study.plan import Plan
+from gearpoly.study.plan import StudyPlan
 from gearpoly.study.read import check_pair
 from gearpoly.units import DEG, NM, UM, FloatArray
 
@@ -55,7 +55,7 @@ mounted or computed. The first three were drawn: the second and third are bad pa
 
 
 @dataclass(frozen=True, kw_only=True)
-class Made:
+class MadeRow:
     """One row: number, ``values`` of the swept keys, ``seed`` of the draw, ``status`` and its ``reason``, and the
     outputs, nan where there are none."""
 
@@ -70,18 +70,18 @@ class Made:
 
 
 @lru_cache(maxsize=64)
-def _pair_file(plan: Plan, combination: int) -> tuple[PairFile, Path]:
+def _pair_file(plan: StudyPlan, combination: int) -> tuple[PairFile, Path]:
     """The checked pair file of one combination and the path that its trace files are relative to."""
     raw = with_values(plan.raw, plan.design.values(combination))
     return check_pair(raw, blame="pair", where=""), _folder(plan) / "pair.toml"
 
 
 @lru_cache(maxsize=16)
-def _maker(plan: Plan, combination: int) -> Maker:
+def _maker(plan: StudyPlan, combination: int) -> Maker:
     return maker(*_pair_file(plan, combination))
 
 
-def _assembled(plan: Plan, combination: int, seed: int) -> Assembled:
+def _assembled(plan: StudyPlan, combination: int, seed: int) -> Assembled:
     """The pair of one combination and seed. Which way it is made depends on the study alone, since the two ways round
     differently."""
     if plan.design.ranges:  # hardly any combination comes twice
@@ -91,7 +91,7 @@ def _assembled(plan: Plan, combination: int, seed: int) -> Assembled:
 
 
 @lru_cache(maxsize=4)
-def _folder(plan: Plan) -> Path:
+def _folder(plan: StudyPlan) -> Path:
     """A folder of this process with the measured traces that the pair file names."""
     if not plan.traces:
         return Path()
@@ -105,7 +105,7 @@ def _folder(plan: Plan) -> Path:
 _KEPT: list[tempfile.TemporaryDirectory[str]] = []
 
 
-def make_row(plan: Plan, index: int) -> Made:
+def make_row(plan: StudyPlan, index: int) -> MadeRow:
     """Row ``index`` of the table of ``plan``: a pure function of both, the same in every process.
 
     A pair that cannot be drawn, mounted or turned is a row too; only bugs raise.
@@ -128,13 +128,13 @@ def make_row(plan: Plan, index: int) -> Made:
         status, reason = REFUSED, ": ".join(part for part in (error.where, error.found, error.wish) if part)
     except GearpolyError as error:
         status, reason = REFUSED, str(error)
-    return Made(
+    return MadeRow(
         index=index, combination=combination, draw=draw, values=values, seed=seed, status=status, reason=reason,
         outputs=found,
     )  # fmt: skip
 
 
-def run_pair(assembled: Assembled, file: PairFile, plan: Plan, *, certify: bool) -> Curves:
+def run_pair(assembled: Assembled, file: PairFile, plan: StudyPlan, *, certify: bool) -> Curves:
     """The curves of one pair that the outputs of ``plan`` need. Raises ``JammedError`` and what contacts raise."""
     flank = plan.file.flank
     mesh = assembled.under(Condition(flank=flank, torque=file.torque_nm * NM))

@@ -27,7 +27,7 @@ _ASKED = {"name", "limit", "until", "pairs"}
 
 
 @dataclass(frozen=True)
-class Plan:
+class StudyPlan:
     """A study as ``text`` (JSON): equal plans make equal rows."""
 
     text: str
@@ -107,7 +107,7 @@ def versions() -> dict[str, str]:
             **{one.package: one.version for one in plugins(PHYSICS)}}  # fmt: skip
 
 
-def plan_of(study: Study) -> Plan:
+def plan_of(study: Study) -> StudyPlan:
     """The plan of a checked study."""
     document = {
         "study": study.file.model_dump(by_alias=True, mode="json", exclude_none=True),
@@ -115,13 +115,13 @@ def plan_of(study: Study) -> Plan:
         "traces": study.traces,
         "versions": versions(),
     }
-    return Plan(json.dumps(document, sort_keys=True))
+    return StudyPlan(json.dumps(document, sort_keys=True))
 
 
 @lru_cache(maxsize=4)
-def plan_from(text: str) -> Plan:
+def plan_from(text: str) -> StudyPlan:
     """The plan of this text, read once per process."""
-    return Plan(text)
+    return StudyPlan(text)
 
 
 def differences(then: dict[str, Any], now: dict[str, Any]) -> list[str]:

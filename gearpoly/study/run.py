@@ -14,8 +14,8 @@ from gearpoly.study.causes import causes
 from gearpoly.study.cluster import on_cluster
 from gearpoly.study.keys import with_values
 from gearpoly.study.local import Chunk, in_processes, in_this_process
-from gearpoly.study.pipeline import REFUSED, Made
-from gearpoly.study.plan import Plan, plan_of
+from gearpoly.study.pipeline import REFUSED, MadeRow
+from gearpoly.study.plan import StudyPlan, plan_of
 from gearpoly.study.progress import Progress
 from gearpoly.study.read import Study, check_pair
 from gearpoly.study.stop import enough, looks
@@ -40,7 +40,7 @@ class Outcome:
     why: str
 
 
-def plan_study(study: Study) -> Plan:
+def plan_study(study: Study) -> StudyPlan:
     """The plan of ``study``, every end of every sweep tried. Raises ``InputFileError`` for a pair that is none."""
     plan = plan_of(study)
     try:
@@ -142,7 +142,9 @@ def _refusal(study: Study, store: Store, first: int) -> InputFileError:
     return InputFileError(study.path, where="pair", found=f"{every} refused{share}; {cause.example}", wish=cause.reason)
 
 
-def _computed(plan: Plan, chunks: Iterator[Chunk], *, workers: int, scheduler: str | None) -> Iterator[list[Made]]:
+def _computed(
+    plan: StudyPlan, chunks: Iterator[Chunk], *, workers: int, scheduler: str | None
+) -> Iterator[list[MadeRow]]:
     if scheduler is not None:
         return on_cluster(plan, chunks, address=scheduler)
     if workers == 1:
@@ -164,7 +166,7 @@ def _front(done: list[tuple[int, int]]) -> int:
     return front
 
 
-def _enough_at(store: Store, plan: Plan, cuts: list[int], looked: int) -> int | None:
+def _enough_at(store: Store, plan: StudyPlan, cuts: list[int], looked: int) -> int | None:
     """The first of ``cuts`` at which it is enough, of those that the rows on disk have reached."""
     if plan.file.until is None:
         return None

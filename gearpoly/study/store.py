@@ -23,8 +23,8 @@ from gearpoly.files.output import write_text, written_aside
 from gearpoly.files.paths import is_file, is_folder, unreadable
 from gearpoly.files.traces import parse_number, read_text
 from gearpoly.study.keys import is_whole
-from gearpoly.study.pipeline import Made
-from gearpoly.study.plan import Plan, differences
+from gearpoly.study.pipeline import MadeRow
+from gearpoly.study.plan import StudyPlan, differences
 from gearpoly.units import FloatArray
 
 MANIFEST, ROWS, LOCK = "study.json", "rows", ".lock"
@@ -50,7 +50,7 @@ class Store:
     """The rows of one ``plan`` in one ``folder``."""
 
     folder: Path
-    plan: Plan
+    plan: StudyPlan
 
     @property
     def _rows(self) -> Path:
@@ -94,7 +94,7 @@ class Store:
         }
         return pa.schema(fields, metadata=metadata)
 
-    def write(self, rows: Sequence[Made]) -> None:
+    def write(self, rows: Sequence[MadeRow]) -> None:
         """One part of rows that follow one another. Raises ``InputFileError`` where the disk takes no more."""
         pa = pyarrow()
         columns: list[list[Any]] = [[r.index, r.combination, r.draw, r.seed, r.status, r.reason] for r in rows]
@@ -217,7 +217,7 @@ def read_store(folder: Path) -> tuple[Store, dict[str, Any]]:
         for key, kind in _MANIFEST.items():
             if not isinstance(document[key], kind):
                 raise TypeError(f"{key} = {shown(repr(document[key]))}")
-        plan = Plan(document["plan"])
+        plan = StudyPlan(document["plan"])
         # Asked for what they raise: a plan that is none fails here.
         plan.what, plan.versions, plan.design.combinations, plan.design.values(0)
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError) as error:
@@ -245,7 +245,7 @@ def write_manifest(store: Store, *, rows: int, finished: bool, why: str) -> None
 
 
 @contextmanager
-def opened(folder: Path, plan: Plan) -> Iterator[Store]:
+def opened(folder: Path, plan: StudyPlan) -> Iterator[Store]:
     """The table of ``plan`` in ``folder``, begun or taken up again, for this process alone.
 
     Raises ``InputFileError`` where the folder holds other rows than ``plan`` would make (says what changed), something

@@ -15,8 +15,9 @@ from rich.text import Text
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
 from gearpoly.study.answers import Answers
-from gearpoly.study.causes import Cause, causes, count_words
+from gearpoly.study.causes import FailureCause, causes, count_words
 from gearpoly.study.groups import Sample, counted
+from gearpoly.study.labels import asked_words
 from gearpoly.study.models import Limit
 from gearpoly.study.outputs import describe
 from gearpoly.study.run import Outcome
@@ -47,7 +48,7 @@ def print_outcome(console: Console, outcome: Outcome) -> None:
     console.print(f"answers: gearpoly study-report {store.folder}", highlight=False)
 
 
-def _print_causes(console: Console, found: tuple[Cause, ...], *, pairs: int) -> None:
+def _print_causes(console: Console, found: tuple[FailureCause, ...], *, pairs: int) -> None:
     """Print how many of all ``pairs`` have no result and why, one cause a line with one row as an example."""
     for line in count_words(found, pairs=pairs):
         console.print(line, style="bold yellow", highlight=False)
@@ -95,13 +96,13 @@ def _tables(answers: Answers) -> Iterator[tuple[str, Table]]:
         yield "", _table("output", rows, says=True)
         return
     for name in outputs:
-        rows = [(group.label, group.sample(name), "") for group in answers.groups[:PRINTED]]
+        rows = [(group.words, group.sample(name), "") for group in answers.groups[:PRINTED]]
         yield f"{name}: {describe(name)}", _table("combination", rows)
 
 
 def _table(head: str, rows: list[tuple[str, Sample, str]], *, says: bool = False) -> Table:
     table = Table(box=None, pad_edge=False)
-    table.add_column(head, no_wrap=True)
+    table.add_column(head, no_wrap=says, overflow="fold")
     for name in ("pairs", "median", "95 %", "99 %"):
         table.add_column(name, justify="right", no_wrap=True)
     if says:
@@ -127,9 +128,9 @@ def print_answers(console: Console, answers: Answers) -> None:
         console.print(f"{len(answers.groups) - PRINTED} more combinations are on the page", highlight=False)
     graded = {one.found: one for one in answers.cheapest}
     for found in answers.yields:
-        console.print(f"\n{found.words}", style="bold", highlight=False)
+        console.print(f"\n{asked_words(found)}", style="bold", highlight=False)
         for k, group in enumerate(answers.groups[:PRINTED]):
             share = yield_words(found, answers.groups, k)
-            console.print(f"  {group.label}: {share}; {found.verdicts[k]}", highlight=False)
+            console.print(f"  {group.words}: {share}; {found.verdicts[k]}", highlight=False)
         for line in graded[found].says if found in graded else ():
             console.print(f"  {line}", style="green", highlight=False)

@@ -15,6 +15,7 @@ from gearpoly.study.design import Design
 from gearpoly.study.groups import Group, shown
 from gearpoly.study.models import Limit
 from gearpoly.study.statistics import Interval, share
+from gearpoly.study.words import key_words
 
 KEEPS, PROBABLY, PROBABLY_NOT, DOES_NOT = "keeps it", "probably keeps it", "probably does not", "does not"
 NONE_DRAWN, NO_VALUE = "no pair could be drawn", "no pair has this output"
@@ -116,9 +117,14 @@ def cheapest(found: Yield, groups: tuple[Group, ...], design: Design) -> Cheapes
         mine = [k for k, group in enumerate(groups) if others(group) == rest]
         # Both gears count: a pair of grades 5 and 6 is finer than one of 6 and 6.
         mine.sort(key=lambda k: -sum(v for key, v in groups[k].values.items() if key.endswith(".grade")))
-        where = ", ".join(f"{key} = {shown(value)}" for key, value in rest)
+        where = ", ".join(_stated(key, value) for key, value in rest)
         says.append((f"{where}: " if where else "") + _says(found, groups, mine))
     return Cheapest(found=found, says=tuple(says))
+
+
+def _stated(key: str, value: Any) -> str:
+    words, unit = key_words(key)
+    return f"{words} = {shown(value)} {unit}".rstrip()
 
 
 def _says(found: Yield, groups: tuple[Group, ...], mine: list[int]) -> str:

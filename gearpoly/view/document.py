@@ -21,7 +21,7 @@ from gearpoly.mesh.pair import Mounted
 from gearpoly.page.pack import Kind, nearly_even, packed, rounded, under_noise
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
-from gearpoly.view.scene import Scene
+from gearpoly.view.scene import ViewScene
 
 SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
@@ -43,7 +43,7 @@ CHECKS = 256
 """Positions whose contact points the page carries to compare its own kernel with."""
 
 
-def document(scene: Scene) -> dict[str, Any]:
+def document(scene: ViewScene) -> dict[str, Any]:
     """Everything that the page needs, sizes in mm, angles in rad, deviations, gaps and TE in um, forces in N."""
     simulation = scene.simulation
     pair = simulation.pair

@@ -26,7 +26,7 @@ LEAST_PER_MESH = 4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scene:
+class ViewScene:
     """One run of one pair, ready to be shown.
 
     ``simulation`` holds evenly spaced positions of a whole hunting cycle, ``per_mesh`` a pitch. ``theta_2`` is the
@@ -71,14 +71,14 @@ def scene_of(
     at_deg: float = 0.0,
     seed: int = 0,
     progress: Progress,
-) -> Scene:
+) -> ViewScene:
     """``assembled`` (of the file at ``path``, with ``seed``) over its hunting cycle under ``condition``.
 
     Raises what ``simulate`` does, and ``OutOfRangeError`` for an angle ``at_deg`` that is none.
     """
     theta_2 = opening_angle(assembled.pair, at_deg)
     simulation = _simulated(assembled, condition, path=path, seed=seed, progress=progress)
-    return Scene(
+    return ViewScene(
         name=name,
         simulation=simulation,
         per_mesh=points_per_mesh(assembled.pair),
@@ -88,7 +88,7 @@ def scene_of(
     )
 
 
-def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.0, progress: Progress) -> Scene:
+def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.0, progress: Progress) -> ViewScene:
     """The pair of ``comparison`` (its file read from ``path``) under its first recording's condition, with that
     recording's mismatch.
 
@@ -99,7 +99,7 @@ def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.
     theta_2 = opening_angle(pair, at_deg)
     condition = Condition(flank=one.flank, torque=one.torque)
     simulation = _simulated(comparison.assembled, condition, path=path, seed=0, progress=progress)
-    return Scene(
+    return ViewScene(
         name=comparison.name,
         simulation=simulation,
         per_mesh=points_per_mesh(pair),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from gearpoly.study.answers import answer
 from gearpoly.study.answers_json import answers_json
-from gearpoly.study.pipeline import Made
+from gearpoly.study.pipeline import MadeRow
 from gearpoly.study.plan import plan_of
 from gearpoly.study.read import read_study
 from gearpoly.study.run import plan_study
@@ -60,7 +60,7 @@ def finished(folder: Path) -> dict[Path, bytes]:
     with opened(out, plan) as store:
         for k in range(4):
             store.write([
-                Made(index=k, combination=0, draw=k, values={}, seed=k, status="done", reason="", outputs=(1.0 + k,))
+                MadeRow(index=k, combination=0, draw=k, values={}, seed=k, status="done", reason="", outputs=(1.0 + k,))
             ])  # fmt: skip
         write_manifest(store, rows=4, finished=True, why="all rows")
     return {file: file.read_bytes() for file in (out / MANIFEST, *(out / ROWS).iterdir())}

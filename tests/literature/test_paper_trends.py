@@ -15,13 +15,13 @@ import pytest
 from gearpoly.errors import OutOfRangeError
 from gearpoly.studies.paper import questions
 from gearpoly.studies.paper.__main__ import page, table
-from gearpoly.studies.paper.base import Finding, Study
+from gearpoly.studies.paper.base import PaperAnswer, PaperStudy
 
-STUDY = Study.quick()
+STUDY = PaperStudy.quick()
 
 
 @cache
-def answer(name: str) -> Finding:
+def answer(name: str) -> PaperAnswer:
     (question,) = (q for q in questions() if q.name == name)
     return question.ask(STUDY)
 

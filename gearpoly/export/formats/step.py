@@ -12,7 +12,7 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.export.curves import arc_angles, curve_error, spline
 from gearpoly.export.drawing import Drawing, Placed, rounded_up
 from gearpoly.export.formats import missing
-from gearpoly.export.outline import Part
+from gearpoly.export.outline import OutlinePart
 from gearpoly.units import UM
 
 ENDINGS = (".step", ".stp")
@@ -60,14 +60,14 @@ def _edges(gear: Placed, curves: str, z: float) -> list[Any]:
     return edges
 
 
-def _lines(part: Part, z: float) -> list[Any]:
+def _lines(part: OutlinePart, z: float) -> list[Any]:
     import build123d
 
     corners = [(x, y, z) for x, y in part.points.tolist()]
     return [build123d.Edge.make_line(a, b) for a, b in itertools.pairwise(corners)]
 
 
-def _curve(part: Part, gear: Placed, z: float) -> Any:
+def _curve(part: OutlinePart, gear: Placed, z: float) -> Any:
     import build123d
 
     corners = [(x, y, z) for x, y in part.points.tolist()]

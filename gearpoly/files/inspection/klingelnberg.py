@@ -22,10 +22,10 @@ from gearpoly.files.inspection.klingelnberg_text import (
     NOT_AVAILABLE,
     NOT_MEASURED,
     SIDE,
-    Curve,
     Export,
     Field,
-    Table,
+    PitchTable,
+    SheetCurve,
     number,
     read_export,
 )
@@ -114,7 +114,7 @@ class _Gear:
                 self.says.append("runout Fr is not taken: pitch of both flanks holds it already")
         return out
 
-    def places(self, table: Table) -> tuple[float, ...]:
+    def places(self, table: PitchTable) -> tuple[float, ...]:
         want = f"want teeth 1 to {self.z}, each once; measure all teeth"
         if sorted(table.rows) != list(range(1, self.z + 1)):
             raise self.fault(table.line, f"a pitch table of {len(table.rows)} teeth", want)
@@ -181,10 +181,10 @@ class _Gear:
         ]
         return tuple(out)
 
-    def middle(self, curves: list[Curve]) -> list[Curve]:
+    def middle(self, curves: list[SheetCurve]) -> list[SheetCurve]:
         """Of several profiles of a flank the one nearest the middle of the face."""
         middle = 0.5 * self.header.get("face_width_mm", 2.0 * curves[0].place)
-        best: dict[tuple[int, Side], Curve] = {}
+        best: dict[tuple[int, Side], SheetCurve] = {}
         for curve in curves:
             if not 1 <= curve.tooth <= self.z:
                 raise self.fault(curve.line, f"tooth {curve.tooth}", f"want teeth 1 to {self.z}")

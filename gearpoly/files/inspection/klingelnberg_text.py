@@ -69,7 +69,7 @@ class Field:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curve:
+class SheetCurve:
     """One trace: ``kind`` "profile" or "other", tooth from 1, ``letter`` of a further trace, axial ``place`` in mm;
     values in um, nan where the machine has none."""
 
@@ -83,7 +83,7 @@ class Curve:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class PitchTable:
     """The pitch table of one side: column names and, by tooth, their values in um."""
 
     side: Side
@@ -111,8 +111,8 @@ class Export:
     kind: Literal["curves", "values"]
     preamble: dict[str, str] = field(default_factory=dict)
     fields: list[Field] = field(default_factory=list)
-    curves: list[Curve] = field(default_factory=list)
-    tables: list[Table] = field(default_factory=list)
+    curves: list[SheetCurve] = field(default_factory=list)
+    tables: list[PitchTable] = field(default_factory=list)
     probes: list[Probe] = field(default_factory=list)
     results: list[Field] = field(default_factory=list)
     unread: list[int] = field(default_factory=list)
@@ -217,7 +217,7 @@ class _Lines:
             else "other"
         )
         self.out.curves.append(
-            Curve(
+            SheetCurve(
                 kind=kind,
                 tooth=int(head["tooth"]),
                 letter=head["letter"],
@@ -241,7 +241,7 @@ class _Lines:
             self.at += 1
             raise self.fault(f'"{shown(" ".join(names))}" below the title of a pitch table', "want Zahn-Nr. fp Fp Fr")
         self.at += 1
-        table = Table(side=side, names=tuple(names[begin:]), rows={}, line=self.at)
+        table = PitchTable(side=side, names=tuple(names[begin:]), rows={}, line=self.at)
         lines: dict[int, int] = {}
         for first, values in self.rows(len(names) - begin):
             if first in table.rows:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side
 from gearpoly.files.inspection.measured import SIDES
-from gearpoly.files.rexs.model import Component, Model, called
+from gearpoly.files.rexs.model import Component, RexsModel, called
 
 FLANKS = ("cylindrical_gear_flank", "flank_geometry")
 """Flanks: the name of today, and that of versions 1.0 to 1.2."""
@@ -34,7 +34,7 @@ SHAPES = {"linear": 1, "parabolic": 2}
 class GearOfDesign:
     """One gear: ``keys`` of its section of a pair file, and what was taken for what, or left out."""
 
-    model: Model
+    model: RexsModel
     gear: Component
     loaded: Side | None
     keys: dict[str, object] = field(default_factory=dict)
@@ -243,7 +243,7 @@ class GearOfDesign:
             self.says.append(f"{called(self.gear)}: the crowning is left out, since left and right differ")
 
 
-def why_not(model: Model, gear: Component) -> str:
+def why_not(model: RexsModel, gear: Component) -> str:
     """Why gearpoly has no such gear, or ""."""
     if gear.type != "cylindrical_gear":
         return f"a {gear.type.replace('_', ' ')}"

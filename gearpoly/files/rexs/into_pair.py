@@ -17,7 +17,7 @@ from gearpoly.files.output import write_text
 from gearpoly.files.pairfile import dump_pair
 from gearpoly.files.paths import look
 from gearpoly.files.rexs.gear import GearOfDesign, why_not
-from gearpoly.files.rexs.model import Component, Model, called
+from gearpoly.files.rexs.model import Component, RexsModel, called
 from gearpoly.files.rexs.source import read_model
 from gearpoly.keys.kinds import NAME_SHOWN
 
@@ -32,7 +32,7 @@ class Stage:
     stage: Component
     gears: tuple[Component, Component]
 
-    def words(self, model: Model) -> str:
+    def words(self, model: RexsModel) -> str:
         """The stage in a list to choose from."""
         teeth = " / ".join(
             str(g.attributes["number_of_teeth"].value) if "number_of_teeth" in g.attributes else "?" for g in self.gears
@@ -75,7 +75,7 @@ def write_design(source: Path, target: Path, *, stage: int | None, first: Which 
     return says
 
 
-def stages(model: Model) -> list[Stage]:
+def stages(model: RexsModel) -> list[Stage]:
     """The cylindrical stages of a model whose two gears are known."""
     gears: dict[int, list[int]] = {}
     for relation in model.relations:
@@ -94,7 +94,7 @@ def stages(model: Model) -> list[Stage]:
     return out
 
 
-def _chosen(model: Model, wanted: int | None) -> Stage:
+def _chosen(model: RexsModel, wanted: int | None) -> Stage:
     found = stages(model)
     if not found:
         wish = "want a cylindrical_stage with two gears"
@@ -108,7 +108,7 @@ def _chosen(model: Model, wanted: int | None) -> Stage:
     return match[0]
 
 
-def _pair(model: Model, chosen: Stage, first: Which | None) -> tuple[dict[str, object], list[str]]:
+def _pair(model: RexsModel, chosen: Stage, first: Which | None) -> tuple[dict[str, object], list[str]]:
     """The tables of the pair file, and words."""
     data = {gear.id: _data(model, chosen.stage.id, gear.id) for gear in chosen.gears}
     driving, driven = _driving_first(model, chosen, data, first)
@@ -142,7 +142,7 @@ def _pair(model: Model, chosen: Stage, first: Which | None) -> tuple[dict[str, o
     return raw, says
 
 
-def _data(model: Model, stage: int, gear: int) -> Component | None:
+def _data(model: RexsModel, stage: int, gear: int) -> Component | None:
     """What the stage says of one gear."""
     for relation in model.relations:
         if relation.type == "stage_gear_data" and relation.role("stage") == stage and relation.role("gear") == gear:
@@ -153,7 +153,7 @@ def _data(model: Model, stage: int, gear: int) -> Component | None:
 
 
 def _driving_first(
-    model: Model, chosen: Stage, data: dict[int, Component | None], first: Which | None
+    model: RexsModel, chosen: Stage, data: dict[int, Component | None], first: Which | None
 ) -> tuple[Component, Component]:
     """The driving and the driven gear."""
     one, two = chosen.gears

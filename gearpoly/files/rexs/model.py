@@ -56,7 +56,7 @@ class Relation:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Model:
+class RexsModel:
     """All of a design. ``load_cases`` is how many load cases stand beside it; they are not kept."""
 
     file: Path

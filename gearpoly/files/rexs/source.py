@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 from gearpoly.errors import InputFileError, MissingExtraError, shown
 from gearpoly.files.paths import unreadable
-from gearpoly.files.rexs.model import Attribute, Component, Model, Relation, Value
+from gearpoly.files.rexs.model import Attribute, Component, Relation, RexsModel, Value
 from gearpoly.files.traces import check_file
 
 ENDINGS = (".rexs", ".rexsj", ".rexsz")
@@ -48,7 +48,7 @@ def is_design(file: Path, start: bytes) -> bool:
     return file.suffix.lower() in ENDINGS or b"<model" in start
 
 
-def read_model(path: Path | str) -> Model:
+def read_model(path: Path | str) -> RexsModel:
     """The model of a ``.rexs``, ``.rexsj`` or ``.rexsz`` file.
 
     Raises ``InputFileError`` naming what stands in the way: no XML or JSON, entities, a zip that unpacks to too much,
@@ -97,7 +97,7 @@ def _unpacked(file: Path) -> bytes:
     return data
 
 
-def _from_xml(file: Path, data: bytes) -> Model:
+def _from_xml(file: Path, data: bytes) -> RexsModel:
     try:
         from defusedxml import DefusedXmlException
         from defusedxml.ElementTree import ParseError, fromstring
@@ -148,7 +148,7 @@ def _xml_attributes(component: Any) -> Iterator[tuple[object, object, Value]]:
             yield one.get("id"), one.get("unit", "none"), text
 
 
-def _from_json(file: Path, text: bytes) -> Model:
+def _from_json(file: Path, text: bytes) -> RexsModel:
     def no_number(word: str) -> NoReturn:
         raise ValueError(f"{word} is no number of JSON")
 
@@ -200,7 +200,7 @@ def _model(
     components: list[tuple[object, object, object, list[tuple[object, object, Value]]]],
     relations: list[tuple[object, object, object, list[tuple[object, object]]]],
     cases: int,
-) -> Model:
+) -> RexsModel:
     """The checked model: a known version, every id once, every relation between components that are there."""
     text = str(version)
     if ".".join(text.split(".")[:2]) not in VERSIONS:
@@ -226,7 +226,7 @@ def _model(
             raise InputFileError(file, found=found, wish="want every component that a relation names: export it again")
         place = None if order is None else _id(file, order, "order")
         links.append(Relation(id=_id(file, number, "relation"), type=str(kind), refs=ids, order=place))
-    return Model(file=file, version=text, components=kept, relations=tuple(links), load_cases=cases)
+    return RexsModel(file=file, version=text, components=kept, relations=tuple(links), load_cases=cases)
 
 
 def _id(file: Path, value: object, what: str) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from gearpoly import __version__
-from gearpoly.files.rexs.model import Component, Model, Value
+from gearpoly.files.rexs.model import Component, RexsModel, Value
 
 DATE = "2026-01-01T00:00:00+00:00"
 """The format wants a date; one and the same lets the same pair give the same file, byte for byte."""
@@ -18,7 +18,7 @@ DAY_ZERO = (1980, 1, 1, 0, 0, 0)
 """A zip's first date."""
 
 
-def write_model(model: Model, target: Path, *, ending: str) -> None:
+def write_model(model: RexsModel, target: Path, *, ending: str) -> None:
     """Write ``model`` to ``target`` as ``ending`` says: .rexs, .rexsj or .rexsz."""
     if ending == ".rexsj":
         target.write_text(json_text(model), encoding="utf-8")
@@ -31,7 +31,7 @@ def write_model(model: Model, target: Path, *, ending: str) -> None:
             archive.writestr(part, xml_text(model))
 
 
-def xml_text(model: Model) -> str:
+def xml_text(model: RexsModel) -> str:
     """The model as XML."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -56,7 +56,7 @@ def xml_text(model: Model) -> str:
     return "\n".join([*lines, "  </components>", "</model>"]) + "\n"
 
 
-def json_text(model: Model) -> str:
+def json_text(model: RexsModel) -> str:
     """The model as JSON."""
     relations: list[dict[str, Any]] = [
         {"id": one.id, "type": one.type}

@@ -26,9 +26,9 @@ from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
-from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import no_reading, without, without_empty
-from gearpoly.recording.text.part import Part
+from gearpoly.recording.text.part import TextPart
 from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.writing import Writing
@@ -66,7 +66,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
-    lines = Lines(without_empty(text), inside)
+    lines = TextLines(without_empty(text), inside)
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
@@ -76,7 +76,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
     if writing.missing:
-        lines = Lines(without(lines.joined(0, len(lines)), writing.missing, separator).encode("utf-8"), "utf-8")
+        lines = TextLines(without(lines.joined(0, len(lines)), writing.missing, separator).encode("utf-8"), "utf-8")
     if writing.torn_lines:
         lines, torn = without_torn(lines, separator)
     blocks = find_blocks(file, lines, separator, header=writing.header_line, units=writing.units_line, footer=footer)
@@ -143,9 +143,9 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     return keys
 
 
-def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writing) -> Table:
+def _table(file: Path, lines: TextLines, block: Block, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
-    part = Part(file=file, lines=lines, block=block, separator=separator, writing=writing)
+    part = TextPart(file=file, lines=lines, block=block, separator=separator, writing=writing)
     sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
     stamped = [k for k, cells in enumerate(sample) if _are_stamps(cells)]
     marks = _marks(part, sample, [k for k in range(len(sample)) if k not in stamped], table)
@@ -170,7 +170,7 @@ def _table(file: Path, lines: Lines, block: Block, separator: str, writing: Writ
     return table
 
 
-def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
+def _even(part: TextPart, marks: Marks, stamped: Sequence[int], table: Table) -> dict[int, FloatArray] | None:
     """The numbers (n,) of every column by its number from 0, those of time stamps in s after the first, where all rows
     are plain and all stamps written alike; ``None`` where they are to be read cell by cell."""
     pieces = []
@@ -204,7 +204,7 @@ def _even(part: Part, marks: Marks, stamped: Sequence[int], table: Table) -> dic
 
 
 def _columns(
-    part: Part, marks: Marks, stamped: Sequence[int], table: Table
+    part: TextPart, marks: Marks, stamped: Sequence[int], table: Table
 ) -> tuple[dict[int, FloatArray], dict[int, list[str]]]:
     """The numbers (n,) of every column by its number from 0, and the cells of those of time stamps; words without a
     reading are told."""
@@ -248,11 +248,11 @@ def _columns(
 
 
 def _cut(first: int, end: int, size: int, *, large: bool) -> list[tuple[int, int, bool]]:
-    """Lines in pieces (first, end, ``large``) of a ``size``, the last piece first."""
+    """TextLines in pieces (first, end, ``large``) of a ``size``, the last piece first."""
     return [(begin, min(begin + max(1, size), end), large) for begin in range(first, end, max(1, size))][::-1]
 
 
-def _times(part: Part, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
+def _times(part: TextPart, texts: dict[int, list[str]], table: Table) -> dict[int, FloatArray]:
     """Seconds (n,) of every column of time stamps; a column of dates beside one of times says their days."""
     dates = next((k for k, cells in texts.items() if _all(cells, is_date_alone)), None) if len(texts) > 1 else None
     days = None if dates is None else texts[dates]
@@ -280,7 +280,7 @@ def _are_stamps(cells: Sequence[str]) -> bool:
     return is_stamp(first) and _all(cells, is_stamp)
 
 
-def _marks(part: Part, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
+def _marks(part: TextPart, sample: Sequence[Sequence[str]], numbers: Sequence[int], table: Table) -> Marks:
     """The marks of the columns of ``numbers``: as stated, as proved, as confirmed by the readings, or as a doubt."""
     if part.writing.decimal:
         return Marks(decimal=part.writing.decimal, thousands=part.writing.thousands, why="as the map says")
@@ -316,7 +316,7 @@ def _is_degrees(block: Block, k: int) -> bool:
     return quantity_of(name) == ANGLE and stated is not None and stated.name == "deg"
 
 
-def _order(part: Part, cells: Sequence[str], table: Table) -> str:
+def _order(part: TextPart, cells: Sequence[str], table: Table) -> str:
     """The order of the dates in ``cells``, the letters of its parts."""
     order, why = date_order(cells, stated=part.writing.dates)
     if not order:

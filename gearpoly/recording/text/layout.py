@@ -18,7 +18,7 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import DOUBTFUL, UNSTATED, units_written
 from gearpoly.recording.table import told_apart
 from gearpoly.recording.text.cells import is_missing, is_number
-from gearpoly.recording.text.lines import LINES_AT_ONCE, Lines, are_rows
+from gearpoly.recording.text.lines import LINES_AT_ONCE, TextLines, are_rows
 from gearpoly.recording.text.missing import holds_cells, no_reading
 from gearpoly.recording.text.stamps import is_stamp
 
@@ -118,7 +118,7 @@ def longest_run(sample: Sequence[str], separator: str) -> int:
 
 
 def find_blocks(
-    file: Path, lines: Lines, separator: str, *, header: int = 0, units: int = 0, footer: bool = True
+    file: Path, lines: TextLines, separator: str, *, header: int = 0, units: int = 0, footer: bool = True
 ) -> list[Block]:
     """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them,
     ``footer`` allows text below the last row.
@@ -151,7 +151,7 @@ def find_blocks(
     return blocks
 
 
-def _runs(lines: Lines, separator: str) -> list[tuple[int, int, int]]:
+def _runs(lines: TextLines, separator: str) -> list[tuple[int, int, int]]:
     """Runs of rows of one width: first line, end (both from 0), width."""
     runs: list[tuple[int, int, int]] = []
     quick: re.Pattern[str] | None = None

@@ -24,7 +24,7 @@ STAMPED = b":/TZ"
 """What stamps are written with beside these."""
 
 
-class Lines(Sequence[str]):
+class TextLines(Sequence[str]):
     """The lines of a ``text`` of bytes in an ``encoding`` that holds those of ASCII; a list of them would take three
     times its memory."""
 

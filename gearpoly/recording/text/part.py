@@ -16,7 +16,7 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.finite import all_finite
 from gearpoly.recording.text.cells import Marks
 from gearpoly.recording.text.layout import Block, split
-from gearpoly.recording.text.lines import Lines, squeezed
+from gearpoly.recording.text.lines import TextLines, squeezed
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.writing import Writing
@@ -24,11 +24,11 @@ from gearpoly.units import FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class TextPart:
     """One recording in the lines of a file, and its block."""
 
     file: Path
-    lines: Lines
+    lines: TextLines
     block: Block
     separator: str
     writing: Writing

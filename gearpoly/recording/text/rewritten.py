@@ -17,7 +17,7 @@ from pathlib import Path
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
 from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, is_data, split
-from gearpoly.recording.text.lines import Lines
+from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
 
@@ -42,13 +42,13 @@ class Rewritten:
     """The ``lines`` as they are read on; columns (from 0) of ``words``, by the first of them, and those that were in
     ``degrees`` with minutes; label and unit that each number of a row had beside it."""
 
-    lines: Lines
+    lines: TextLines
     labels: Labels = ()
     words: dict[int, str] = field(default_factory=dict)
     degrees: frozenset[int] = frozenset()
 
 
-def rewritten(file: Path, lines: Lines, *, separator: str = "") -> Rewritten:
+def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten:
     """The ``lines`` of a text whose rows hold words or degrees with minutes, made rows of numbers; as they are where
     there is nothing of the kind. ``separator`` is that of a map.
 
@@ -60,14 +60,14 @@ def rewritten(file: Path, lines: Lines, *, separator: str = "") -> Rewritten:
         mark = separator or _likely(sample)
         last = next(line for line in reversed(sample) if line.strip())
         degrees = frozenset(k for k, cell in enumerate(split(last, mark)) if _DMS.fullmatch(cell))
-        lines = Lines(_DMS.sub(_decimal, lines.joined(0, len(lines))).encode("utf-8"), "utf-8")
+        lines = TextLines(_DMS.sub(_decimal, lines.joined(0, len(lines))).encode("utf-8"), "utf-8")
         sample = lines[:SAMPLE_LINES]
     if sum(map(bool, map(_LETTER.search, sample))) <= HEAD_LINES:
         return Rewritten(lines=lines, degrees=degrees)
     plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
     named = None if 2 * max(plain.values()) > len(sample) else find_labels(sample, list(plain))
     if named is not None:
-        lines = Lines("\n".join(without_labels(file, list(lines), named)).encode("utf-8"), "utf-8")
+        lines = TextLines("\n".join(without_labels(file, list(lines), named)).encode("utf-8"), "utf-8")
         return Rewritten(lines=lines, labels=named.labels, degrees=degrees)
     # Where most lines are rows of one separator it is that one, and words could only be pieces of numbers by another.
     ways = [one for one in plain if 2 * plain[one] > len(sample)] or list(plain)
@@ -123,7 +123,7 @@ def words_of(sample: Sequence[str], separator: str) -> tuple[str, dict[int, str]
     return (separator, words, sum(map(is_data, held))) if words else nothing
 
 
-def _without_words(lines: Lines, separator: str, words: dict[int, str]) -> Lines:
+def _without_words(lines: TextLines, separator: str, words: dict[int, str]) -> TextLines:
     """The lines with the cells of the columns of ``words`` emptied in every row."""
     out = []
     for line in lines:
@@ -134,7 +134,7 @@ def _without_words(lines: Lines, separator: str, words: dict[int, str]) -> Lines
             empty = "nan" if separator == " " else ""
             line = separator.join(empty if k in words else _one(cell, separator) for k, cell in enumerate(cells))
         out.append(line)
-    return Lines("\n".join(out).encode("utf-8"), "utf-8")
+    return TextLines("\n".join(out).encode("utf-8"), "utf-8")
 
 
 def _one(cell: str, separator: str) -> str:
@@ -142,7 +142,7 @@ def _one(cell: str, separator: str) -> str:
     return f'"{cell}"' if separator in cell else cell
 
 
-def without_torn(lines: Lines, separator: str) -> tuple[Lines, int]:
+def without_torn(lines: TextLines, separator: str) -> tuple[TextLines, int]:
     """The lines with those blanked that stand among rows and are none, nor names; and how many they are."""
     held = list(lines)
     width = Counter(len(split(line, separator)) for line in held[:SAMPLE_LINES] if _is_row(line, separator))
@@ -155,7 +155,7 @@ def without_torn(lines: Lines, separator: str) -> tuple[Lines, int]:
             named = len(cells) == wide and not any(is_number(cell) for cell in cells)
             if holds_cells(held[k]) and not named:
                 held[k], count = "", count + 1
-    return Lines("\n".join(held).encode("utf-8"), "utf-8"), count
+    return TextLines("\n".join(held).encode("utf-8"), "utf-8"), count
 
 
 def _is_row(line: str, separator: str) -> bool:

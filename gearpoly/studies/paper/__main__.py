@@ -12,7 +12,7 @@ import typer
 from gearpoly.errors import GearpolyError, OutOfRangeError
 from gearpoly.files.output import check_target, write_text
 from gearpoly.studies.paper import questions
-from gearpoly.studies.paper.base import Finding, Question, Row, Study
+from gearpoly.studies.paper.base import PaperAnswer, PaperRow, PaperStudy, Question
 
 HEAD = """# The paper, asked again
 
@@ -31,6 +31,8 @@ figures are made by
   beside them where it matters. Edition 1995 of ISO 1328-1 unless said: f_pt is its symbol; 2013 stands beside it.
 - **Thickness**: E_sns = -j_bn/(2 cos alpha), E_sni = E_sns - 2 tan(alpha) sqrt(F_r^2 + b_r^2), the handbook rule that
   goes with ISO/TR 10064-2 (`allowances.py`). Its lower deviations are nearly equal over grades 4 to 6, as the paper's.
+- **Words**: ' is an arc minute. A *set* is one pair of error gears, drawn from one seed. Rand(1) is drawn evenly
+  between 0 and 1. F_r is the tolerance of runout, b_r the allowance of the cutter's radial feed.
 - **Positions**: 0 to 360 deg of the driven gear in 1 deg steps, both ends, 361 in all, as in the paper.
 - **Seeds**: set k of every grade is seed k, 0 to {last}; driving and driven gear have streams of their own.
 - **Load**: the published cantilever, Cornell's foundation, Palmgren as printed, the paper's load sharing; forces along
@@ -42,7 +44,7 @@ figures are made by
 """
 
 
-def table(rows: list[Row]) -> str:
+def table(rows: list[PaperRow]) -> str:
     """Rows as a markdown table."""
     lines = ["| what | paper | gearpoly | verdict | why |", "| --- | --- | --- | --- | --- |"]
     for row in rows:
@@ -51,7 +53,7 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def page(study: Study, answers: list[tuple[Question, Finding]]) -> str:
+def page(study: PaperStudy, answers: list[tuple[Question, PaperAnswer]]) -> str:
     """The page of all ``answers`` in markdown."""
     parts = [HEAD.format(points=study.points, last=study.sets - 1)]
     parts.append(table([row for _, finding in answers for row in finding.rows]))
@@ -67,7 +69,9 @@ def file_name(picture: str) -> str:
     return f"paper_{picture}.png"
 
 
-def run(out: Path, *, study: Study, only: str | None = None, say: bool = True) -> list[tuple[Question, Finding]]:
+def run(
+    out: Path, *, study: PaperStudy, only: str | None = None, say: bool = True
+) -> list[tuple[Question, PaperAnswer]]:
     """Ask all questions, or ``only`` one, and write figures and page into the folder ``out``.
 
     One question alone renews its figures and leaves the page as it is. Raises ``OutOfRangeError`` for a question that
@@ -105,7 +109,7 @@ def main(
 ) -> None:
     """Ask the paper's questions again: figures and the table paper, gearpoly, verdict."""
     try:
-        run(out, study=Study.quick() if quick else Study(), only=only)
+        run(out, study=PaperStudy.quick() if quick else PaperStudy(), only=only)
     except GearpolyError as error:
         print(f"error: {error}", file=sys.stderr)
         raise typer.Exit(2) from None

@@ -26,7 +26,7 @@ from gearpoly.mesh.loaded import LoadedContacts, Sharing, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start, mount, tight_centre_distance
 from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, contacts
 from gearpoly.studies.paper.allowances import handbook_thickness
-from gearpoly.studies.paper.picture import Picture
+from gearpoly.studies.paper.picture import PaperPicture
 from gearpoly.units import ARCMIN, DEG, NM, UM, FloatArray, read_only
 
 Verdict = Literal["agrees", "same trend", "does not"]
@@ -43,7 +43,7 @@ BENDING = Elasticity(law="cantilever_published", contact="palmgren")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class PaperRow:
     """One line of the table: what is compared, the paper's number, gearpoly's, the verdict and why."""
 
     what: str
@@ -54,11 +54,11 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class PaperAnswer:
     """The answer to one question: rows of the table, pictures, text in paragraphs, and the ``values`` behind them."""
 
-    rows: tuple[Row, ...]
-    pictures: tuple[Picture, ...]
+    rows: tuple[PaperRow, ...]
+    pictures: tuple[PaperPicture, ...]
     text: tuple[str, ...]
     values: Mapping[str, npt.ArrayLike]
 
@@ -68,7 +68,7 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study:
+class PaperStudy:
     """How much is run: ``sets`` of gears of each grade, ``points`` per flank, ``refine`` divides the finer sweeps."""
 
     sets: int = 20
@@ -76,9 +76,9 @@ class Study:
     refine: int = 1
 
     @staticmethod
-    def quick() -> Study:
+    def quick() -> PaperStudy:
         """A few small sets, for tests: enough for every trend, not for the statistics."""
-        return Study(sets=3, points=500, refine=4)
+        return PaperStudy(sets=3, points=500, refine=4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +88,11 @@ class Question:
     order: int
     name: str
     title: str
-    ask: Callable[[Study], Finding]
+    ask: Callable[[PaperStudy], PaperAnswer]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recipe:
+class PairRecipe:
     """How a pair of error gears is drawn (the paper's Eqs. 1-7).
 
     ``profile``: "scatter" sets every point off on its own (the paper's), "smooth" draws waves, "none" leaves it out.
@@ -114,7 +114,7 @@ class Recipe:
     a_error: float = 0.0
     points: int = 2000
 
-    def with_(self, **changes: Any) -> Recipe:
+    def with_(self, **changes: Any) -> PairRecipe:
         """This recipe with some fields changed."""
         return replace(self, **changes)
 
@@ -125,7 +125,7 @@ class Recipe:
         return driving, driven
 
 
-def limits_of(recipe: Recipe, gear: Gear) -> dict[str, float]:
+def limits_of(recipe: PairRecipe, gear: Gear) -> dict[str, float]:
     """The stated limits (mm) of one gear of ``recipe``: thickness by the handbook rule, and nought for what is left
     out."""
     a = tight_centre_distance(*recipe.gears)
@@ -143,7 +143,7 @@ def limits_of(recipe: Recipe, gear: Gear) -> dict[str, float]:
     return limits
 
 
-def flanks_of(recipe: Recipe, *, seed: int | None) -> tuple[Flanks, Flanks]:
+def flanks_of(recipe: PairRecipe, *, seed: int | None) -> tuple[Flanks, Flanks]:
     """Both drawn gears of ``recipe`` from one ``seed``; None: without any deviation but the relief."""
     gears = recipe.gears
     out = []
@@ -170,7 +170,7 @@ def flanks_of(recipe: Recipe, *, seed: int | None) -> tuple[Flanks, Flanks]:
     return out[0], out[1]
 
 
-def make_pair(recipe: Recipe, *, seed: int | None) -> GearPair:
+def make_pair(recipe: PairRecipe, *, seed: int | None) -> GearPair:
     """The pair of ``recipe`` on its axes; ``seed`` None: ideal gears."""
     a = tight_centre_distance(*recipe.gears) + recipe.a_error
     return mount(*flanks_of(recipe, seed=seed), a=a)

@@ -10,17 +10,17 @@ from gearpoly.gear.gear import inv
 from gearpoly.mesh.pair import GearPair
 from gearpoly.studies.paper.base import (
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     backlash,
     make_pair,
     peak_to_peak,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM
 
 ERRORS = (0.0, 0.025, 0.05, 0.075, 0.1)
@@ -37,13 +37,13 @@ def shift(pair: GearPair) -> float:
     return (pair.r_b1 + pair.r_b2) * (inv(pair.alpha_w) - inv(math.acos((pair.r_b1 + pair.r_b2) / pair.a_w)))
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """Mean TE, TEpp and mean backlash of the first grade-4 set and of the ideal pair at all distances."""
     out: dict[str, list[tuple[float, float, float]]] = {"grade 4": [], "ideal": []}
     exact, curves = [], []
     for error in ERRORS:
         for name, seed in (("grade 4", 0), ("ideal", None)):
-            pair = make_pair(Recipe(points=study.points, a_error=error), seed=seed)
+            pair = make_pair(PairRecipe(points=study.points, a_error=error), seed=seed)
             drive, j_bn = backlash(pair, POSITIONS)
             te_um = drive.te * pair.r_b2 / UM
             out[name].append((float(np.mean(te_um)), peak_to_peak(drive.te), float(np.mean(j_bn)) / UM))
@@ -58,7 +58,7 @@ def ask(study: Study) -> Finding:
     spread = float(np.ptp(graded[:, 1]))
     equal = bool(np.all(te_steps < 0.0)) and float(np.ptp(te_steps)) < 3.0 * LINEAR * abs(float(np.mean(te_steps)))
     rows = (
-        Row(
+        PaperRow(
             what="centre distance: mean TE",
             paper="falls in equal steps",
             gearpoly="steps of " + ", ".join(f"{step:.2f}" for step in te_steps) + " um per 25 um",
@@ -69,14 +69,14 @@ def ask(study: Study) -> Finding:
                 f"gears within {off:.2f} um; 100 um give {theory[-1]:.2f} um, to first order 34.20 um"
             ),
         ),
-        Row(
+        PaperRow(
             what="centre distance: mean backlash",
             paper="rises in equal steps",
             gearpoly="steps of " + ", ".join(f"{step:.2f}" for step in j_steps) + " um per 25 um",
             verdict=verdict(bool(np.all(j_steps > 0.0)) and np.ptp(j_steps) < 3.0 * LINEAR * np.mean(j_steps), True),
             why=f"twice the fall of TE, on the ideal pair within {1e3 * worst_j:.2f} nm",
         ),
-        Row(
+        PaperRow(
             what="centre distance: TEpp",
             paper="unrelated",
             gearpoly=", ".join(f"{value:.4f}'" for value in graded[:, 1]),
@@ -86,7 +86,7 @@ def ask(study: Study) -> Finding:
     )
     angle = POSITIONS / DEG
     um = np.array(ERRORS) / UM
-    picture = Picture(
+    picture = PaperPicture(
         name="centre_distance",
         caption="First set of grade 4 at five centre distances: TE keeps its shape; means follow the closed form.",
         panels=(
@@ -109,7 +109,7 @@ def ask(study: Study) -> Finding:
             ),
         ),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=(),

@@ -11,11 +11,11 @@ from gearpoly.errors import JammedError
 from gearpoly.studies.paper.base import (
     GRADES,
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     backlash,
     limits_of,
     make_pair,
@@ -24,7 +24,7 @@ from gearpoly.studies.paper.base import (
     touch,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray
 
 STEP = 100.0 * (math.sqrt(2.0) - 1.0)
@@ -37,7 +37,7 @@ AGREES = 2.0
 """Standard errors of the change between two means of independent sets within which the paper's number agrees."""
 
 
-def sets_of(recipe: Recipe, *, sets: int) -> FloatArray:
+def sets_of(recipe: PairRecipe, *, sets: int) -> FloatArray:
     """TEpp in arcmin and mean backlash in um (sets, 2); sets that jam are drawn again, from seed + 1000."""
     rows = []
     for seed in range(sets):
@@ -64,10 +64,10 @@ def rises(results: list[FloatArray], column: int, *, sets: int) -> tuple[list[fl
     return rise, error
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """TEpp and mean backlash of all sets, for both editions of the standard and two readings of the thickness draw."""
     results: dict[str, list[FloatArray]] = {}
-    base = Recipe(points=study.points)
+    base = PairRecipe(points=study.points)
     cases = {
         "1995": base,
         "2013": base.with_(edition=2013),
@@ -81,7 +81,7 @@ def ask(study: Study) -> Finding:
     for k, paper in enumerate(PAPER_TE):
         near = any(abs(te[name][0][k] - paper) <= AGREES * te[name][1][k] for name in ("1995", "2013"))
         rows.append(
-            Row(
+            PaperRow(
                 what=f"mean TEpp, grade {GRADES[k]} to {GRADES[k + 1]}",
                 paper=f"+{paper:.2f} %",
                 gearpoly=", ".join(f"{te[n][0][k]:+.1f} % ({n})" for n in ("1995", "2013")),
@@ -96,7 +96,7 @@ def ask(study: Study) -> Finding:
     for k, paper in enumerate(PAPER_BACKLASH):
         between, lower, spread = gap["1995"][0][k], gap["lower"][0][k], gap["lower"][1][k]
         rows.append(
-            Row(
+            PaperRow(
                 what=f"mean backlash, grade {GRADES[k]} to {GRADES[k + 1]}",
                 paper=f"+{paper:.2f} %",
                 gearpoly=f"{between:+.1f} % (E_s between its limits); {lower:+.1f} % (E_s = Rand(1) E_sni, smooth "
@@ -111,7 +111,7 @@ def ask(study: Study) -> Finding:
         )
     ratio = te["1995"][0][0] / max(abs(gap["lower"][0][0]), 1e-9)
     rows.append(
-        Row(
+        PaperRow(
             what="grade drives TE far more than backlash",
             paper="5.7 times, then 4.0 times in per cent",
             gearpoly=f"{ratio:.1f} times, then {te['1995'][0][1] / max(abs(gap['lower'][0][1]), 1e-9):.1f} times",
@@ -143,7 +143,7 @@ def ask(study: Study) -> Finding:
         "takes backlash "
         "away again; that is why the first reading rises by less.",
     )
-    return Finding(
+    return PaperAnswer(
         rows=tuple(rows),
         pictures=(_picture(results), _curves(study)),
         text=text,
@@ -159,12 +159,12 @@ def ask(study: Study) -> Finding:
     )
 
 
-def _thickness(recipe: Recipe) -> dict[str, float]:
+def _thickness(recipe: PairRecipe) -> dict[str, float]:
     limits = limits_of(recipe, recipe.gears[0])
     return {key: limits[key] for key in ("E_sni", "E_sns")}
 
 
-def _picture(results: dict[str, list[FloatArray]]) -> Picture:
+def _picture(results: dict[str, list[FloatArray]]) -> PaperPicture:
     labels = {"1995": "1995", "2013": "2013", "lower": "1995, E_s = Rand(1) E_sni, smooth"}
     panels = []
     for column, y in ((0, "TEpp of the driven shaft / arcmin"), (1, "mean normal backlash / um")):
@@ -183,18 +183,18 @@ def _picture(results: dict[str, list[FloatArray]]) -> Picture:
                     )
                 )
         panels.append(Panel(x="", y=y, lines=tuple(lines), ticks=tuple(f"grade {g}" for g in GRADES)))
-    return Picture(name="grades", caption="Every set a dot, means joined.", panels=tuple(panels))
+    return PaperPicture(name="grades", caption="Every set a dot, means joined.", panels=tuple(panels))
 
 
-def _curves(study: Study) -> Picture:
+def _curves(study: PaperStudy) -> PaperPicture:
     lines = []
     for colour, grade in enumerate(GRADES):
-        pair = make_pair(Recipe(points=study.points, grade=grade), seed=0)
+        pair = make_pair(PairRecipe(points=study.points, grade=grade), seed=0)
         te = touch(pair, POSITIONS).te
         lines.append(
             Line(x=POSITIONS / DEG, y=te * pair.r_b2 / UM, colour=colour, style="line", label=f"grade {grade}")
         )
-    return Picture(
+    return PaperPicture(
         name="grade_curves",
         caption="First set of each grade over one turn of the driven gear.",
         panels=(Panel(x="driven angle / deg", y="TE along the line of action / um", lines=tuple(lines)),),

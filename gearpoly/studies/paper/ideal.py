@@ -7,27 +7,27 @@ import numpy as np
 from gearpoly.mesh.transmission import mean_pairs
 from gearpoly.studies.paper.base import (
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     backlash,
     make_pair,
     peak_to_peak,
     touch,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM
 
 RATIO = 1.570708
 """ISO 21771 contact ratio of 18/25 teeth, 20 deg, standard addenda."""
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """TE, backlash and touching pairs of the ideal research pair, at the paper's 361 positions and exactly."""
-    pair = make_pair(Recipe(points=study.points), seed=None)
+    pair = make_pair(PairRecipe(points=study.points), seed=None)
     drive, j_bn = backlash(pair, POSITIONS)
     counted = int(np.sum(drive.pairs))
     # Every pitch of an ideal pair is like every other, so one holds the mean over any number of turns.
@@ -36,21 +36,21 @@ def ask(study: Study) -> Finding:
     te_um = drive.te * pair.r_b2 / UM
     chord = pair.chord_noise / UM
     rows = (
-        Row(
+        PaperRow(
             what="ideal gears: transmission error",
             paper="0 everywhere",
             gearpoly=f"TEpp {np.ptp(te_um):.5f} um = {peak_to_peak(drive.te):.5f}'",
             verdict=verdict(float(np.ptp(te_um)) <= 1.01 * chord, False),
             why=f"chords of {study.points} points stand off by up to {chord:.5f} um, and no more is seen",
         ),
-        Row(
+        PaperRow(
             what="ideal gears: backlash",
             paper="0 everywhere",
             gearpoly=f"{np.min(j_bn) / UM:.5f} to {np.max(j_bn) / UM:.5f} um",
             verdict=verdict(float(np.max(j_bn)) / UM <= 2.02 * chord, False),
             why="the same chords, on both flanks",
         ),
-        Row(
+        PaperRow(
             what="ideal gears: contact ratio",
             paper="theory 1.5707; counted 1.5709, said to be 0.52 % off",
             gearpoly=f"exact mean {exact:.5f} (theory {pair.eps_alpha:.6f}); {counted}/361 = {counted / 361:.4f}",
@@ -63,7 +63,7 @@ def ask(study: Study) -> Finding:
     )
     angle = POSITIONS / DEG
     first = angle <= 60.0
-    picture = Picture(
+    picture = PaperPicture(
         name="ideal",
         caption="Ideal pair: what is left of TE is the height of the chords; touching pairs at the paper's positions.",
         tall=True,
@@ -80,7 +80,7 @@ def ask(study: Study) -> Finding:
             ),
         ),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=(),

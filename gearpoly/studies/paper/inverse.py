@@ -23,11 +23,11 @@ from gearpoly.studies.paper.base import (
     BENDING,
     LOADS,
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     along_line_of_action,
     flanks_of,
     peak_to_peak,
@@ -36,7 +36,7 @@ from gearpoly.studies.paper.base import (
 )
 from gearpoly.studies.paper.kinds import PAPER as PAPER_TEPP
 from gearpoly.studies.paper.loads import PAPER_COUNTS
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.studies.paper.thickness import PAPER_TIP, compliance
 from gearpoly.units import NM, UM, FloatArray
 
@@ -58,7 +58,7 @@ makes one in three."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
+class PairTried:
     """One module of one edition with the face width that suits the contact ratios best.
 
     ``counts`` (3,) mean over sets at 5, 15 and 25 N.m with their ``spread``; ``chi2`` against the paper's;
@@ -110,7 +110,7 @@ def _scaled(tables: dict[bool, PairCompliance], m: float, b: float) -> PairCompl
     )
 
 
-def counts_of(recipe: Recipe, products: FloatArray, *, seed: int) -> tuple[FloatArray, float]:
+def counts_of(recipe: PairRecipe, products: FloatArray, *, seed: int) -> tuple[FloatArray, float]:
     """Touching pairs at the paper's positions for all face widths and its three loads (k, 3), nan where deflections are
     no longer small, and TEpp in arcmin."""
     m = recipe.m
@@ -134,7 +134,7 @@ def counts_of(recipe: Recipe, products: FloatArray, *, seed: int) -> tuple[Float
     return counts, peak_to_peak(found.te)
 
 
-def candidate(recipe: Recipe, *, sets: int, soft: dict[bool, FloatArray]) -> Candidate:
+def candidate(recipe: PairRecipe, *, sets: int, soft: dict[bool, FloatArray]) -> PairTried:
     """The best face width for ``recipe``'s module, from ``sets`` draws."""
     runs = [counts_of(recipe, PRODUCTS, seed=seed) for seed in range(sets)]
     counts = np.array([run[0] for run in runs])
@@ -147,7 +147,7 @@ def candidate(recipe: Recipe, *, sets: int, soft: dict[bool, FloatArray]) -> Can
     b = float(PRODUCTS[best]) / recipe.m
     gear = recipe.gears[0]
     a = 0.5 * sum(recipe.z) * recipe.m
-    return Candidate(
+    return PairTried(
         edition=recipe.edition,
         m=recipe.m,
         b=b,
@@ -168,14 +168,14 @@ def needed_thinning(difference: float, *, m: float, b: float, soft: dict[bool, F
     return -float(share) * m / UM
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """Every module of ISO 54 with its best face width, judged by contact ratios and TEpp, and E_sni from the tips."""
     soft = softening()
     modules = MODULES if study.refine == 1 else (1.5, 2.0, 4.0)
     sets = max(3, study.sets // 2)
     points = min(study.points, 1000)
     found = [
-        candidate(Recipe(m=m, edition=edition, points=points), sets=sets, soft=soft)
+        candidate(PairRecipe(m=m, edition=edition, points=points), sets=sets, soft=soft)
         for edition in ((1995, 2013) if study.refine == 1 else (1995,))
         for m in modules
     ]
@@ -189,7 +189,7 @@ def ask(study: Study) -> Finding:
     E_5 = needed_thinning(sum(PAPER_TIP), m=best.m, b=best.b, soft=soft)
     grade_5 = handbook_thickness(best_gear(best), a=21.5 * best.m, grade=5, edition=best.edition)[1] / UM
     rows = (
-        Row(
+        PaperRow(
             what="inverse: module and face width from contact ratios and TEpp",
             paper="Table 1 lost; 1.1634, 1.4100, 1.6066; 2.8083'",
             gearpoly=(
@@ -204,7 +204,7 @@ def ask(study: Study) -> Finding:
                 + f" fit as well. Contact ratios say m b = {np.min(products):.0f} to {np.max(products):.0f} mm^2 only"
             ),
         ),
-        Row(
+        PaperRow(
             what="inverse: pair at which the handbook's E_sni also makes the tip difference",
             paper="one pair made all",
             gearpoly=f"m = {by_tip.m:g} mm, b = {by_tip.b:.1f} mm ({by_tip.edition}): E_sni {by_tip.E_sni:.0f} um "
@@ -213,14 +213,14 @@ def ask(study: Study) -> Finding:
             verdict=verdict(by_tip.score <= FITS, False),
             why="TEpp asks for a small module, the tip difference for a large one or for teeth thinned twice as much",
         ),
-        Row(
+        PaperRow(
             what="inverse: E_sni of grade 4 from the tip difference",
             paper="0.3797e-3 um/N",
             gearpoly=f"{E_4:.0f} um at the best pair; handbook rule {best.handbook:.0f} um",
             verdict=verdict(abs(E_4 / best.handbook - 1.0) < 0.15, abs(E_4 / best.handbook - 1.0) < 0.5),
             why="one number for three unknowns: only E_sni/(m b) is determined",
         ),
-        Row(
+        PaperRow(
             what="inverse: E_sni of grade 5 over grade 4",
             paper="0.0484/0.3797 at the tip; backlash +8.11 %",
             gearpoly=f"{100.0 * (E_5 / E_4 - 1.0):+.1f} % by the tips; "
@@ -249,7 +249,7 @@ def ask(study: Study) -> Finding:
         "ones. Material, law, edition and the way profiles are drawn are assumptions too.",
         "\n".join(lines),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(_picture(found),),
         text=text,
@@ -264,12 +264,12 @@ def ask(study: Study) -> Finding:
     )
 
 
-def best_gear(best: Candidate) -> Gear:
+def best_gear(best: PairTried) -> Gear:
     """The driving gear of a candidate."""
     return Gear(z=18, m=best.m, b=best.b)
 
 
-def _picture(found: list[Candidate]) -> Picture:
+def _picture(found: list[PairTried]) -> PaperPicture:
     editions = sorted({c.edition for c in found})
     by_edition = {e: [c for c in found if c.edition == e] for e in editions}
     scores, thin = [], []
@@ -299,7 +299,7 @@ def _picture(found: list[Candidate]) -> Picture:
         )
         for k, c in enumerate(c for c in by_edition[editions[0]] if c.m in (1.5, 2.0, 4.0, 8.0))
     ]
-    return Picture(
+    return PaperPicture(
         name="inverse",
         caption="What the paper's contact ratios, TEpp and tip compliance say of its lost module, face width and "
         "E_sni.",

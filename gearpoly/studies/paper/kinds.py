@@ -6,17 +6,17 @@ import numpy as np
 
 from gearpoly.studies.paper.base import (
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     make_pair,
     peak_to_peak,
     touch,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray
 
 PAPER = (2.8083, 2.7167, 0.2)
@@ -27,15 +27,15 @@ LESS, SHARE = 3.26, 7.12
 NAMES = ("all errors", "pitch and thickness", "profile")
 
 
-def curves(recipe: Recipe, *, seed: int) -> list[FloatArray]:
+def curves(recipe: PairRecipe, *, seed: int) -> list[FloatArray]:
     """TE (361,) in rad of one draw with all its errors, its pitch and thickness alone, and its profiles alone."""
     kinds = (recipe, recipe.with_(profile="none"), recipe.with_(pitch=False, thickness="none"))
     return [touch(make_pair(kind, seed=seed), POSITIONS).te for kind in kinds]
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """The three kinds for every set, with scattered (the paper's) and with smooth profiles."""
-    base = Recipe(points=study.points)
+    base = PairRecipe(points=study.points)
     first = curves(base, seed=0)
     found = {
         profile: np.array([_measures(curves(base.with_(profile=profile), seed=seed)) for seed in range(study.sets)])
@@ -48,7 +48,7 @@ def ask(study: Study) -> Finding:
     whole = [peak_to_peak(touch(make_pair(base, seed=seed), cycle).te) for seed in range(study.sets)]
     rank = int(np.sum(found["scatter"][:, 0] < PAPER[0]))
     rows = (
-        Row(
+        PaperRow(
             what="grade 4, first set, all errors: TEpp",
             paper="2.8083'",
             gearpoly=f"{one[0]:.4f}' (first set); {mean[0]:.2f}' mean, {low[0]:.2f}' to {high[0]:.2f}' over "
@@ -60,14 +60,14 @@ def ask(study: Study) -> Finding:
                 "m = 2 mm is a guess: see the inverse problem"
             ),
         ),
-        Row(
+        PaperRow(
             what="pitch and thickness only",
             paper="2.7167', 3.26 % less",
             gearpoly=f"{one[1]:.4f}', {one[3]:.1f} % less; mean {mean[3]:.1f} %, {low[3]:.1f} to {high[3]:.1f} %",
             verdict=verdict(low[3] <= LESS <= high[3], 0.0 < mean[3] < 20.0),
             why=f"pitch makes nearly all of it. Smooth profiles, which hold their whole slope: {smooth[3]:.1f} % less",
         ),
-        Row(
+        PaperRow(
             what="profile only",
             paper="0.2', 7.12 % of all",
             gearpoly=f"{one[2]:.4f}', {one[4]:.1f} % of all; mean {mean[2]:.3f}' and {mean[4]:.1f} %",
@@ -78,7 +78,7 @@ def ask(study: Study) -> Finding:
                 f"larger module. Smooth profiles: {smooth[2]:.2f}' and {smooth[4]:.0f} %"
             ),
         ),
-        Row(
+        PaperRow(
             what="pitch sets amplitude and waveform, profile adds ripple",
             paper="stated",
             gearpoly=f"correlation of the curves with and without profile errors {mean[5]:.3f} (least {low[5]:.3f})",
@@ -88,7 +88,7 @@ def ask(study: Study) -> Finding:
     )
     angle = POSITIONS / DEG
     r_b2 = base.gears[1].r_b
-    picture = Picture(
+    picture = PaperPicture(
         name="kinds",
         caption="First set of grade 4: all errors, and each kind alone.",
         panels=(
@@ -102,7 +102,7 @@ def ask(study: Study) -> Finding:
             ),
         ),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=(

@@ -8,11 +8,11 @@ from gearpoly.mesh.loaded import LoadedContacts
 from gearpoly.studies.paper.base import (
     LOADS,
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     make_pair,
     peak_to_peak,
     rms,
@@ -20,7 +20,7 @@ from gearpoly.studies.paper.base import (
     under_load,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray
 
 PAPER_COUNTS = (362, 420, 509, 580)
@@ -34,9 +34,9 @@ WINDOW = 60
 """deg. The paper's rough stretch is that long, 90 to 150 deg of the output."""
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """All sets of grade 4 under the four loads, with both load-sharing rules on the first."""
-    recipe = Recipe(points=study.points)
+    recipe = PairRecipe(points=study.points)
     runs = [under_load(make_pair(recipe, seed=seed), POSITIONS, LOADS) for seed in range(study.sets)]
     other = under_load(make_pair(recipe, seed=0), POSITIONS, LOADS, sharing="equilibrium")
     apart = max(float(np.max(np.abs(a.te - b.te))) for a, b in zip(runs[0], other, strict=True))
@@ -55,7 +55,7 @@ def ask(study: Study) -> Finding:
     beyond = int(np.sum(counts[:, -1] > THEORY * 361))
     low, high = np.min(counts, axis=0), np.max(counts, axis=0)
     rows = [
-        Row(
+        PaperRow(
             what=f"contact ratio of grade 4 at {LOADS[k]:g} N.m",
             paper=f"{PAPER_COUNTS[k] / 361:.4f} = {PAPER_COUNTS[k]}/361",
             gearpoly=(
@@ -73,14 +73,14 @@ def ask(study: Study) -> Finding:
         for k in range(len(LOADS))
     ]
     rows += [
-        Row(
+        PaperRow(
             what="load can push the contact ratio above theory",
             paper="1.6066 over 1.5707 at 25 N.m",
             gearpoly=f"{beyond} of {len(runs)} sets do; largest {high[-1] / 361:.4f}",
             verdict=verdict(beyond > 0, bool(np.all(np.diff(mean) > 0.0))),
             why="teeth that give let the next pair touch before, and the last one after, the theoretical path",
         ),
-        Row(
+        PaperRow(
             what="TEpp of grade 4 under load",
             paper="2.8083', 2.8081', 2.8079', 2.8075'",
             gearpoly=", ".join(f"{value:.4f}'" for value in te[0]) + f" (first set); mean change at 25 N.m "
@@ -96,10 +96,10 @@ def ask(study: Study) -> Finding:
                 "change 57 times too small, but that is a guess"
             ),
         ),
-        Row(
+        PaperRow(
             what="the two rules of load sharing",
             paper="pairs join one by one",
-            gearpoly=f"equilibrium and the paper's rule differ by {apart:.1e} rad",
+            gearpoly=f"equilibrium and the paper's rule differ by {apart:.1g} rad",
             verdict=verdict(apart < 1e-12, False),
             why=(
                 "of two near pairs the second joins without being turned back beyond its own closing rotation, so "
@@ -113,7 +113,7 @@ def ask(study: Study) -> Finding:
     worst = int(np.argmax(ratio[-1]))
     whole = [rms(roughness(load.te, recipe.gears[1].r_b)) for load in runs[0]]
     rows.append(
-        Row(
+        PaperRow(
             what="load roughens the curve locally",
             paper="between 90 and 150 deg of the output",
             gearpoly=(
@@ -125,7 +125,7 @@ def ask(study: Study) -> Finding:
             why="steps between one and two pairs grow with load; where they stand is each draw's own",
         )
     )
-    return Finding(
+    return PaperAnswer(
         rows=tuple(rows),
         pictures=(_picture(runs[0], counts, recipe.gears[1].r_b),),
         text=(),
@@ -140,9 +140,9 @@ def _local(run: list[LoadedContacts]) -> tuple[FloatArray, FloatArray]:
     return np.asarray(starts + 0.5 * WINDOW, dtype=np.float64), np.asarray(rough / rough[0], dtype=np.float64)
 
 
-def _picture(run: list[LoadedContacts], counts: FloatArray, r_b2: float) -> Picture:
+def _picture(run: list[LoadedContacts], counts: FloatArray, r_b2: float) -> PaperPicture:
     angle = POSITIONS / DEG
-    return Picture(
+    return PaperPicture(
         name="loads",
         caption="First set of grade 4 under load, and the contact ratios of all sets against the paper's.",
         panels=(

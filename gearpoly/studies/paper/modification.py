@@ -6,11 +6,11 @@ import numpy as np
 
 from gearpoly.studies.paper.base import (
     POSITIONS,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     make_pair,
     peak_to_peak,
     rms,
@@ -18,7 +18,7 @@ from gearpoly.studies.paper.base import (
     under_load,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray
 
 TORQUE = 25.0
@@ -38,14 +38,14 @@ SWEEP = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 SHAPES = ("linear", "parabolic")
 
 
-def _ideal_te(recipe: Recipe, amount: float, shape: str) -> float:
+def _ideal_te(recipe: PairRecipe, amount: float, shape: str) -> float:
     """TEpp in arcmin of the ideal pair under the torque with relief of ``amount`` mm, over the five pitches (72 deg)
     after which the paper's positions repeat."""
     pair = make_pair(recipe.with_(relief=(amount, LENGTH, shape)), seed=None)
     return peak_to_peak(under_load(pair, POSITIONS[:73], (TORQUE,))[0].te)
 
 
-def relieved(recipe: Recipe, *, seed: int) -> tuple[float, list[FloatArray]]:
+def relieved(recipe: PairRecipe, *, seed: int) -> tuple[float, list[FloatArray]]:
     """Mean deflection in mm without relief, and TE (361,) in rad without and with each relief under the torque."""
     plain = under_load(make_pair(recipe, seed=seed), POSITIONS, (TORQUE,))[0]
     deflection = float(np.mean(plain.approach))
@@ -56,9 +56,9 @@ def relieved(recipe: Recipe, *, seed: int) -> tuple[float, list[FloatArray]]:
     return deflection, curves
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """No relief and the five cases on sets of grade 4, and on the ideal pair."""
-    recipe = Recipe(points=study.points)
+    recipe = PairRecipe(points=study.points)
     r_b2 = recipe.gears[1].r_b
     found = [relieved(recipe, seed=seed) for seed in range(study.sets)]
     te = np.array([[peak_to_peak(curve) for curve in curves] for _, curves in found])
@@ -76,7 +76,7 @@ def ask(study: Study) -> Finding:
     shown = int(story[0]) if story.size else 0
     mean_rough = np.mean(rough, axis=0)
     rows = (
-        Row(
+        PaperRow(
             what="modification: TEpp of cases 1 to 3",
             paper="equal",
             gearpoly=f"equal to 0.1 % in {int(np.sum(equal))} of {n} sets; set {shown}: "
@@ -85,7 +85,7 @@ def ask(study: Study) -> Finding:
             why="the extremes of a pitch wave fall where one pair touches between the reliefs, so relief does not "
             "reach them",
         ),
-        Row(
+        PaperRow(
             what="modification: TEpp of case 4",
             paper="larger",
             gearpoly=f"larger than case 3 in {int(np.sum(grows))} of {n} sets, not smaller in {int(np.sum(larger))}; "
@@ -93,7 +93,7 @@ def ask(study: Study) -> Finding:
             verdict=verdict(float(np.mean(grows)) >= 0.5, bool(np.any(grows))),
             why="too much relief takes the flank away where the wave has its end",
         ),
-        Row(
+        PaperRow(
             what="modification: smoothest of the linear ones",
             paper="the second",
             gearpoly="rms second difference "
@@ -103,7 +103,7 @@ def ask(study: Study) -> Finding:
             why="the amounts were chosen so; what is shown is that there is a right one, about 1.5 mean deflections: "
             "less leaves a step where a pair comes into load, more makes another",
         ),
-        Row(
+        PaperRow(
             what="modification: parabolic against linear of the same amount",
             paper="smoother",
             gearpoly=f"{mean_rough[5]:.3f} against {mean_rough[2]:.3f} um; smoother in {int(np.sum(softer))} of "
@@ -111,7 +111,7 @@ def ask(study: Study) -> Finding:
             verdict=verdict(float(np.mean(softer)) > 0.5, bool(np.any(softer))),
             why="a parabola begins without a corner; scattered profiles hide much of that",
         ),
-        Row(
+        PaperRow(
             what="relief helps only in the right amount",
             paper="stated",
             gearpoly=(
@@ -134,7 +134,7 @@ def ask(study: Study) -> Finding:
     )
     names = ("none", *(f"{k + 1}: {share:g} {shape}" for k, (share, shape) in enumerate(CASES)))
     part = POSITIONS / DEG <= 90.0
-    picture = Picture(
+    picture = PaperPicture(
         name="modification",
         caption=f"Set {shown} of grade 4 at 25 N.m, a quarter turn; the roughness of all sets; and the ideal pair.",
         panels=(
@@ -170,7 +170,7 @@ def ask(study: Study) -> Finding:
             ),
         ),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=text,

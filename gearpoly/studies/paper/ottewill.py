@@ -13,17 +13,17 @@ from gearpoly.mesh.pair import GearPair, mount
 from gearpoly.mesh.transmission import NEAR
 from gearpoly.studies.paper.base import (
     BENDING,
-    Finding,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
     Question,
-    Recipe,
-    Row,
-    Study,
     flanks_of,
     peak_to_peak,
     touch,
     verdict,
 )
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import ARCMIN, DEG, NM, UM, FloatArray, read_only
 
 ECCENTRICITY = (0.05588, 0.04826)
@@ -31,7 +31,7 @@ ECCENTRICITY = (0.05588, 0.04826)
 
 TORQUE = 5.5
 
-PAIR = Recipe(
+PAIR = PairRecipe(
     z=(18, 18),
     m=6.0,
     b=7.5,
@@ -76,7 +76,7 @@ def mounted(flanks: tuple[Flanks, Flanks], *, sequence: int, phase: float) -> Ge
     )
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """TEpp of the loaded and unloaded pair over phases and sequences, with and without errors of grade 6."""
     theta_2 = np.arange(18 * PER_PITCH, dtype=np.float64) * (2.0 * np.pi / (18 * PER_PITCH))
     phases = np.arange(0.0, 360.0, 20.0 if study.refine == 1 else 90.0) * DEG
@@ -100,21 +100,21 @@ def ask(study: Study) -> Finding:
     least, most = float(np.min(bent)), float(np.max(bent))
     off = float(np.max(np.abs(alone - form)))
     rows = (
-        Row(
+        PaperRow(
             what="Ottewill, eccentricity alone: smallest TEpp",
             paper="closed form 1.03' (2|e_1 - e_2|/r_b)",
             gearpoly=f"{low:.3f}'",
             verdict=verdict(abs(low - form[0]) < 0.05, low < 2.0),
             why="the closed form is of first order in the eccentricity; centre distance changes by both",
         ),
-        Row(
+        PaperRow(
             what="Ottewill, eccentricity alone: largest TEpp",
             paper="closed form 14.11' (2(e_1 + e_2)/r_b)",
             gearpoly=f"{high:.3f}'; over all phases within {off:.3f}' of the closed form",
             verdict=verdict(abs(high - 14.11) < 0.05, high > 13.0),
             why="as above",
         ),
-        Row(
+        PaperRow(
             what="Ottewill with errors at 5.5 N.m: smallest TEpp",
             paper="within 3.4 % of the measured (value lost)",
             gearpoly=f"{least:.2f}' over all phases and sequences; closed form 1.03'",
@@ -125,7 +125,7 @@ def ask(study: Study) -> Finding:
                 "phase cancel, and the errors of pitch and profile are what is left"
             ),
         ),
-        Row(
+        PaperRow(
             what="Ottewill with errors at 5.5 N.m: largest TEpp",
             paper="within 4.8 % of the measured (value lost)",
             gearpoly=f"{most:.2f}', {100.0 * (most / 14.11 - 1.0):+.1f} % beside the closed form's 14.11'",
@@ -135,7 +135,7 @@ def ask(study: Study) -> Finding:
         ),
     )
     degrees = phases / DEG
-    picture = Picture(
+    picture = PaperPicture(
         name="ottewill",
         caption="TEpp over the relative phase of both eccentricities; the band is all tooth sequences of one set "
         "at 5.5 N.m.",
@@ -161,7 +161,7 @@ def ask(study: Study) -> Finding:
         f"measurement. Load "
         f"changes TEpp by at most {float(np.max(np.abs(bent - graded))):.2f}'.",
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=text,

@@ -34,7 +34,7 @@ class Panel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Picture:
+class PaperPicture:
     """A figure of one or more panels side by side or, if ``tall``, one below the other; ``name`` becomes its file's."""
 
     name: str

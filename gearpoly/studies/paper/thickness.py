@@ -10,8 +10,18 @@ from gearpoly.gear.deviations import pitch_and_thickness
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.compliance import tooth_compliance, tooth_section
-from gearpoly.studies.paper.base import BENDING, GRADES, Finding, Question, Recipe, Row, Study, limits_of, verdict
-from gearpoly.studies.paper.picture import Line, Panel, Picture
+from gearpoly.studies.paper.base import (
+    BENDING,
+    GRADES,
+    PairRecipe,
+    PaperAnswer,
+    PaperRow,
+    PaperStudy,
+    Question,
+    limits_of,
+    verdict,
+)
+from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import UM, FloatArray
 
 PAPER_TIP = (0.3797e-3, 0.0484e-3)
@@ -34,7 +44,7 @@ def compliance(gear: Gear, r: FloatArray, *, E_s: float, law: str = BENDING.law)
         bore_radius=0.5 * gear.r_f,
         teeth=gear.z,
     )
-    width = Recipe().b if gear.b is None else gear.b
+    width = PairRecipe().b if gear.b is None else gear.b
     c = tooth_compliance(
         section, radius=r, face_width=width, youngs_modulus=BENDING.E, poisson_ratio=BENDING.nu, law=law
     )
@@ -51,9 +61,9 @@ def along_path(gears: tuple[Gear, Gear], *, E_s: tuple[float, float], places: in
     return l_1 - driving.l_pitch, both
 
 
-def ask(study: Study) -> Finding:
+def ask(study: PaperStudy) -> PaperAnswer:
     """The research pair's teeth perfect and at the lower thickness deviation of each grade."""
-    recipe = Recipe()
+    recipe = PairRecipe()
     gears = recipe.gears
     driving, driven = ([limits_of(recipe.with_(grade=grade), gear)["E_sni"] for grade in GRADES] for gear in gears)
     steps = [0.0, *driving]
@@ -66,14 +76,14 @@ def ask(study: Study) -> Finding:
     path, mesh = along_path(gears, E_s=(driving[0], driven[0]), places=41)
     bend = np.diff(mesh, 2)
     rows = (
-        Row(
+        PaperRow(
             what="tip compliance, grade 4 less perfect",
             paper="0.3797e-3 um/N",
             gearpoly=f"{1e3 * tip[0]:.4f}e-3 um/N (18 teeth, E_sni {steps[1] / UM:.1f} um)",
             verdict=verdict(abs(tip[0] / PAPER_TIP[0] - 1.0) < 0.1, tip[0] > 0.0),
             why="m, b and E_sni are lost and only E_sni/(m b) enters: see the inverse problem for what would give it",
         ),
-        Row(
+        PaperRow(
             what="tip compliance, grade 5 less grade 4",
             paper="0.0484e-3 um/N, 0.127 of that",
             gearpoly=f"{1e3 * tip[1]:.4f}e-3 um/N, {tip[1] / tip[0]:.3f} of that (E_sni {steps[2] / UM:.1f} um)",
@@ -81,28 +91,28 @@ def ask(study: Study) -> Finding:
             why="a tooth's compliance is nearly linear in thickness, so the ratio says how E_sni grows from grade "
             "4 to 5",
         ),
-        Row(
+        PaperRow(
             what="the same at the lowest contact",
             paper="about 0",
             gearpoly=f"{1e3 * bottom[0]:.4f}e-3 um/N, {bottom[0] / tip[0]:.2f} of the tip's",
             verdict=verdict(bottom[0] < 0.1 * tip[0], bottom[0] < 0.5 * tip[0]),
             why="the lowest contact of 18 teeth still stands on a beam; at the root itself it is nought",
         ),
-        Row(
+        PaperRow(
             what="compliance from tip to root",
             paper="falls",
             gearpoly=f"falls from {curves[1][-1] * 1e3:.3f}e-3 to {curves[1][0] * 1e3:.3f}e-3 um/N",
             verdict=verdict(bool(np.all(np.diff(curves[1]) > 0.0)), True),
             why="a shorter beam",
         ),
-        Row(
+        PaperRow(
             what="compliance of both teeth over the path",
             paper="concave",
             gearpoly="second differences of one sign: a trough with its least near the pitch point",
             verdict=verdict(bool(np.all(bend > 0.0)), bool(np.mean(bend > 0.0) > 0.9)),
             why="we read concave as hollow upwards: one tooth stiffens where the other softens",
         ),
-        Row(
+        PaperRow(
             what="thinner teeth are softer",
             paper="stated",
             gearpoly=f"each step of E_sni adds {1e6 * tip[1] / -(steps[2] - steps[1]) * UM:.2f}e-6 um/N per um, "
@@ -113,7 +123,7 @@ def ask(study: Study) -> Finding:
         ),
     )
     names = ("perfect", *(f"grade {g}" for g in GRADES))
-    picture = Picture(
+    picture = PaperPicture(
         name="thickness",
         caption="Driving tooth at the lower thickness deviation of each grade, law as published, and both teeth "
         "over the path.",
@@ -155,7 +165,7 @@ def ask(study: Study) -> Finding:
             ),
         ),
     )
-    return Finding(
+    return PaperAnswer(
         rows=rows,
         pictures=(picture,),
         text=(),
