@@ -12,7 +12,7 @@ from scipy.special import gammaincc
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
-from gearpoly.diagnose.left_beside import stands_out
+from gearpoly.diagnose.left_beside import beyond_model
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.scene import Scene
@@ -68,7 +68,8 @@ def against(fit: Search, comparison: Comparison, rest: Sequence[FloatArray], noi
 def still_pays(entry: Entry, by: Against) -> bool:
     """Whether the fit gains by what an entry says of all teeth more than chance allows at any such place: what teeth
     hold within their grade costs little, what they cannot hold stays in the misfit."""
-    if not stands_out(entry, by.fit):
+    # Lines below the noise were told from its colour before.
+    if entry.companion_of is not None or not beyond_model(entry, by.fit):
         return False
     score, information = by.system.scores(by.whitened(_by_recording(entry, by.fit)))
     shown = np.diag(information) > 0.0
@@ -130,7 +131,10 @@ def beyond_grade(by: Against, waves: Sequence[Entry]) -> list[Entry]:
 
 def above_rest(entry: Entry, by: Against) -> bool:
     """Whether an entry is above what is left of its like: teeth differ in form too, which no fit of pitch and slope
-    follows, and then as much is left at every order and every tooth."""
+    follows, and then as much is left at every order and every tooth. What never repeats may as well be noise that
+    wanders, which was told from it before."""
+    if not any(by.fit.model.observed[k].whole for k in entry.recordings):
+        return True
     size = UM * abs(entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um or 0.0)
     z_1, z_2 = z = [one.z for one in by.fit.model.scope.gears]
     mine = entry.mean_square(z_1, z_2) * UM**2

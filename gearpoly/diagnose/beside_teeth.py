@@ -94,7 +94,7 @@ def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]
     located = replace(
         first,
         entries=entries,
-        where=_where(comparison, entries),
+        where=_where(comparison, entries, [one.whole for one in fit.model.observed]),
         divisions=tuple(replace(one, as_built=rms) for one, rms in zip(left.divisions, taken, strict=True)),
     )
     if whole:
@@ -140,9 +140,10 @@ def _place(entry: Entry) -> tuple[object, ...]:
     return entry.kind, entry.gear, entry.order, entry.tooth, entry.encoder_deg, entry.phase, when, entry.recordings
 
 
-def _where(comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[bool]) -> tuple[Entry, ...]:
     """All places at which recordings and simulation differ, that which holds most of the mismatch first: the
-    ``entries``, orders as large as the whole mismatch has them, and strong orders that the teeth hold."""
+    ``entries``, orders as large as the whole mismatch has them, and strong orders that the teeth hold; every order that
+    they hold in recordings of which none ``repeats`` itself, where a few samples for each tooth can be held by any."""
     z = comparison.gears[0].z, comparison.gears[1].z
     before = {_place(one): one for one in comparison.located.where}
     out = []
@@ -155,7 +156,8 @@ def _where(comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...
         return holds(entry, z=z, time_s=laid.time_s, theta_1=laid.theta_1)
 
     for one in before.values():
-        strong = held(one) > LEAST * max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
+        largest = max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
+        strong = not any(repeats[k] for k in one.recordings) or held(one) > LEAST * largest
         if one.of_the_pair and _with_teeth(one) and one.companion_of is None and strong:
             out.append(replace(one, as_built=True))
     return tuple(sorted(out, key=lambda one: -held(one)))

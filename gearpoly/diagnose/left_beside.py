@@ -82,12 +82,12 @@ def left_located(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool]
 def stands_out(entry: Entry, fit: Weigh) -> bool:
     """Whether an entry is beyond what the simulation cannot do, a grade leaves open, or the noise may be coloured by,
     and is none of another one's company."""
-    return (
-        entry.companion_of is None
-        and not _by_law(entry, fit)
-        and not _by_grade(entry, max(fit.model.scope.form))
-        and not _by_colour(entry, fit.model, fit.noises)
-    )
+    return entry.companion_of is None and beyond_model(entry, fit) and not _by_colour(entry, fit.model, fit.noises)
+
+
+def beyond_model(entry: Entry, fit: Weigh) -> bool:
+    """Whether an entry is beyond what the simulation cannot do, and a grade leaves open."""
+    return not _by_law(entry, fit) and not _by_grade(entry, max(fit.model.scope.form))
 
 
 def _by_law(entry: Entry, fit: Weigh) -> bool:
