@@ -78,14 +78,19 @@ def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]
     held = [*beyond_grade(teeth, waves), *waves]
     told = {_place(one) for one in held}
     held += [one for one in left.entries if _with_teeth(one) and stands_out(one, fit) and _place(one) not in told]
-    # What no pair makes stays where it stands beside either, but for what fewer samples do not show.
-    stay = [one for one in first.entries if not _with_teeth(one) and not (whole and _passing(one))]
-    stay += [
-        one for one in left.entries
-        if whole and _passing(one) and stands_out(one, fit) and any(_alike(one, other) for other in first.entries)
+    # What no pair makes stays where it stands beside either; so does all of it of which fewer samples, a recording that
+    # never repeats itself, or teeth under a line of another part of the drive tell too little.
+    repeats = [one.whole for one in fit.model.observed]
+    stay = [
+        one for one in first.entries
+        if not _with_teeth(one)
+        and (
+            not whole or not _passing(one) or one.parts or not all(repeats[k] for k in one.recordings)
+            or any(_alike(one, other) for other in left.entries)
+        )
     ]  # fmt: skip
     more = [one for one in held if above_rest(one, teeth)]
-    stay = [one for one in stay if one.kind != "shaft_order" or above_rest(one, teeth)]
+    stay = [one for one in stay if one.kind != "shaft_order" or one.parts or above_rest(one, teeth)]
     entries = tuple(sorted([*stay, *comparison.named(more)], key=lambda one: -one.gain))
     taken = [
         float(np.std(one.residual[where] - mine))
@@ -94,7 +99,7 @@ def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]
     located = replace(
         first,
         entries=entries,
-        where=_where(comparison, entries, [one.whole for one in fit.model.observed]),
+        where=_where(comparison, entries, repeats),
         divisions=tuple(replace(one, as_built=rms) for one, rms in zip(left.divisions, taken, strict=True)),
     )
     if whole:
@@ -158,6 +163,6 @@ def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[b
     for one in before.values():
         largest = max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
         strong = not any(repeats[k] for k in one.recordings) or held(one) > LEAST * largest
-        if one.of_the_pair and _with_teeth(one) and one.companion_of is None and strong:
+        if one.of_the_pair and one.companion_of is None and (strong or one.parts):
             out.append(replace(one, as_built=True))
     return tuple(sorted(out, key=lambda one: -held(one)))
