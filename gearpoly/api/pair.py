@@ -19,7 +19,7 @@ from shapely.geometry import Polygon
 from gearpoly.api.results import Compared, Simulated
 from gearpoly.api.verdicts import Diagnosed, Planned
 from gearpoly.assemble import Assembled, assemble
-from gearpoly.diagnose.beside_teeth import compared
+from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
 from gearpoly.errors import OutOfRangeError
@@ -184,7 +184,7 @@ class Pair:
     def compare(self, recordings: Recorded, *, map: Path | str | None = None) -> Compared:
         """Lay recordings of one set-up on the simulation of this pair, as ``gearpoly compare`` does; ``map`` says what
         their columns are. Raises ``InputFileError`` as the command does."""
-        return Compared(comparison=compared(self.file, self._read(recordings, map), path=self.source))
+        return Compared(comparison=compare_as_built(self.file, self._read(recordings, map), path=self.source))
 
     def diagnose(self, recordings: Recorded, *, map: Path | str | None = None, within: float = math.inf) -> Diagnosed:
         """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than

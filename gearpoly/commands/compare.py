@@ -27,7 +27,7 @@ def compare(
     ] = None,
 ) -> None:
     """Lay recordings on the simulation of their pair and say where they differ, against the noise."""
-    from gearpoly.diagnose.beside_teeth import compared as run
+    from gearpoly.diagnose.compare_as_built import compare_as_built as run
     from gearpoly.errors import blamed
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.files.pairfile import read_pair

@@ -56,14 +56,14 @@ def view(
             raise OutOfRangeError(
                 "--recording brings its flank, and nothing is drawn by chance beside it; leave out --flank and --seed"
             )
-        from gearpoly.diagnose.beside_teeth import compared
+        from gearpoly.diagnose.compare_as_built import compare_as_built
         from gearpoly.recording.map_file import read_map
         from gearpoly.recording.read import read_recording
 
         with steps() as step:
             step("reading")
             read = read_recording(recording, worm=file.worm, chart=None if map is None else read_map(map))
-            comparison = compared(file, [read], path=pair, step=step)
+            comparison = compare_as_built(file, [read], path=pair, step=step)
         with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
             scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
     else:

@@ -12,9 +12,9 @@ from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.begin import begin
-from gearpoly.diagnose.beside_teeth import beside_teeth, needs_teeth
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
+from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
 from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.earned import earned, flank_curves
@@ -85,8 +85,9 @@ def diagnose(
         comparison = comparison.moved(model.offset)
     if model.turned_by:
         comparison = comparison.turned(model.turned_by)
-    if needs_teeth(comparison) and not search.over:
-        comparison = beside_teeth(comparison, search, [np.arange(one.samples.size) for one in model.observed])
+    if teeth_are_open(comparison) and not search.over:
+        every = [np.arange(one.samples.size) for one in model.observed]
+        comparison = with_teeth_of(search, comparison, seen_at=every)
     search.step = watch.stage("search")
     start_linear = search.linear
     begun = without_columns(search.kept())

@@ -159,6 +159,15 @@ class System:
         normal[places, places] += known - self.precision[places, places]
         return System(white=self.white, target=self.target, precision=precision, prior=self.prior)._knowing(normal)
 
+    def noisier(self, by: float) -> System:
+        """The same with noise ``by`` times as large, in units of the present one: what is known beforehand counts by
+        its square more."""
+        more = (by**2 - 1.0) * self.precision
+        known = self.precision + more
+        return System(white=self.white, target=self.target, precision=known, prior=self.prior)._knowing(
+            self.normal + more
+        )
+
     def _knowing(self, normal: FloatArray) -> System:
         """The same, its normal matrix given: to multiply columns of all samples again is most of the work."""
         self.__dict__["normal"] = normal

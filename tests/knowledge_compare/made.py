@@ -18,7 +18,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from gearpoly.assemble import Assembled, assemble
-from gearpoly.diagnose.beside_teeth import compared
+from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Flank, Recording
 from gearpoly.report.compare_report import json_text
@@ -36,7 +36,7 @@ Z = (11, 13)
 
 def told(file: PairFile, *recordings: Recording) -> Told:
     """The verdict of a comparison, read back from its JSON."""
-    return dict(json.loads(json_text(compared(file, recordings, path="pair.toml"))))
+    return dict(json.loads(json_text(compare_as_built(file, recordings, path="pair.toml"))))
 
 
 def pair(

@@ -248,7 +248,7 @@ def _columns(
 
 
 def _cut(first: int, end: int, size: int, *, large: bool) -> list[tuple[int, int, bool]]:
-    """TextLines in pieces (first, end, ``large``) of a ``size``, the last piece first."""
+    """Lines in pieces (first, end, ``large``) of a ``size``, the last piece first."""
     return [(begin, min(begin + max(1, size), end), large) for begin in range(first, end, max(1, size))][::-1]
 
 

@@ -26,7 +26,7 @@ SHARP = 15.0
 what was read off the lines beside it."""
 
 
-def put_back(fit: Weigh) -> list[FloatArray]:
+def residuals_of(fit: Weigh) -> list[FloatArray]:
     """What the ``fit`` leaves (n_k,) in mm of every recording, with the waves that no pair makes put back: they are to
     be found again, with their size. Not those which turned out to be teeth as they were built: their size is whatever
     the teeth leave open."""
@@ -38,7 +38,7 @@ def put_back(fit: Weigh) -> list[FloatArray]:
     return [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
 
 
-def left_located(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool] = lambda: False) -> Located:
+def locate_residuals(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool] = lambda: False) -> Located:
     """Where recordings differ from what a ``fit`` makes of them, of which ``comparison`` says how they were laid; only
     what is strongest where time is ``over``."""
     # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
@@ -67,7 +67,7 @@ def left_located(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool]
             coarse=one.coarse,
             contact=template.sharing.contact,
         )
-        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, put_back(fit), fitted, strict=True)
+        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, residuals_of(fit), fitted, strict=True)
     ]
     pair = comparison.assembled.pair
     return locate(

@@ -11,7 +11,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
-from gearpoly.diagnose.beside_teeth import compared
+from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM
 from tests.knowledge_compare.made import drawn, pair, recorded
@@ -42,7 +42,7 @@ def recording_of(seed: int, *, proud: float = 0.0, off_axis: float = 0.0) -> Rec
 
 def located(recording: Recording) -> Located:
     """Where a recording differs from the pair of which only the grade is known."""
-    return compared(FILE, [recording], path="pair.toml").located
+    return compare_as_built(FILE, [recording], path="pair.toml").located
 
 
 def standing(found: Located) -> list[Entry]:

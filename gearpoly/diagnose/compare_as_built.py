@@ -1,6 +1,6 @@
 """Recordings beside teeth that touch as they were built, where ``compare`` takes what they may be to first order.
 
-Which of two unloaded teeth touches depends on both, and no linear model follows that: of an 18/25 of grade 6 that
+Which of two unloaded teeth touches depends on both, and no linear model follows that: of a 24/36 of grade 6 that
 nobody had inspected, free of any fault, 33 orders, teeth and stretches of every mesh were told. So where teeth are open
 the fit of teeth as built is made with exact contact, and what repeats with the teeth is held against it: it stays where
 the fit would still pay for it, and what the fit leaves is located anew.
@@ -17,88 +17,72 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import Step, compare
 from gearpoly.compare.division import LEAST, holds
-from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.against_teeth import above_rest, against, beyond_grade, still_pays
+from gearpoly.compare.entries import Entry, named
+from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import PASSES
 from gearpoly.diagnose.foreign import is_foreign
-from gearpoly.diagnose.left_beside import left_located, put_back, stands_out
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.placing import opening, shortened
+from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, IntArray
 
 FEW = 30_000
-"""Samples of a recording beyond which so many are fitted: a fit of ten rounds then takes some 3 s."""
+"""Samples of a recording beyond which so many are fitted: of 862 290 samples, fit and search then took 3 s."""
 
 NEAR = 0.02
-"""Part of a frequency or of a moment by which it may come out otherwise beside other teeth."""
+"""Part of a frequency or of a moment by which it may come out otherwise beside other teeth. A judgement."""
 
 WITH_TEETH = ("shaft_order", "mesh_order", "mesh_phase", "tooth", "condition")
 """Kinds of entries that teeth as built may make, or change."""
 
 
-def compared(
+def compare_as_built(
     file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = lambda _: None
 ) -> Comparison:
     """``compare``, and where nobody inspected a gear, what it located at its teeth held against teeth that touch as
     they were built. Raises what ``compare`` does."""
     comparison = compare(file, recordings, path=path, step=step)
-    if not needs_teeth(comparison):
+    if not teeth_are_open(comparison):
         return comparison
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
-    wheres = [opening(one, model, few=FEW) for one in model.observed]
+    seen_at = [opening(one, model, few=FEW) for one in model.observed]
     try:
         fit = Search.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
-        return beside_teeth(comparison, fit, wheres)
+        return with_teeth_of(fit, comparison, seen_at=seen_at)
     except GearpolyError:  # teeth that cannot run so say nothing about those that do
         return comparison
 
 
-def needs_teeth(comparison: Comparison) -> bool:
+def teeth_are_open(comparison: Comparison) -> bool:
     """Whether anything was located that teeth which nobody inspected may make."""
-    return any(one.F_pT is not None for one in comparison.gears) and any(
-        map(_with_teeth, comparison.located.entries)
-    )  # fmt: skip
+    graded = any(one.F_pT is not None for one in comparison.gears)
+    return graded and any(map(_with_teeth, comparison.located.entries))
 
 
-def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]) -> Comparison:
-    """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, at the
-    samples ``wheres`` (n_k,) of the recordings."""
-    first, left = comparison.located, left_located(fit, comparison)
-    whole = all(where.size == one.theta_2.size for where, one in zip(wheres, comparison.aligned, strict=True))
-    rest = put_back(fit)
-    teeth = against(fit, comparison, rest, [noise.level for noise in left.noises])
-    waves = [one for one in first.entries if _of_all_teeth(one) and still_pays(one, teeth) and above_rest(one, teeth)]
-    held = [*beyond_grade(teeth, waves), *waves]
-    told = {_place(one) for one in held}
-    held += [one for one in left.entries if _with_teeth(one) and stands_out(one, fit) and _place(one) not in told]
-    # What no pair makes stays where it stands beside either; so does all of it of which fewer samples, a recording that
-    # never repeats itself, or teeth under a line of another part of the drive tell too little.
+def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:
+    """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, of which
+    the recordings have the samples of the numbers ``seen_at`` (n_k,)."""
+    first, left = comparison.located, locate_residuals(fit, comparison)
+    whole = all(seen.size == one.theta_2.size for seen, one in zip(seen_at, comparison.aligned, strict=True))
+    residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in left.noises])
     repeats = [one.whole for one in fit.model.observed]
-    stay = [
-        one for one in first.entries
-        if not _with_teeth(one)
-        and (
-            not whole or not _passing(one) or one.parts or not all(repeats[k] for k in one.recordings)
-            or any(_alike(one, other) for other in left.entries)
-        )
-    ]  # fmt: skip
-    more = [one for one in held if above_rest(one, teeth)]
-    stay = [one for one in stay if one.kind != "shaft_order" or one.parts or above_rest(one, teeth)]
-    entries = tuple(sorted([*stay, *comparison.named(more)], key=lambda one: -one.gain))
+    entries = [*_of_teeth(residual, first, left), *_of_no_pair(residual, first, left, all_samples=whole)]
+    entries = sorted(_accompanied(comparison.named(entries)), key=lambda one: -one.gain)
     taken = [
-        float(np.std(one.residual[where] - mine))
-        for one, where, mine in zip(comparison.aligned, wheres, rest, strict=True)
+        float(np.std(one.residual[seen] - rest))
+        for one, seen, rest in zip(comparison.aligned, seen_at, residual.residuals, strict=True)
     ]
     located = replace(
         first,
-        entries=entries,
+        entries=tuple(entries),
         where=_where(comparison, entries, repeats),
         divisions=tuple(replace(one, as_built=rms) for one, rms in zip(left.divisions, taken, strict=True)),
     )
@@ -107,6 +91,40 @@ def beside_teeth(comparison: Comparison, fit: Search, wheres: Sequence[IntArray]
         noises = tuple(replace(one, repeatable=rms) for one, rms in zip(left.noises, before, strict=True))
         located = replace(located, noises=noises, noise_level=left.noise_level, left=left.left)
     return replace(comparison, located=located)
+
+
+def _accompanied(entries: Sequence[Entry]) -> list[Entry]:
+    """The ``entries``, alone where what they came with is not told."""
+    told = {named(one) for one in entries}
+    return [one if one.companion_of in told else replace(one, companion_of=None) for one in entries]
+
+
+def _of_teeth(residual: FitResidual, first: Located, left: Located) -> list[Entry]:
+    """What stands out at teeth: of the ``first`` look what is significant beside the fit, teeth beyond their grade, and
+    what is ``left``."""
+    waves = [one for one in first.entries if _of_all_teeth(one) and is_significant(one, residual)]
+    waves = [one for one in waves if above_background(one, residual)]
+    told = {_place(one) for one in waves}
+    anew = [one for one in left.entries if _with_teeth(one) and stands_out(one, residual.fit)]
+    further = [*outlying_teeth(residual, waves), *(one for one in anew if _place(one) not in told)]
+    return [*waves, *(one for one in further if above_background(one, residual))]
+
+
+def _of_no_pair(residual: FitResidual, first: Located, left: Located, *, all_samples: bool) -> list[Entry]:
+    """What no pair makes of the ``first`` look, where it stands out of what is ``left`` too; and all of it of which
+    fewer samples, a recording that never repeats itself, or teeth under a line of another part of the drive tell too
+    little."""
+    whole = [one.whole for one in residual.fit.model.observed]
+
+    def stays(entry: Entry) -> bool:
+        if not _passing(entry) or entry.parts:
+            return True
+        if entry.kind == "shaft_order" and not above_background(entry, residual):
+            return False
+        told = all_samples and all(whole[k] for k in entry.recordings)
+        return not told or any(_alike(entry, other) for other in left.entries)
+
+    return [one for one in first.entries if not _with_teeth(one) and stays(one)]
 
 
 def _with_teeth(entry: Entry) -> bool:
@@ -154,7 +172,7 @@ def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[b
     out = []
     for one in entries:
         whole = before.pop(_place(one), one)
-        out.append(replace(whole, as_built=False, p_value=one.p_value, gain=one.gain))
+        out.append(replace(whole, as_built=False, p_value=one.p_value, gain=one.gain, companion_of=one.companion_of))
 
     def held(entry: Entry) -> float:
         laid = comparison.aligned[entry.recordings[0]]
@@ -163,6 +181,6 @@ def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[b
     for one in before.values():
         largest = max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
         strong = not any(repeats[k] for k in one.recordings) or held(one) > LEAST * largest
-        if one.of_the_pair and one.companion_of is None and (strong or one.parts):
-            out.append(replace(one, as_built=True))
+        if one.of_the_pair and (one.parts or (strong and one.companion_of is None)):
+            out.append(replace(one, as_built=True, companion_of=None))
     return tuple(sorted(out, key=lambda one: -held(one)))
