@@ -20,6 +20,7 @@ from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
+    Form,
     Shape,
     Slope,
     Traces,
@@ -276,8 +277,8 @@ def _per_tooth(value: float | tuple[float, ...] | None, z: int) -> FloatArray:
 
 
 def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Literal["driving", "driven"]) -> Deviations:
-    """Deviations as measured: pitch, thickness, slope and crowning from the sheet, whole traces in place of the last
-    two."""
+    """Deviations as measured: pitch, thickness, slope, crowning and form from the sheet, whole traces in place of the
+    last three."""
     gear, z = made.gear, made.gear.z
     sheet, traces = measured(path, made.section, sheet, gear, which)
     coast = sheet.pitch_coast_um
@@ -290,12 +291,13 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
     csv = profile_csv_path(path, made.section)
     traces = read_traces(csv, z) if csv is not None else traces
     sides: dict[str, tuple[Shape, ...]] = {}
-    for flank, slope, crowning in (
-        ("drive", sheet.profile_slope_um, sheet.profile_crowning_um),
+    for flank, slope, crowning, form in (
+        ("drive", sheet.profile_slope_um, sheet.profile_crowning_um, sheet.profile_form_um),
         (
             "coast",
             sheet.profile_slope_um if sheet.profile_slope_coast_um is None else sheet.profile_slope_coast_um,
             sheet.profile_crowning_um if sheet.profile_crowning_coast_um is None else sheet.profile_crowning_coast_um,
+            sheet.profile_form_um if sheet.profile_form_coast_um is None else sheet.profile_form_coast_um,
         ),
     ):
         mine = {trace.tooth: trace for trace in traces if trace.flank == flank}
@@ -305,6 +307,7 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
         sides[flank] = (
             Slope(_per_tooth(slope, z) * plain),
             Crowning(_per_tooth(crowning, z) * plain),
+            *(() if form is None else (Form(read_only(np.array(form) * UM * plain[:, None])),)),
             Traces(
                 tuple(mine[k].roll_length if k in mine else empty for k in range(z)),
                 tuple(mine[k].deviation if k in mine else empty for k in range(z)),

@@ -1,4 +1,5 @@
-"""What an inspection or a grade leaves open of every tooth: pitch and slope, with what is known of them beforehand."""
+"""What an inspection or a grade leaves open of every tooth: pitch, slope and form, with what is known of them
+beforehand."""
 
 from __future__ import annotations
 
@@ -39,7 +40,9 @@ class GearPrior:
     every tooth's ``slope``, and of what all teeth have in common: ``mean_slope``, ``crowning``, ``thickness``.
     ``shared``: part of the drive flank's variance that the coast flank has as well, of pitch and of form (slope and
     crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
-    ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action."""
+    ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action. ``form``:
+    standard deviation in um of each half wave of every tooth's form, from two on; none where teeth are taken to have
+    one form."""
 
     z: int
     pitch: FloatArray
@@ -51,12 +54,18 @@ class GearPrior:
     own: tuple[float, float]
     graded: bool
     single: float = 0.0
+    form: tuple[float, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of parameters of one flank."""
+        return (2 + len(self.form)) * self.z + 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AsBuilt:
     """The layout of the as-built parameters, in um about what was declared: per flank and gear all pitches, all slopes,
-    one crowning; and their ``precision`` (m, m)."""
+    one crowning, and of each half wave of form one amplitude per tooth; and their ``precision`` (m, m)."""
 
     gears: tuple[GearPrior, GearPrior]
     flanks: tuple[Flank, ...]
@@ -65,12 +74,12 @@ class AsBuilt:
     @property
     def size(self) -> int:
         """Number of parameters."""
-        return len(self.flanks) * sum(2 * gear.z + 1 for gear in self.gears)
+        return len(self.flanks) * sum(gear.size for gear in self.gears)
 
     def start(self, flank: Flank, gear: int) -> int:
         """Where the parameters of one gear's flank begin."""
-        before = self.flanks.index(flank) * sum(2 * one.z + 1 for one in self.gears)
-        return before + (2 * self.gears[0].z + 1 if gear else 0)
+        before = self.flanks.index(flank) * sum(one.size for one in self.gears)
+        return before + (self.gears[0].size if gear else 0)
 
     def pitch(self, values: FloatArray, flank: Flank, gear: int) -> FloatArray:
         """The pitches (z,) of one gear's flank."""
@@ -86,16 +95,22 @@ class AsBuilt:
         """What the teeth of one gear's flank have in common of crowning."""
         return float(values[self.start(flank, gear) + 2 * self.gears[gear].z])
 
+    def form(self, values: FloatArray, flank: Flank, gear: int) -> FloatArray:
+        """The forms of one gear's flank: of each of K half waves, from two on, its amplitude on every tooth (K, z)."""
+        one, start = self.gears[gear], self.start(flank, gear)
+        return values[start + 2 * one.z + 1 : start + one.size].reshape(len(one.form), one.z)
+
     def alike(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
-        """The parameters (m,) with the teeth of these ``gears`` uncrowned and all of a flank leaning as its median
-        tooth does; of two gears, each half as much as both lean apart, which is all that shows to first order."""
+        """The parameters (m,) with the teeth of these ``gears`` without crowning and form, all of a flank leaning as
+        its median tooth does; of two gears, each half as much as both lean apart, all that shows to first order."""
         out = values.copy()
         for flank in self.flanks:
             lean = {gear: float(np.median(self.slope(out, flank, gear))) for gear in gears}
             both = float(np.mean(list(lean.values()))) if len(gears) == 2 else 0.0
             for gear in gears:
                 self.slope(out, flank, gear)[:] = lean[gear] - both
-                out[self.start(flank, gear) + 2 * self.gears[gear].z] = 0.0
+                start, one = self.start(flank, gear), self.gears[gear]
+                out[start + 2 * one.z : start + one.size] = 0.0
         return out
 
     def upright(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
@@ -116,7 +131,7 @@ class AsBuilt:
         for flank in self.flanks:
             for gear in gears:
                 start = self.start(flank, gear)
-                out[start : start + 2 * self.gears[gear].z + 1] = 0.0
+                out[start : start + self.gears[gear].size] = 0.0
         return out
 
     def perturbed(self, values: FloatArray, gears: Sequence[int], rng: np.random.Generator) -> FloatArray:
@@ -155,6 +170,9 @@ class AsBuilt:
                 out[rows, start + tooth] += weight[p]
                 out[rows, start + z + tooth] += weight[p] * (u[p] - 0.5)
                 out[:, start + 2 * z] -= weight[p] * (2.0 * u[p] - 1.0) ** 2
+                turned = np.pi * np.clip(u[p], 0.0, 1.0)
+                for k in range(len(self.gears[gear].form)):
+                    out[rows, start + (2 + k) * z + 1 + tooth] += weight[p] * np.cos((k + 2) * turned)
         return scene.swung(out)
 
     def written(self, file: PairFile, values: FloatArray) -> PairFile:
@@ -173,6 +191,8 @@ class AsBuilt:
                     ("profile_crowning", np.array(self.crowning(values, flank, gear))),
                 ):
                     keys[f"{name}{tail}"] = _listed(column(section, f"{name}{tail}") + more)
+                if self.gears[gear].form:
+                    keys[f"profile_form{tail}"] = tuple(map(_listed, self.form(values, flank, gear).T))
             file = on_gear(file, gear, inspection=changed(section.inspection or Inspection(), **keys))
         return file
 
@@ -184,7 +204,7 @@ def _listed(values: FloatArray) -> tuple[float, ...]:
 def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -> AsBuilt:
     """The layout for the flanks that were recorded, drive first."""
     order: tuple[Flank, ...] = tuple(sorted(set(flanks), reverse=True))
-    size = len(order) * sum(2 * gear.z + 1 for gear in gears)
+    size = len(order) * sum(gear.size for gear in gears)
     flank_size = size // len(order)
     precision, at = np.zeros((size, size)), 0
     for gear in gears:
@@ -195,6 +215,7 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
             (gear.pitch, -place, own_place, gear.thickness**2),
             (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, own_form, 0.0),
             (np.array([[gear.crowning**2]]), form, own_form, 0.0),
+            *((on_its_own(gear.z, wave), form, own_form, 0.0) for wave in gear.form),
         ):
             n = len(covariance)
             each = {"drive": covariance, "coast": (1.0 + own) * covariance + coast}

@@ -28,6 +28,7 @@ from gearpoly.diagnose.placing import opening, shortened
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
+from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
@@ -54,6 +55,7 @@ def compare_as_built(
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
     seen_at = [opening(one, model, few=FEW) for one in model.observed]
+    model = with_forms(model, waves, step)
     try:
         fit = Search.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
         return with_teeth_of(fit, comparison, seen_at=seen_at)

@@ -42,6 +42,7 @@ from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
+from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
@@ -79,6 +80,7 @@ def diagnose(
     file, comparison, model, waves = start.file, start.comparison, start.model, start.waves
     preparing = watch.stage("prepare")
     placed(model, waves, preparing)
+    model = with_forms(model, waves, preparing)
     search = well_placed(model, lambda: Search.begun(model, waves, preparing))
     anew = remounted(model, search.linear, deflection=search.deflection)
     if model.offset:

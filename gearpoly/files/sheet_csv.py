@@ -15,7 +15,11 @@ from gearpoly.keys.inspection import Inspection
 
 GEARS = ("driving", "driven")
 
-SHEET_KEYS = tuple(key for key in Inspection.model_fields if key.endswith("_um") and key != "uncertainty_um")
+SHEET_KEYS = tuple(
+    key
+    for key in Inspection.model_fields
+    if key.endswith("_um") and key not in ("uncertainty_um", "profile_form_um", "profile_form_coast_um")
+)
 """Keys of an inspection that have one value per tooth: the columns of a sheet beside gear and tooth."""
 
 MOST_TEETH = 10_000

@@ -6,7 +6,10 @@ from typing import Annotated, Self
 
 from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-from gearpoly.keys.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, UmSize, broken, field, number_or_list
+from gearpoly.keys.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, Um, UmSize, broken, field, number_or_list
+
+HALF_WAVES = 12
+"""Half waves of form at most: finer ones are for whole traces."""
 
 Size = Annotated[float, Field(gt=0.0, le=1e5)]
 
@@ -16,6 +19,13 @@ Sizes = Annotated[
     Discriminator(number_or_list),
 ]
 """A length that was measured once, or at several places round the gear."""
+
+Forms = Annotated[
+    tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT, Field(min_length=1, max_length=HALF_WAVES)], ...],
+    Strict(False),
+    ONE_FAULT,
+]
+"""The form of every tooth: amplitudes in um of 2, 3, 4 and more half waves."""
 
 FOR_THE_GEAR = ("span_mm", "over_pins_mm")
 """Keys whose list is no list of teeth."""
@@ -62,6 +72,11 @@ class Inspection(Section):
     profile_crowning_coast_um: PerTooth | None = field(
         "profile crowning of the coast flanks in um; default: the drive flanks'"
     )
+    profile_form_um: Forms | None = field(
+        "form of the drive flanks in um, a list per tooth: amplitudes of cos(k pi u) with k = 2, 3, 4 and more half "
+        "waves, u from 0 at the start of the active profile to 1 at the tip; positive = more material there"
+    )
+    profile_form_coast_um: Forms | None = field("the same of the coast flanks; default: the drive flanks'")
     tooth_thickness_um: PerTooth | None = field(
         "tooth thickness deviation E_s in um along the reference circle; negative thins"
     )
@@ -88,6 +103,11 @@ class Inspection(Section):
                         f'"{self.gde}", and {key} too',
                         "want one of the two, since each states what was measured",
                     )
+        for key in ("profile_form_um", "profile_form_coast_um"):
+            rows = getattr(self, key)
+            if rows is not None and len(waves := {len(row) for row in rows}) > 1:
+                found = f"lists of {min(waves)} to {max(waves)} amplitudes"
+                broken(key, found, "want as many of each tooth; 0 where a half wave is missing")
         for key, other in WAYS:
             if getattr(self, key) is not None and getattr(self, other) is not None:
                 broken(key, f"stated, and {other} too", "want one of the two, since each states the same")
