@@ -20,7 +20,7 @@ from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import gear_priors
-from gearpoly.diagnose.tooth_forms import EACH, HALF_WAVES, with_forms
+from gearpoly.diagnose.tooth_forms import HALF_WAVES, with_forms
 from gearpoly.files.models import PairFile
 from gearpoly.gear.deviations import Form, Span
 from gearpoly.keys.inspection import Inspection
@@ -149,9 +149,9 @@ def test_teeth_of_one_form_have_none_fitted_nor_where_one_of_them_is_damaged(spa
 def test_waves_of_drawn_forms_are_as_large_as_stated() -> None:
     """Over 12 gears of 25 teeth the scatter of a standard deviation is 3 %, and the four half waves differ by 8 %."""
     file = pair((18, 25), grade=6)
-    crowning = gear_priors(file)[1][1].crowning
+    stated = gear_priors(file)[1][1].wave
     seen = [
         shape.a / UM for seed in range(12) for shape in drawn(file, seed).deviations[1].drive if isinstance(shape, Form)
     ]
     size = np.sqrt(np.mean(np.concatenate(seen) ** 2, axis=0))
-    assert size == pytest.approx(np.full(HALF_WAVES, EACH * crowning), rel=0.15)
+    assert size == pytest.approx(np.full(HALF_WAVES, stated), rel=0.15)

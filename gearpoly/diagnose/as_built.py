@@ -42,7 +42,7 @@ class GearPrior:
     crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
     ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action. ``form``:
     standard deviation in um of each half wave of every tooth's form, from two on; none where teeth are taken to have
-    one form."""
+    one form. ``wave``: what that is where they are not; 0 where forms are known."""
 
     z: int
     pitch: FloatArray
@@ -55,6 +55,7 @@ class GearPrior:
     graded: bool
     single: float = 0.0
     form: tuple[float, ...] = ()
+    wave: float = 0.0
 
     @property
     def size(self) -> int:

@@ -81,16 +81,12 @@ def is_significant(entry: Entry, of: FitResidual) -> bool:
 
 
 def outlying_teeth(of: FitResidual, waves: Sequence[Entry]) -> list[Entry]:
-    """Teeth that would stand elsewhere, by pitch and slope, if their grade did not hold them, the farthest first; each
-    beside those before it and beside the ``waves`` that are told."""
+    """Teeth that would stand elsewhere, by pitch and slope, if their grade or inspection did not hold them, the
+    farthest first; each beside those before it and beside the ``waves`` that are told."""
     fit, built = of.fit, of.fit.linear.layout.built
     as_built, scope = fit.model.as_built, fit.model.scope
     places = [
-        (flank, gear, tooth)
-        for flank in as_built.flanks
-        for gear in (0, 1)
-        if not scope.inspected[gear]
-        for tooth in range(scope.gears[gear].z)
+        (flank, gear, tooth) for flank in as_built.flanks for gear in (0, 1) for tooth in range(scope.gears[gear].z)
     ]
     pitch = np.array([built.start + as_built.start(flank, gear) + tooth for flank, gear, tooth in places])
     slope = pitch + np.array([scope.gears[gear].z for _, gear, _ in places])
