@@ -27,8 +27,14 @@ run: $(VENV)/.core
 	@printf 'Commands of the documentation run as they stand after this line:\n  . $(BIN)/activate\n'
 
 # A file stays with one worker, so that what its tests share is made once. The twenty slowest are listed at the end.
-test: lint
-	$(BIN)/pytest -n $(JOBS) --dist loadfile --durations=20 -m "not slow"
+# Types are checked beside the tests, which leave a processor idle at their ends; what is said of them comes last.
+test: $(VENV)/.test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	@mkdir -p out
+	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --durations=20 -m "not slow"; tests=$$?; \
+	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow

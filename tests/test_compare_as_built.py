@@ -50,7 +50,7 @@ def standing(found: Located) -> list[Entry]:
     return [one for one in found.where if not one.as_built]
 
 
-@pytest.mark.parametrize("seed", [3, 8])
+@pytest.mark.parametrize("seed", [pytest.param(3, marks=pytest.mark.slow), 8])
 def test_healthy_unloaded_gears_leave_nothing_to_tell(seed: int) -> None:
     """Which of two teeth touches is no linear matter: to first order a healthy pair seems to have many faults."""
     recording = recording_of(seed)

@@ -4,8 +4,6 @@ hand."""
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.transmission import contacts
 from gearpoly.units import DEG, UM
 from tests.at_hand import BENCH, SHIPPED, here, truths
+from tests.made_command import Command
 
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the shared bench recordings are not on this machine")
 
@@ -46,11 +45,10 @@ ZERO_1, ZERO_2 = 211.3, 77.7
 NOISE = 0.4
 
 
-def compared(pair: Path, *recordings: Path) -> dict[str, Any]:
-    command = [sys.executable, "-m", "gearpoly", "compare", str(pair), *map(str, recordings), "--json", "-"]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert ran.returncode == 0, ran.stderr
-    return dict(json.loads(ran.stdout))
+def compared(command: Command, pair: Path, *recordings: Path) -> dict[str, Any]:
+    ran = command("compare", pair, *recordings, "--json", "-")
+    assert ran.code == 0, ran.err
+    return dict(json.loads(ran.out))
 
 
 def record(folder: Path, *, order: float = 0.0, amplitude: float = 0.0) -> tuple[Path, Path]:
@@ -76,8 +74,8 @@ def record(folder: Path, *, order: float = 0.0, amplitude: float = 0.0) -> tuple
     return pair_file, recording
 
 
-def test_zeros_and_noise_are_found_from_nothing_and_nothing_else(tmp_path: Path) -> None:
-    found = compared(*record(tmp_path))
+def test_zeros_and_noise_are_found_from_nothing_and_nothing_else(tmp_path: Path, gearpoly_command: Command) -> None:
+    found = compared(gearpoly_command, *record(tmp_path))
     alignment = found["alignment"]
     # Pitch errors of a few um on 9000 samples fix a zero far below the 0.02 deg asked for.
     assert (alignment["driven_zero_deg"] - ZERO_2 + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.02)
@@ -87,8 +85,8 @@ def test_zeros_and_noise_are_found_from_nothing_and_nothing_else(tmp_path: Path)
 
 
 @pytest.mark.slow  # the shipped recording shows the same below
-def test_a_wave_of_no_integer_order_is_located(tmp_path: Path) -> None:
-    found = compared(*record(tmp_path, order=5.37, amplitude=0.5))
+def test_a_wave_of_no_integer_order_is_located(tmp_path: Path, gearpoly_command: Command) -> None:
+    found = compared(gearpoly_command, *record(tmp_path, order=5.37, amplitude=0.5))
     assert len(found["where"]) == 1
     entry = found["where"][0]
     in_driving_turns = entry["order"] * (12 / 17 if entry["gear"] == "driven" else 1.0)
@@ -98,8 +96,8 @@ def test_a_wave_of_no_integer_order_is_located(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
-def test_an_inspected_healthy_pair_raises_nothing(folder: Path) -> None:
-    found = compared(folder / "pair.toml", folder / "rec_0.csv")
+def test_an_inspected_healthy_pair_raises_nothing(folder: Path, gearpoly_command: Command) -> None:
+    found = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")
     assert found["where"] == []
     # The noise put in is 0.3 um. The gauge's 0.2 um on pitch and slope of both gears leave 0.39 um of the bench's
     # recording, as its own note has it, and 0.42 um of ours.
@@ -108,8 +106,8 @@ def test_an_inspected_healthy_pair_raises_nothing(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("folder", here(SHIPPED / "unknown", BENCH / "unknown_order"), ids=str)
-def test_an_order_that_no_gear_makes_is_located(folder: Path) -> None:
-    (wave,) = compared(folder / "pair.toml", folder / "rec_0.csv")["where"]
+def test_an_order_that_no_gear_makes_is_located(folder: Path, gearpoly_command: Command) -> None:
+    (wave,) = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")["where"]
     (hidden,) = truths(folder)
     assert (wave["kind"], wave["gear"]) == ("shaft_order", "driving")
     assert wave["order"] == pytest.approx(hidden["order"], rel=1e-3)
@@ -118,10 +116,13 @@ def test_an_order_that_no_gear_makes_is_located(folder: Path) -> None:
 
 @needs_bench
 @pytest.mark.slow
-def test_hidden_waves_and_teeth_of_the_bench_are_located() -> None:
-    ghost = compared(BENCH / "ghost_order" / "pair.toml", BENCH / "ghost_order" / "rec_0.csv")["where"]
+def test_hidden_waves_and_teeth_of_the_bench_are_located(gearpoly_command: Command) -> None:
+    def where(case: str) -> list[dict[str, Any]]:
+        return list(compared(gearpoly_command, BENCH / case / "pair.toml", BENCH / case / "rec_0.csv")["where"])
+
+    ghost = where("ghost_order")
     assert [(e["kind"], e["gear"], e["order"]) for e in ghost] == [("shaft_order", "driving", 61)]
-    two = compared(BENCH / "two_at_once" / "pair.toml", BENCH / "two_at_once" / "rec_0.csv")["where"]
+    two = where("two_at_once")
     assert (two[0]["kind"], two[0]["gear"], two[0]["order"]) == ("shaft_order", "driving", 1)
     assert (two[1]["kind"], two[1]["gear"], two[1]["tooth"]) == ("tooth", "driven", 9)
     # Half of the driven tooth's 14.4 deg.

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.report.diagnosis_report import verdict_json
 from tests.at_hand import BENCH, SHARED, SHIPPED, diagnosed, here, recordings, truths
+from tests.made_command import Command
 
 TELESCOPE = SHARED / "telescope"
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings are not here")
@@ -145,12 +144,7 @@ def test_a_plan_knows_the_look_alikes_of_a_pair(tmp_path: Path) -> None:
     assert (slopes.after or (slopes.first,))[-1] < 0.5
 
 
-def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gearpoly", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
-
-
-def test_recordings_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
+def test_recordings_that_contradict_each_other_are_refused(tmp_path: Path, gearpoly_command: Command) -> None:
     folder = SHIPPED / "encoder_off_centre"
     lines = (folder / "rec_1.csv").read_text().splitlines(keepends=True)
     moved = [line for line in lines if not line.startswith("# driven_zero_deg")]
@@ -158,21 +152,21 @@ def test_recordings_that_contradict_each_other_are_refused(tmp_path: Path) -> No
     other = tmp_path / "rec_1.csv"
     other.write_text(f"# driven_zero_deg = {zero + 30.0}\n" + "".join(moved))
     html = tmp_path / "page.html"
-    ran = run("diagnose", folder / "pair.toml", folder / "rec_0.csv", other, "--html", html)
-    assert ran.returncode == 2
-    assert "driven_zero_deg" in ran.stderr
-    assert "Traceback" not in ran.stderr
+    ran = gearpoly_command("diagnose", folder / "pair.toml", folder / "rec_0.csv", other, "--html", html)
+    assert ran.code == 2
+    assert "driven_zero_deg" in ran.err
+    assert "Traceback" not in ran.err
     assert not html.exists()
 
 
-def test_a_recording_that_is_none_is_refused(tmp_path: Path) -> None:
+def test_a_recording_that_is_none_is_refused(tmp_path: Path, gearpoly_command: Command) -> None:
     pair, recording = tmp_path / "pair.toml", tmp_path / "rec.csv"
     pair.write_text("[driving]\nteeth = 12\nmodule_mm = 2.0\n[driven]\nteeth = 16\nmodule_mm = 2.0\n")
     recording.write_text("driving_angle_deg,driven_angle_deg\n1,2\n")
     fitted = tmp_path / "fitted.toml"
-    ran = run("diagnose", pair, recording, "--fitted", fitted)
-    assert ran.returncode == 2
-    assert "rec.csv" in ran.stderr
+    ran = gearpoly_command("diagnose", pair, recording, "--fitted", fitted)
+    assert ran.code == 2
+    assert "rec.csv" in ran.err
     assert not fitted.exists()
 
 

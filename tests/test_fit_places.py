@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose import placing
 from gearpoly.diagnose.budget import Budget
@@ -96,14 +98,20 @@ def test_teeth_are_told_apart_by_the_fit_where_the_curves_leave_several(tmp_path
     assert abs(off_pitches(diagnosis)) < 0.1
 
 
-@pytest.mark.parametrize("pitches", [0, 1, 7, -20])
-def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitches: int, tmp_path: Path) -> None:
-    """25 um off their axes a tooth is 13 and 10 um of order 1, over three times what grade 6 leaves to pitch; the
-    hunting cycle of 12 and 16 teeth has 48 places."""
+@cache
+def off_axis() -> tuple[PairFile, Recording, Comparison]:
+    """What is declared of gears 25 um off their axes, a recording of theirs, and both compared."""
     true, known = made_gears(np.random.default_rng(8), off_um=25.0)
     (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
-    path = tmp_path / "pair.toml"
-    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    return known, one, compare(known, [later(one, 0.0)], path="pair.toml")
+
+
+@pytest.mark.parametrize("pitches", [0, 1, 7, -20])
+def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitches: int) -> None:
+    """25 um off their axes a tooth is 13 and 10 um of order 1, over three times what grade 6 leaves to pitch; the
+    hunting cycle of 12 and 16 teeth has 48 places."""
+    known, one, comparison = off_axis()
+    model = prepare(known, comparison, path=Path("pair.toml"))
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved((pitches - aside) * TURN / Z[1])
     foreign = [np.zeros((model.observed[0].samples.size, 0))]
@@ -112,12 +120,10 @@ def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitch
 
 @pytest.mark.slow
 @pytest.mark.parametrize("pitches", [0.9, -7.0])
-def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float, tmp_path: Path) -> None:
+def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float) -> None:
     """Also from beside a pitch: neither place is judged before its fit has come to rest."""
-    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
-    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
-    path = tmp_path / "pair.toml"
-    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    known, one, comparison = off_axis()
+    model = prepare(known, comparison, path=Path("pair.toml"))
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved((pitches - aside) * TURN / Z[1])
     model.elsewhere = (TURN / Z[1],)
@@ -127,12 +133,10 @@ def test_teeth_are_moved_to_where_eccentricities_tell(pitches: float, tmp_path: 
 
 @pytest.mark.slow
 def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
-    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
-    path = tmp_path / "pair.toml"
-    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    known, one, comparison = off_axis()
+    model = prepare(known, comparison, path=Path("pair.toml"))
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved(-aside * TURN / Z[1])
     at = model.offset
@@ -145,13 +149,11 @@ def test_a_place_told_to_first_order_is_left_again_where_the_teeth_fit_worse(
 
 
 @pytest.mark.slow
-def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shortened ones left seven teeth off is mended; from the right place a wrong step is taken back, teeth as
     built and all."""
-    true, known = made_gears(np.random.default_rng(8), off_um=25.0)
-    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(4), cycles=4.0)
-    path = tmp_path / "pair.toml"
-    model = prepare(known, compare(known, [later(one, 0.0)], path=path), path=path)
+    known, one, comparison = off_axis()
+    model = prepare(known, comparison, path=Path("pair.toml"))
     aside = round(off_pitches_of(model.observed[0].samples.theta_2, one))
     model.moved((-7.0 - aside) * TURN / Z[1])
     model.elsewhere = (TURN / Z[1],)

@@ -163,17 +163,21 @@ def test_the_proof_shares_no_code_with_what_it_proves() -> None:
             assert "proving" not in others, name
 
 
-@pytest.mark.parametrize("name", sorted(modules()))
-def test_a_module_is_small_and_says_what_it_is(name: str) -> None:
-    path = PACKAGE.parent.joinpath(*name.split("."))
-    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    text = file.read_text(encoding="utf-8")
-    if not text.strip():
-        assert file.name == "__init__.py", "an empty module"
-        return
-    doc = ast.get_docstring(modules()[name])
-    assert doc and len(doc) > 15, "no docstring"
-    assert len(text.splitlines()) <= LONGEST or name in WHOLE, f"{len(text.splitlines())} lines"
+def test_modules_are_small_and_say_what_they_are() -> None:
+    wrong = []
+    for name, tree in modules().items():
+        path = PACKAGE.parent.joinpath(*name.split("."))
+        file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+        text = file.read_text(encoding="utf-8")
+        if not text.strip():
+            if file.name != "__init__.py":
+                wrong.append(f"{name}: an empty module")
+            continue
+        if len(ast.get_docstring(tree) or "") <= 15:
+            wrong.append(f"{name}: no docstring")
+        if len(text.splitlines()) > LONGEST and name not in WHOLE:
+            wrong.append(f"{name}: {len(text.splitlines())} lines")
+    assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize("name", sorted(WHOLE))
@@ -198,3 +202,13 @@ def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT)
     assert run.returncode == 0, run.stderr
     assert "heavy: []" in run.stdout
+
+
+def test_what_few_need_is_imported_where_it_is_needed() -> None:
+    """These take longer to import than a small simulation to run, and every command and every worker would pay."""
+    code = (
+        "import sys, gearpoly.simulate, gearpoly.study.local; "
+        "print(sorted({'scipy.signal', 'scipy.stats', 'scipy.optimize', 'matplotlib', 'numba'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert run.stdout.strip() == "[]"

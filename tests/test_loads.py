@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from gearpoly.assemble import Assembled
 from gearpoly.cli import app
 from gearpoly.compare.compare import compare
-from gearpoly.compare.template import make_template
+from gearpoly.compare.template import Template, make_template
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.nuisance import softened
 from gearpoly.files.pairfile import dump_pair
@@ -58,14 +60,20 @@ def test_a_parabola_goes_through_the_three_loads_that_made_it() -> None:
     assert replace(one, down=up).by(np.full(50, 0.3)) == pytest.approx(0.3 * up, abs=1e-12)
 
 
+@cache
+def followed(flank: Flank) -> tuple[Assembled, Template]:
+    """A pair, and its curve at the mean torque that follows half as much again and half as much."""
+    assembled = made(rough())
+    return assembled, make_template(assembled, Under(flank=flank, torque=TORQUE * NM, varies=0.5))
+
+
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("level", [-0.5, -0.2, 0.3, 0.5])
 def test_a_template_is_followed_from_its_mean_torque_to_others(flank: Flank, level: float) -> None:
     """As if made under that torque: at both ends of the parabola to 0.01 of what changes, between them to 0.04 and 0.08
     where second pairs come to carry; as a part of the deflection it would be 0.10 to 0.22."""
-    assembled = made(rough())
+    assembled, mean = followed(flank)
     at = np.linspace(0.0, assembled.pair.cycle, 997, endpoint=False)
-    mean = make_template(assembled, Under(flank=flank, torque=TORQUE * NM, varies=0.5))
     there = make_template(assembled, Under(flank=flank, torque=(1.0 + level) * TORQUE * NM))
     changes = there.at(at) - mean.at(at)
     assert np.std(mean.varied(at, np.full(at.size, level)) - changes) < 0.09 * np.sqrt(np.mean(changes**2))

@@ -38,7 +38,8 @@ from gearpoly.proving.grounds import GROUNDS
 from gearpoly.proving.rig import BenchError
 from gearpoly.study import progress
 from tests import made_process
-from tests.made_prove import BENCH, broken, endless, fake, silent, slow, write_cases
+from tests.made_jobs import nap, refuse
+from tests.made_prove import BENCH, broken, endless, fake, silent, slow, stuck, write_cases
 
 
 def quiet(what: str) -> None:
@@ -207,7 +208,7 @@ def gone(pid: int) -> bool:
     "how", ["a worker is killed", pytest.param("the command is interrupted", marks=pytest.mark.slow)]
 )
 def test_workers_that_die_leave_what_is_finished(
-    begun: subprocess.Popen[str], bench: Path, tmp_path: Path, how: str
+    begun: subprocess.Popen[str], bench: Path, tmp_path: Path, how: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     workers = workers_of(begun)
     assert len(workers) == 2
@@ -233,34 +234,13 @@ def test_workers_that_die_leave_what_is_finished(
     code = json.loads(kept["alpha.json"])["key"].split()[1]
     left = [job for job in ("beta", "gamma") if not (place / f"{job}.json").exists()]
     assert left == ["beta", "gamma"]
-    again = subprocess.run(
-        [sys.executable, "-c", AGAIN.format(bench=str(bench), out=str(tmp_path / "out"))],
-        cwd=Path(__file__).resolve().parents[1], capture_output=True, text=True,
-    )  # fmt: skip
-    assert "2 of 4 diagnoses are there from a run before" in again.stdout
+    monkeypatch.setattr("time.sleep", lambda seconds: None)
+    told: list[str] = []
+    prove_folder(bench, out=tmp_path / "out", diagnoser=stuck, say=told.append)
+    assert any("2 of 4 diagnoses are there from a run before" in one for one in told)
     assert all((place / name).stat().st_mtime_ns == when for name, when in before.items())
     assert json.loads((place / "beta.json").read_text())["key"].split()[1] == code
     assert len(verdicts(tmp_path / "out")) == len(BENCH)
-
-
-AGAIN = """
-import time
-time.sleep = lambda seconds: None
-from pathlib import Path
-from gearpoly.prove.run import prove_folder
-from tests.made_prove import stuck
-prove_folder(Path({bench!r}), out=Path({out!r}), diagnoser=stuck)
-"""
-
-
-def nap(seconds: float) -> None:
-    """A job that takes its time."""
-    time.sleep(seconds)
-
-
-def refuse(what: str) -> None:
-    """A job that a full disk stops."""
-    raise InputFileError("verdict.json", found="No space left on device", wish=what)
 
 
 def test_what_takes_long_is_named_in_the_progress(

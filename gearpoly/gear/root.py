@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gearpoly.errors import GeometryError
 from gearpoly.gear.gear import Gear
@@ -86,6 +85,7 @@ def form_point(gear: Gear) -> tuple[float, float, bool]:
     if l_tangent >= 0.0:
         gamma, l_form = gamma_end, l_tangent
     else:
+        from scipy.optimize import brentq  # slow to import, and few gears are undercut
 
         def stands_off(gamma: float) -> float:
             radius, psi = fillet_point(gear, np.array(gamma))

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
 
 from gearpoly.units import FloatArray
 
@@ -86,6 +85,8 @@ class Shafts:
         """
         if self.frequency is None:
             return np.zeros(te.shape)
+        from scipy.signal import cont2discrete, lfilter  # slow to import, and few pairs swing
+
         w = 2.0 * math.pi * self.frequency
         braked = 2.0 * self.damping * w
         # A leading zero would be refused.

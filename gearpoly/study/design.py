@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.study.keys import is_whole
@@ -57,6 +56,8 @@ class Design:
         """Scrambled Sobol points (samples, d) in 0..1, both halves for sensitivity; (1, 0) where no sweep asks."""
         if not self.ranges or self.file.samples is None:
             return np.zeros((1, 0))
+        from scipy.stats import qmc  # slow to import, and few studies sweep ranges
+
         d = len(self.ranges) * (2 if self.file.sensitivity else 1)
         # Its own stream: the pairs drawn stay the same whatever is swept.
         rng = np.random.default_rng(np.random.SeedSequence(self.file.seed, spawn_key=(0, 1)))

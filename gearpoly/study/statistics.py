@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from gearpoly.units import FloatArray
 
@@ -36,6 +35,8 @@ def percentile(values: FloatArray, p: float, *, confidence: float = 0.95) -> Int
     n, q = x.size, p / 100.0
     if n == 0:
         return Interval(value=math.nan, low=-math.inf, high=math.inf)
+    from scipy import stats  # slow to import, and workers draw no statistics
+
     tail = 0.5 * (1.0 - confidence)
     # x[r-1] lies above the percentile with probability P(B <= r-1): the greatest r that keeps it below the tail.
     r = int(stats.binom.ppf(tail, n, q))
@@ -56,6 +57,8 @@ def mean(values: FloatArray, *, confidence: float = 0.95) -> Interval:
     centre = float(np.mean(values))
     if n == 1:
         return Interval(value=centre, low=-math.inf, high=math.inf)
+    from scipy import stats  # slow to import, and workers draw no statistics
+
     half = float(stats.t.ppf(0.5 + 0.5 * confidence, n - 1)) * float(np.std(values, ddof=1)) / math.sqrt(n)
     return Interval(value=centre, low=centre - half, high=centre + half)
 
@@ -64,6 +67,8 @@ def share(good: int, n: int, *, confidence: float = 0.95) -> Interval:
     """The share of good ones in the population from ``good`` of ``n``: exact binomial (Clopper and Pearson 1934)."""
     if n == 0:
         return Interval(value=math.nan, low=0.0, high=1.0)
+    from scipy import stats  # slow to import, and workers draw no statistics
+
     tail = 0.5 * (1.0 - confidence)
     low = 0.0 if good == 0 else float(stats.beta.ppf(tail, good, n - good + 1))
     high = 1.0 if good == n else float(stats.beta.ppf(1.0 - tail, good + 1, n - good))
@@ -142,6 +147,8 @@ def saltelli_indices(blocks: FloatArray, factors: list[str], *, resamples: int =
     n = blocks.shape[0]
     if n < 2 or not np.var(blocks[:, :2]) > 0.0:
         return []
+    from scipy import stats  # slow to import, and workers draw no statistics
+
     found = stats.sobol_indices(
         func={"f_A": blocks[:, 0][None], "f_B": blocks[:, 1][None], "f_AB": blocks[:, 2:].T[:, None]}, n=n
     )

@@ -26,6 +26,10 @@ WORM = f"{PAIR}[worm]\nwheel_teeth = 180\n"
 LOG = made_log(frames=400)[0]
 
 
+COMPARED: set[tuple[tuple[str, ...], str]] = set()
+"""Recordings and pair files that were compared: several refusals end in the same, which need not be tried again."""
+
+
 def compare(
     name: str, says: str, bad: tuple[str, ...], good: tuple[str, ...], *, pair: str = PAIR, good_pair: str = ""
 ) -> Cure:
@@ -39,11 +43,16 @@ def compare(
             put(folder, file.name, text)
         command("compare", folder / "pair.toml", *names)
 
+    def cured(folder: Path, texts: tuple[str, ...], pair: str) -> None:
+        if (texts, pair) not in COMPARED:
+            attempt(folder, texts, pair)
+            COMPARED.add((texts, pair))
+
     return Cure(
         name=name,
         says=says,
         bad=lambda folder: attempt(folder, bad, pair),
-        good=lambda folder, message: attempt(folder, good, good_pair or pair),
+        good=lambda folder, message: cured(folder, good, good_pair or pair),
     )
 
 
