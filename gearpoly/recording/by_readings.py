@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gearpoly.recording.agreement import rounding
 from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
 from gearpoly.units import FloatArray
 
@@ -89,3 +90,17 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
         if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
             return unit, -int(np.sum(np.sign(jumps)))
     return None, 0
+
+
+EVEN = 1e-6
+"""Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""
+
+
+def runs_evenly(values: FloatArray) -> bool:
+    """Whether readings (n,) rise by one step, as the times of a logger or the numbers of its rows do."""
+    if values.size < 8 or not np.isfinite(values).all():
+        return False
+    steps = np.diff(values)
+    step = float(np.median(steps))
+    coarse = 2.0 * float(rounding(values[-1:])[0])
+    return step > 0.0 and bool(np.max(np.abs(steps - step)) <= EVEN * step + 2.0 * coarse and np.min(steps) > 0.0)

@@ -15,6 +15,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
+from gearpoly.recording.by_readings import runs_evenly
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.mapped import put, take_mapped
 from gearpoly.recording.meaning import Meaning, entry, meanings
@@ -59,7 +60,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
-    _ask(file, found, out)
+    _ask(file, found, out, even={name for name, one in table.others.items() if runs_evenly(one.values)})
     return out
 
 
@@ -107,6 +108,9 @@ def _beside(table: Table, out: Table, used: set[str]) -> dict[str, Channel]:
         for name, one in table.others.items()
         if one.leaf in (*ANGLE_COLUMNS, *TE_COLUMNS) and not one.number
     }
+    # So is a group with a channel that is called as one that the map takes from another group.
+    mapped = {table.others[name].leaf for name in used if name in table.others and table.others[name].group(name)}
+    groups |= {one.group(name) for name, one in table.others.items() if one.leaf in mapped and not one.number}
     chosen = {table.others[name].group(name) for name in used if name in table.others}
     sizes = {values.size for values in out.columns.values()}
     held = {}
@@ -173,8 +177,8 @@ def angles_known(names: Iterable[str]) -> bool:
     return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
 
 
-def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
-    """Raise where what a comparison needs is in doubt."""
+def _ask(file: Path, meant: Sequence[Meaning], out: Table, *, even: Collection[str]) -> None:
+    """Raise where what a comparison needs is in doubt; readings of channels that are ``even`` may be times."""
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not angles_known(out.columns):
@@ -187,7 +191,7 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
             lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
             lacks = " and ".join(lacking)
             free = [one for one in meant if one.channel not in out.taken_from.values()]
-            ask = _offered(lacking, free)
+            ask = _offered([*([] if "time_s" in out.columns else ["time_s"]), *lacking], free, even)
             if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
@@ -218,9 +222,12 @@ def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
     return InputFileError(file, where=where, found=f"{doubt}{says}{beyond}", wish=_wish(list(ask.values())))
 
 
-def _offered(lacking: Sequence[str], free: Sequence[Meaning]) -> tuple[str, ...]:
-    """The lines of a map for the angles that no name says, one channel for each: those that say the least else."""
+def _offered(lacking: Sequence[str], free: Sequence[Meaning], even: Collection[str]) -> tuple[str, ...]:
+    """The lines of a map for the angles, and the time, that no name says, one channel for each: those that say the
+    least else, and for the time the first where its readings are ``even``."""
     likely = sorted(free, key=lambda one: bool(one.dimension))
+    if lacking[0] == "time_s" and not (len(likely) >= len(lacking) and likely[0].channel in even):
+        lacking = lacking[1:]
     return tuple(entry(angle, one.channel, None) for angle, one in zip(lacking, likely, strict=False))
 
 
