@@ -23,7 +23,7 @@ from gearpoly.recording.quantities import ANGLE, TIME, TORQUE
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.sources import put_on_one_axis
-from gearpoly.recording.table import AXIS_ERROR, Channel, Table
+from gearpoly.recording.table import AXIS_ERROR, WORM_ANGLE, Channel, Table
 from gearpoly.units import FloatArray
 
 SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
@@ -60,7 +60,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
-    _ask(file, found, out, even={name for name, one in table.others.items() if runs_evenly(one.values)})
+    _ask(file, found, out, table.others)
     return out
 
 
@@ -72,7 +72,7 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     keys = {**table.keys, **(chart.keys if chart is not None else {})}
     out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
     out.taken_from = {name: name for name in table.columns}
-    out.unread = table.unread
+    out.unread, out.worm_period_s = table.unread, table.worm_period_s
     times: dict[str, FloatArray] = {}
     used = take_mapped(table, out, times, chart) if chart is not None else set()
     held = _beside(table, out, used)
@@ -85,6 +85,8 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     for name, channel in out.taken_from.items():
         if channel in table.others and name in out.columns:
             check_finite(file, name, out.columns[name])
+    if AXIS_ERROR not in out.columns:  # a worm in another machine
+        out.columns.pop(WORM_ANGLE, None)
     return out, found
 
 
@@ -177,8 +179,8 @@ def angles_known(names: Iterable[str]) -> bool:
     return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
 
 
-def _ask(file: Path, meant: Sequence[Meaning], out: Table, *, even: Collection[str]) -> None:
-    """Raise where what a comparison needs is in doubt; readings of channels that are ``even`` may be times."""
+def _ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str, Channel]) -> None:
+    """Raise where what a comparison needs is in doubt, of the ``channels`` of a file."""
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not angles_known(out.columns):
@@ -191,9 +193,11 @@ def _ask(file: Path, meant: Sequence[Meaning], out: Table, *, even: Collection[s
             lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
             lacks = " and ".join(lacking)
             free = [one for one in meant if one.channel not in out.taken_from.values()]
-            ask = _offered([*([] if "time_s" in out.columns else ["time_s"]), *lacking], free, even)
+            ask = _offered([*([] if "time_s" in out.columns else ["time_s"]), *lacking], free, channels)
             if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
+                if len(meant) == len(ANGLE_COLUMNS):
+                    wish += "; above seconds and arcsec of a telescope's periodic error: Time [s] and PE [arcsec]"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
             if out.unread is not None:
                 found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
@@ -222,11 +226,12 @@ def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
     return InputFileError(file, where=where, found=f"{doubt}{says}{beyond}", wish=_wish(list(ask.values())))
 
 
-def _offered(lacking: Sequence[str], free: Sequence[Meaning], even: Collection[str]) -> tuple[str, ...]:
+def _offered(lacking: Sequence[str], free: Sequence[Meaning], channels: Mapping[str, Channel]) -> tuple[str, ...]:
     """The lines of a map for the angles, and the time, that no name says, one channel for each: those that say the
-    least else, and for the time the first where its readings are ``even``."""
+    least else, and for the time the first where its readings run evenly."""
     likely = sorted(free, key=lambda one: bool(one.dimension))
-    if lacking[0] == "time_s" and not (len(likely) >= len(lacking) and likely[0].channel in even):
+    first = channels.get(likely[0].channel) if len(likely) >= len(lacking) else None
+    if lacking[0] == "time_s" and not (first is not None and runs_evenly(first.values)):
         lacking = lacking[1:]
     return tuple(entry(angle, one.channel, None) for angle, one in zip(lacking, likely, strict=False))
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from gearpoly.recording.meaning import quoted
+from gearpoly.recording.text.lines import TextLines
 
 LONGEST_WORD = 40
 """Characters of a cell that a message shows whole; words for no reading are shorter."""
@@ -30,13 +31,13 @@ def holds_cells(line: str) -> bool:
     return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
 
 
-def without_empty(text: bytes) -> bytes:
-    """The ``text`` with blank lines in the place of those that hold nothing but what parts cells, as spreadsheets write
+def without_empty(lines: TextLines) -> TextLines:
+    """The ``lines`` with blank ones in the place of those that hold nothing but what parts cells, as spreadsheets write
     rows that were once filled."""
     for mark in (b",", b";", b"\t"):
-        if any(begin in text for begin in (b"\n" + mark + mark, b"\n" + mark + b"\n")):  # patterns take far longer
-            text = re.sub(rb"(?m)^[%b ]+$" % mark, b"", text)
-    return text
+        if lines.begin_with(mark):  # a pattern takes far longer
+            lines = TextLines(re.sub(rb"(?m)^[%b ]+$" % mark, b"", lines.text), lines.encoding)
+    return lines
 
 
 def without(text: str, missing: Sequence[str], separator: str) -> str:
