@@ -24,6 +24,7 @@ from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
+from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touching
 from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import TextLines
@@ -72,6 +73,23 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
     del text
+    if writing.widths:
+        cut = by_widths(lines, writing.widths)
+        return _recordings(file, cut, replace(writing, separator=PARTED), encoding, footer=footer)
+    try:
+        return _recordings(file, lines, writing, encoding, footer=footer)
+    except InputFileError:
+        held = touching(lines) if writing.separator in ("", " ") else None
+        if held is None:
+            raise
+    tables = _recordings(file, *parted(file, held, writing), encoding, footer=footer)
+    for table in tables:
+        table.remarks.append(f"numbers touch, such as {shorten(held.example)}: parted {held.how}")
+    return tables
+
+
+def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *, footer: bool) -> list[Table]:
+    """Every recording in the lines of a text."""
     beside = rewritten(file, lines, separator=writing.separator)
     lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
@@ -91,10 +109,11 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
             table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
-        table.layout = {"encoding": encoding, "separator": separator, **table.layout}
+        ways = {"widths": str(list(writing.widths))} if writing.widths else {"separator": separator}
+        table.layout = {"encoding": encoding, **ways, **table.layout}
         table.remarks.insert(
             0,
-            f"text in {encoding}, cells parted by {SEPARATORS.get(separator, shorten(separator))}, names in line "
+            f"text in {encoding}, cells parted by {_parting(writing, separator)}, names in line "
             f"{block.header or 'none'}, rows from line {block.rows[0]}",
         )
         if encoding == NO_COUNTRY and not writing.encoding:
@@ -102,6 +121,10 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
             table.remarks.append(f"names are in another encoding: a map may state it, as text.encoding = {others}")
         tables.append(table)
     return tables
+
+
+def _parting(writing: Writing, separator: str) -> str:
+    return "their widths" if writing.widths else SEPARATORS.get(separator, shorten(separator))
 
 
 def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:

@@ -187,8 +187,11 @@ def _runs(lines: TextLines, separator: str) -> list[tuple[int, int, int]]:
 
 
 def _is_row(cells: Sequence[str], width: int) -> bool:
-    """Whether a line below the rows was meant for one: it begins with a number, or has as many cells."""
-    return len(cells) == width or is_number(cells[0]) or is_stamp(cells[0])
+    """Whether a line below the rows was meant for one: it begins with a number, has as many cells, or no letters."""
+    if len(cells) == width or is_number(cells[0]) or is_stamp(cells[0]):
+        return True
+    text = " ".join(cells)
+    return any(c.isdigit() for c in text) and not any(c.isalpha() for c in text)
 
 
 def _part_read(cells: Sequence[str]) -> bool:
