@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.errors import shown
-from gearpoly.recording.by_readings import are_days, contradicting, since_1970, wrapped_unit
+from gearpoly.recording.by_readings import are_days, contradicting, runs_evenly, since_1970, wrapped_unit
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -173,6 +173,8 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     name, in_name = header_unit(own)
     quantity = quantity_of(name)
     stated = held.unit or in_name
+    if unit_written(stated, ANGLE) == UNITS[ANGLE]["arcsec"] and tokens(name) & {"ra", "dec"}:  # of a star
+        quantity = AXIS if "ra" in tokens(name) else OTHER
     if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
     if quantity == OTHER:
@@ -186,7 +188,9 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         if len(dimensions) != 1:
             return Meaning(channel=channel)
         quantity = dimensions.pop()
-        doubt = f"known by its unit alone, {stated}"
+        # Nothing else of a drive is told in seconds and runs on evenly.
+        timed = quantity == TIME and unit_written(stated, TIME) is not None and runs_evenly(held.values)
+        doubt = "" if timed else f"known by its unit alone, {stated}"
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
@@ -210,7 +214,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         return Meaning(channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask)
     if quantity == AXIS:
         unit = unit_written(stated, ANGLE)
-        doubt = "the error of a telescope's axis, whose sign no name tells (positive where the axis is ahead)"
+        doubt = (
+            "the error of a telescope's axis, whose sign no name tells (positive where the axis is ahead), nor whether "
+            "it was guided"
+        )
         ask = (entry(AXIS_ERROR, channel, unit, *(["scale = 1.0"] if stated and unit is None else []), "sign = 1"),)
         return Meaning(
             channel=channel, column=AXIS_ERROR, unit=unit, dimension=AXIS, why=f'"{name}"', doubt=doubt, ask=ask

@@ -17,6 +17,10 @@ MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
 """Those of them that a table under names of its own may have."""
 
 
+WORDS = "of words"
+"""How it is said that columns hold words."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:
     """A series of numbers under a name of the owner's own: ``values`` (m,) in the ``unit`` that the file states, empty

@@ -15,7 +15,8 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.text.layout import LEAST_ROWS, is_data
+from gearpoly.recording.text.cut import is_data
+from gearpoly.recording.text.layout import LEAST_ROWS
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.writing import Writing
 

@@ -17,12 +17,17 @@ _DATE = re.compile(rf"\d{{1,2}}\.?[ -]?{_MONTH}\.?|{_MONTH}[- ]\d{{1,4}}|\d{{1,2
 """Days that spreadsheets make of numbers: 4. Nov, Nov 04, 4-Nov, 04.11.2026."""
 
 
+_SEXAGESIMAL = re.compile(r"[+-]?\d{1,3}:\d{2}:\d{2}(?:[.,]\d+)?")
+
+
 def no_reading(cell: str) -> str:
     """The line of a map for a cell that is a word for no reading, or what made it of a number."""
     if _DATE.fullmatch(cell):
         return (
             "; a spreadsheet made a date of a number: export it again, with these columns as text before it is opened"
         )
+    if _SEXAGESIMAL.fullmatch(cell):
+        return "; degrees, minutes and seconds are read as 100\u00b048'00\", and decimal degrees"
     return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
 
 
