@@ -117,7 +117,6 @@ def _ends(rows: Sequence[str]) -> tuple[list[int], bool]:
             end = place + 1 + long
             if end < len(row) and row[end] in ".,":
                 continue  # the figures of the next number follow
-            sure = sure and figures[k] in (None, long)
             figures[k] = long if figures[k] is None else figures[k]
     known = Counter(one for one in figures if one is not None)
     sure = sure and None not in figures

@@ -39,8 +39,9 @@ def holds_cells(line: str) -> bool:
 def without_empty(lines: TextLines) -> TextLines:
     """The ``lines`` with blank ones in the place of those that hold nothing but what parts cells, as spreadsheets write
     rows that were once filled."""
+    begin = lines.beginnings()  # a pattern takes far longer
     for mark in (b",", b";", b"\t"):
-        if lines.begin_with(mark):  # a pattern takes far longer
+        if mark[0] in begin:
             lines = TextLines(re.sub(rb"(?m)^[%b ]+$" % mark, b"", lines.text), lines.encoding)
     return lines
 
