@@ -5,6 +5,11 @@ and by ``read_recording``. Printed are the processor times (the least of five; t
 their ratio (goal: at least half the library's speed) and the peak memory beyond the imports, of both processes
 together, over the size of the file's numbers at 8 bytes (goal: at most 5 times). Linux only.
 Run from the repository's root: python -m benchmarks.reading [samples [format ...]]
+
+Small files: python -m benchmarks.reading first [samples [format ...]] compares whole processes, from their start over
+all imports to the numbers of one file (2000 samples), which is what one small file costs.
+Large ones: python -m benchmarks.reading command [MB [format ...]] times `gearpoly read` of a file of 100 MB: wall and
+processor time of the whole command (goal: 2 s).
 """
 
 from __future__ import annotations
@@ -27,6 +32,8 @@ from tests import recording_files as files
 SAMPLES = 1_000_000
 COLUMNS = 4
 REPEATS = 5
+SMALL = 2000
+LARGE_MB = 100.0
 
 KEYS: dict[str, object] = {"torque_nm": 25.0, "speed_rpm": 30.0, "flank": "drive", "driving_zero_deg": 12.5}
 
@@ -152,9 +159,78 @@ def measure(name: str, ours: bool, folder: Path) -> None:
     print(json.dumps([min(times), peak_mb() - before]))
 
 
+def first(name: str, ours: bool, folder: Path) -> None:
+    """The body of one fresh process that reads one file; prints the seconds of the processors from its start on."""
+    file_name, _, _, theirs = CASES[name]
+    read: Callable[[Path], Any] = theirs
+    if ours:
+        from gearpoly.recording.read import read_recording as read
+    read(folder / file_name)
+    print(json.dumps([processor_s(), peak_mb()]))
+
+
+def _with_bytecode(place: str) -> dict[str, str]:
+    """The environment in which modules are compiled once, as they are where they are installed."""
+    return {**os.environ, "PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": str(Path(place) / "compiled")}
+
+
+def compare_first(samples: int, names: list[str]) -> None:
+    """Print what one small file costs in a fresh process, here and in the format's own library."""
+    print(f"{samples} samples, {COLUMNS} columns, one file in a fresh process")
+    print(f"{'format':16}{'library':>9}{'theirs s':>10}{'ours s':>9}{'speed':>8}")
+    with tempfile.TemporaryDirectory() as place:
+        for name, (file_name, library, write, _) in CASES.items():
+            if (names and name not in names) or importlib.util.find_spec(library) is None:
+                continue
+            write(Path(place) / file_name, recorded(samples), KEYS)
+            least = {}
+            for who in ("theirs", "ours"):
+                command = [sys.executable, "-m", "benchmarks.reading", "--first", name, who, place]
+                runs = [
+                    subprocess.run(command, check=True, capture_output=True, text=True, env=_with_bytecode(place))
+                    for _ in range(REPEATS)
+                ]
+                least[who] = min(json.loads(one.stdout)[0] for one in runs)
+            print(
+                f"{name:16}{library:>9}{least['theirs']:10.3f}{least['ours']:9.3f}"
+                f"{least['theirs'] / least['ours']:7.2f}x"
+            )
+
+
+def time_command(megabytes: float, names: list[str]) -> None:
+    """Print how long ``gearpoly read`` takes for a file of about so many ``megabytes``: the least of three."""
+    resource = importlib.import_module("resource")
+    print(f"{'format':16}{'MB':>8}{'wall s':>9}{'processor s':>13}")
+    with tempfile.TemporaryDirectory() as place:
+        for name, (file_name, library, write, _) in CASES.items():
+            if (names and name not in names) or importlib.util.find_spec(library) is None:
+                continue
+            file = Path(place) / file_name
+            write(file, recorded(20_000), KEYS)
+            write(file, recorded(int(20_000 * megabytes * 1e6 / file.stat().st_size)), KEYS)
+            times = []
+            for _ in range(3):
+                before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+                command = [sys.executable, "-m", "gearpoly", "read", str(file)]
+                subprocess.run(command, check=True, capture_output=True, env=_with_bytecode(place))
+                wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+                used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+                times.append((wall, used))
+            wall, used = (min(each) for each in zip(*times, strict=True))
+            print(f"{name:16}{file.stat().st_size / 1e6:8.0f}{wall:9.2f}{used:13.2f}")
+            file.unlink()
+
+
 def main() -> None:
-    if sys.argv[1:2] == ["--of"]:
-        measure(sys.argv[2], sys.argv[3] == "ours", Path(sys.argv[4]))
+    if sys.argv[1:2] in (["--of"], ["--first"]):
+        body = measure if sys.argv[1] == "--of" else first
+        body(sys.argv[2], sys.argv[3] == "ours", Path(sys.argv[4]))
+        return
+    if sys.argv[1:2] == ["first"]:
+        compare_first(int(sys.argv[2]) if len(sys.argv) > 2 else SMALL, sys.argv[3:])
+        return
+    if sys.argv[1:2] == ["command"]:
+        time_command(float(sys.argv[2]) if len(sys.argv) > 2 else LARGE_MB, sys.argv[3:])
         return
     samples = int(sys.argv[1]) if len(sys.argv) > 1 else SAMPLES
     size_mb = 8.0 * COLUMNS * samples / 2**20

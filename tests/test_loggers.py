@@ -109,17 +109,15 @@ def test_the_only_clock_of_parquet_has_any_name(tmp_path: Path, kind: str) -> No
 
 
 @needs("h5py")
-def test_a_matrix_is_named_with_its_cure(tmp_path: Path) -> None:
-    """Both angles in one dataset; beside a time alone no line of a map could give both."""
+def test_columns_of_a_matrix_are_asked_for(tmp_path: Path) -> None:
+    """Both angles in one dataset, of which nothing says which is which."""
     h5py = importlib.import_module("h5py")
     both = np.column_stack([COLUMNS["driving_angle_deg"], COLUMNS["driven_angle_deg"]])
     with h5py.File(tmp_path / "rec.h5", "w") as file:
         file["angles"], file["time_s"] = both, COLUMNS["time_s"]
     error = refusal(tmp_path / "rec.h5")
-    assert "angles, which is no series" in error.found and "as a series of its own" in error.wish
-    with h5py.File(tmp_path / "rec.h5", "w") as file:
-        file["driving angle [deg]"], file["driven angle [deg]"], file["time_s"] = *both.T, COLUMNS["time_s"]
-    assert read_recording(tmp_path / "rec.h5").size == N
+    assert error.where == 'columns "angles (column 1)" and "angles (column 2)"'
+    assert 'columns.driven_angle_deg = { from = "angles (column 2)", unit = "deg" }' in error.wish
 
 
 # MATLAB

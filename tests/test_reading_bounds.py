@@ -163,6 +163,44 @@ def test_a_library_that_crashes_or_never_ends(
         apart._end()
 
 
+SLOW = """
+import time
+import numpy as np
+from gearpoly.recording.reader import Reader
+from gearpoly.recording.table import Table
+
+def read(file):
+    time.sleep(1.5)
+    return Table(columns={"time_s": np.arange(3.0)}, keys={})
+
+READER = Reader(name="slow", endings=(), recognises=lambda head: False, read=read, module="json")
+"""
+
+
+@pytest.mark.parametrize("share", [0.3, 0.0, 0.9])
+def test_a_process_that_others_hold_up_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    """It works, and had a third of its time on a processor; one that sleeps, or had all of it, is ended."""
+    (tmp_path / "slow_reader.py").write_text(SLOW, encoding="ascii")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(apart, "SECONDS", 1.0)
+    seen: list[float] = []
+    monkeypatch.setattr(apart, "_worked", lambda pid: seen.append(0.0) or share * (len(seen) - 1))
+    apart._end()
+    file = tmp_path / "slow"
+    file.write_bytes(b"x")
+    reader: Any = importlib.import_module("slow_reader").READER
+    try:
+        if 0.0 < share < 0.5:
+            assert apart.read_apart(reader, file).columns["time_s"].tolist() == [0.0, 1.0, 2.0]
+        else:
+            with pytest.raises(InputFileError, match="did not end within"):
+                apart.read_apart(reader, file)
+    finally:
+        apart._end()
+
+
 @needs("h5py")
 def test_the_next_file_is_read_after_a_crash(tmp_path: Path) -> None:
     file = tmp_path / "rec.h5"

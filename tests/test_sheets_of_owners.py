@@ -44,6 +44,11 @@ BLANKS = [
 BETWEEN = [f"{(k - 1) % Z or Z}-{line}" for k, line in enumerate(PLAIN, 1)]
 LONG = [f"{n + 1},{word},{SINGLE[side][n]}" for side, word in (("left", "LH"), ("right", "RF")) for n in range(Z)]
 BESIDE = [f"{one},9.9,2.1,8.8" for one in PLAIN]
+BARS = [f"| {line.replace(',', ' | ')} |" for line in PLAIN]
+MERGED = [
+    ",".join([str(n + 1), *(str(held[side][n]) for side in ("left", "right") for held in (SINGLE, SUMS))])
+    for n in range(Z)
+]
 BY_NUMBER = "\n".join(
     f'"column {k}" = "{held}"'
     for k, held in enumerate(("tooth", "single_pitch_left", "ignored", "single_pitch_right"), start=1)
@@ -100,8 +105,12 @@ def right(folder: Path, *, shift: int = 0, atol: float = 0.051) -> None:
         sheet("Tooth,Left Spacing [um],Right Spacing [um]", PLAIN),
         sheet("tooth,fp left [um],fp right [um],Fr [um],ffa left [um],Fb right [um]", BESIDE),
         sheet("tooth,side,fp [um]", LONG),
+        sheet("Zahn;Linke Flanke;Rechte Flanke;\n;fp [µm];fp [µm];", [f"{line.replace(',', ';')};" for line in PLAIN]),
+        sheet("Tooth,Left,,Right,\n,fp [um],Fp [um],fp [um],Fp [um]", MERGED),
+        sheet("| Tooth | fp left [um] | fp right [um] |\n|---|---|---|", BARS),
+        sheet("Zahn Nr.   fp links   Fp links   fp rechts   Fp rechts\n    [µm]    [µm]    [µm]    [µm]", BLANKS),
     ],
-    ids=range(22),
+    ids=range(26),
 )  # fmt: skip
 def test_every_way_of_writing_gives_the_same_gear(gearpoly_command: Command, tmp_path: Path, text: str) -> None:
     code, said = run(gearpoly_command, tmp_path, text)

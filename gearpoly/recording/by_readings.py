@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gearpoly.recording.agreement import rounding
 from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
 from gearpoly.units import FloatArray
 
@@ -89,3 +90,36 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
         if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
             return unit, -int(np.sum(np.sign(jumps)))
     return None, 0
+
+
+COUNTERS = range(8, 33)
+"""Bits of counters that go round."""
+
+
+def counter_modulus(values: FloatArray) -> int | None:
+    """The number at which whole readings (n,) begin again, a power of two that they nearly fill, or ``None``."""
+    held = values[np.isfinite(values)][:ENOUGH]
+    if held.size < 8 or held.min() < 0.0 or np.any(held != np.rint(held)):
+        return None
+    modulus = next((2**bits for bits in COUNTERS if held.max() < 2**bits), None)
+    jumps = np.abs(np.diff(held)) > 0.5 * (modulus or 1)
+    return modulus if modulus and held.max() >= 0.9 * modulus and 1 <= np.sum(jumps) <= held.size // 4 else None
+
+
+def are_row_numbers(values: FloatArray) -> bool:
+    """Whether readings (n,) count the rows, from 0 or 1 on."""
+    return bool(values.size > 1 and values[0] in (0.0, 1.0) and np.all(np.diff(values) == 1.0))
+
+
+EVEN = 1e-6
+"""Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""
+
+
+def runs_evenly(values: FloatArray) -> bool:
+    """Whether readings (n,) rise by one step, as the times of a logger or the numbers of its rows do."""
+    if values.size < 8 or not np.isfinite(values).all():
+        return False
+    steps = np.diff(values)
+    step = float(np.median(steps))
+    coarse = 2.0 * float(rounding(values[-1:])[0])
+    return step > 0.0 and bool(np.max(np.abs(steps - step)) <= EVEN * step + 2.0 * coarse and np.min(steps) > 0.0)

@@ -24,6 +24,19 @@ BEGINNINGS: tuple[tuple[bytes, str, str], ...] = (
     (b"CDF\x01", "a netCDF 3 file", EXPORT),
     (b"CDF\x02", "a netCDF 3 file", EXPORT),
     (b"%PDF", "a PDF document", EXPORT),
+    (b"|CF,", "an imc FAMOS file", "want it exported from FAMOS as ASCII, MATLAB or TDMS"),
+    (b"|CK,", "an imc FAMOS file", "want it exported from FAMOS as ASCII, MATLAB or TDMS"),
+    (b"#BEGINCHANNELHEADER", "the header of a DIAdem file", "want it saved from DIAdem as TDMS"),
+    (b"DIADEM DATA FILE", "the header of a DIAdem file", "want it saved from DIAdem as TDMS"),
+    (b"TDSh", "the index beside a TDMS file", "want the .tdms file of the same name, not its .tdms_index"),
+    (b"WAVEDESC", "a trace of a LeCroy oscilloscope", EXPORT),
+    (b":CURV", "a trace of a Tektronix oscilloscope", EXPORT),
+    (b":WFM", "a trace of a Tektronix oscilloscope", EXPORT),
+    (b"\x89MCAP", "a log of a robot (MCAP)", EXPORT),
+    (b"\xd4\xc3\xb2\xa1", "a capture of a network", EXPORT),
+    (b"\x0a\x0d\x0d\x0a", "a capture of a network", EXPORT),
+    (b"HEADER KS.M", "an inspection by Klingelnberg, no recording", "want it given to gearpoly pair --from"),
+    (b"<?xml", "an XML document", EXPORT),
 )
 """How files begin, what they are, and the cure."""
 

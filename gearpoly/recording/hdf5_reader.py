@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.groups import own_group
+from gearpoly.recording.groups import own_group, take_own
+from gearpoly.recording.hdf5_columns import Series, above, expanded, kept_elsewhere
+from gearpoly.recording.hdf5_waveforms import Stated, put_begins, stated
 from gearpoly.recording.reader import (
     Reader,
     check_few,
@@ -33,10 +36,6 @@ from gearpoly.recording.stated_units import PACKED_NAMES, UNIT_NAMES, check_unit
 from gearpoly.recording.table import Channel, Table
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-
-FILTERS = frozenset({1, 2, 3, 4, 5, 6, 32000})
-"""Filters that HDF5 and h5py hold themselves: deflate, shuffle, Fletcher 32, szip, n-bit, scale-offset, LZF."""
-
 
 EMPTY = "MATLAB_empty"
 """Attribute by which MATLAB marks a variable without values."""
@@ -59,17 +58,20 @@ def read_table(file: Path) -> Table:
             path: {name: member for name, member in held.items() if isinstance(member, h5py.Dataset)}
             for path, held in nested(file, h5py, {"/": members(file, h5py, root)}).items()
         }
+        groups = expanded(h5py, root, groups)
         where = own_group(groups)
         table = Table(columns={}, keys={})
-        for holder in dict.fromkeys(("/", where or "/")):
+        for holder in dict.fromkeys(("/", *list(above(where or "/"))[::-1], where or "/")):
             _take_attributes(file, root[holder], table.keys, own=where is not None)
-        left = take_datasets(file, table, groups, where, wrong=no_numbers)
+        left = take_datasets(file, root, table, groups, where, wrong=no_numbers)
+        take_own(file, table)
         check_held(file, where or "/", table, left)
     return table
 
 
 def take_datasets(
     file: Path,
+    root: Any,
     table: Table,
     groups: Mapping[str, Mapping[str, Any]],
     where: str | None,
@@ -87,7 +89,8 @@ def take_datasets(
     for name, dataset in columns.items():
         if why := wrong(dataset):
             raise InputFileError(file, where=f"column {name}", found=why[0], wish=why[1])
-    others, left = {}, []
+    others: dict[str, tuple[str, str, Any]] = {}
+    left = []
     for group, held in groups.items():
         for name, dataset in held.items():
             path = joint.join([*group.strip("/").split("/"), name] if group != "/" else [name])
@@ -96,11 +99,12 @@ def take_datasets(
             if wrong(dataset) or dataset.size != max(dataset.shape, default=0):
                 left.append(path)
             elif dataset.size > 1:
-                others[path] = (name, dataset)
-    every = {**columns, **{path: dataset for path, (_, dataset) in others.items()}}
+                others[path] = (group, name, dataset)
+    every = {**columns, **{path: dataset for path, (_, _, dataset) in others.items()}}
     # A packed chunk is unpacked whole, beside its packed form.
     chunks = (2 * math.prod(one.chunks) * one.dtype.itemsize for one in every.values() if one.chunks)
     sizes = {name: int(one.size) for name, one in every.items()}
+    said: dict[str, Stated] = {}
     for name in offered(file, sizes, columns, table.remarks, beside=max(chunks, default=0)):
         if name in columns:
             check_unit(file, name, _attribute(file, name, columns[name], UNIT_NAMES))
@@ -108,11 +112,24 @@ def take_datasets(
             # Of mapped numbers no page is touched here: the process that reads them looks whether they are finite.
             table.columns[name] = values if isinstance(values, np.memmap) else numbers(file, name, values)
         else:
-            leaf, dataset = others[name]
+            group, leaf, dataset = others[name]
+            said[name] = stated(root, groups, group, leaf)
             values = np.ascontiguousarray(stored(file, name, dataset).reshape(-1), dtype=np.float64)
-            unit = _attribute(file, name, dataset, UNIT_NAMES)
-            table.others[name] = Channel(values=values, unit=unit, leaf=leaf)
+            table.others[name] = Channel(values=values)
+    _take_said(file, table, said, {(group, leaf): path for path, (group, leaf, _) in others.items()})
     return left
+
+
+def _take_said(file: Path, table: Table, said: Mapping[str, Stated], paths: Mapping[tuple[str, str], str]) -> None:
+    """Give the channels of a ``table`` what is ``said`` of each beside its numbers; a dataset (its ``paths`` by group
+    and name) that is the times of another one is no channel."""
+    put_begins(file, said)
+    for name, one in said.items():
+        table.others[name] = replace(table.others[name], unit=one.unit, leaf=one.leaf, time=one.time)
+    for path in {paths.get(times, "") for one in said.values() for times in one.taken}:
+        table.others.pop(path, None)
+    for text in dict.fromkeys(one.said for one in said.values() if one.said):
+        table.remarks.append(f"times of channels by the attribute {text}")
 
 
 def nested(file: Path, h5py: Any, groups: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
@@ -142,21 +159,14 @@ def no_numbers(dataset: Any) -> tuple[str, str] | None:
     """What of a dataset is no plain numbers in this file, and what would do; ``None`` where it is."""
     if dataset.shape is None or dataset.dtype.kind not in "iufb":
         return f"values of type {dataset.dtype}", "want plain numbers"
-    if dataset.is_virtual or dataset.external:
-        return "numbers kept in another file", "want the numbers in the file itself"
-    if dataset.size and not dataset.id.get_storage_size():
-        wish = "want the values in the file; close it where it is written, and copy it then"
-        return f"{dataset.size} values stated, and none there", wish
-    layout = dataset.id.get_create_plist()
-    for i in range(layout.get_nfilters()):
-        if layout.get_filter(i)[0] not in FILTERS:
-            return f"compression by filter {layout.get_filter(i)[0]}", "want gzip, LZF or no compression"
-    return None
+    return kept_elsewhere(dataset)
 
 
 def stored(file: Path, name: str, dataset: Any) -> npt.NDArray[Any]:
     """The values of a dataset as its attributes mean them: scale, offset, what is missing. MATLAB keeps the shape of an
     empty variable in its place."""
+    if isinstance(dataset, Series):
+        return unpacked(file, name, dataset.values, dataset.packing)
     attributes = dataset.attrs  # made anew whenever it is asked for, which takes longer than a look into it
     if EMPTY in attributes:
         return np.empty(0)

@@ -16,7 +16,9 @@ from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text, shorten
 from gearpoly.recording.quantities import DOUBTFUL, Unit, column_unit, known_units, unit_written, units_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key
+from gearpoly.recording.table import MAPPED_AXIS
 from gearpoly.recording.text.cells import APOSTROPHES, BLANKS
+from gearpoly.recording.text.fixed_width import WIDTH_LIMIT
 from gearpoly.recording.text.stamps import ORDERS
 from gearpoly.recording.text.writing import Writing
 
@@ -24,7 +26,18 @@ MAP_LIMIT_BYTES = 2**20
 """Largest map; one of every column has 4 kB."""
 
 TOP = ("section", "leave_out", "text", "keys", "columns")
-TEXT = ("encoding", "separator", "decimal", "thousands", "dates", "header_line", "units_line", "missing", "torn_lines")
+TEXT = (
+    "encoding",
+    "separator",
+    "decimal",
+    "thousands",
+    "dates",
+    "header_line",
+    "units_line",
+    "missing",
+    "torn_lines",
+    "widths",
+)
 COLUMN = ("from", "unit", "scale", "sign", "zero", "wraps")
 
 LINES_LIMIT = 10_000_000
@@ -72,7 +85,7 @@ def read_map(path: Path | str) -> RecordingMap:
         raise _fault(file, "leave_out", left, 'a list of names, such as ["Winkel Tisch"]')
     columns = {}
     for name, inside in tables["columns"].items():
-        if name not in COLUMNS:
+        if name not in (*COLUMNS, *MAPPED_AXIS):
             wish = f'the nearest known column is "{nearest(name, COLUMNS)}" (known: {", ".join(COLUMNS)})'
             raise InputFileError(file, where=f"columns.{shorten(name)}", found="unknown column", wish=wish)
         columns[name] = _source(file, name, _table(file, f"columns.{name}", inside))
@@ -191,7 +204,15 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
     torn = raw.get("torn_lines", "")
     if torn not in ("", "left out"):
         raise _fault(file, "text.torn_lines", torn, '"left out", or no such line to have them told')
+    widths = raw.get("widths", [])
+    whole = isinstance(widths, list) and all(type(one) is int and 0 < one <= WIDTH_LIMIT for one in widths)
+    if not isinstance(widths, list) or not whole or len(widths) == 1:
+        raise _fault(file, "text.widths", widths, "the width of every column in characters, from the left: [8, 8, 10]")
+    if widths and raw.get("separator"):
+        wish = "want one of the two: cells have widths, or something parts them"
+        raise InputFileError(file, where="text.widths", found="widths, and separator too", wish=wish)
     held: dict[str, Any] = {key: str(raw[key]) for key in (*TEXT[:5], "torn_lines") if key in raw}
+    held["widths"] = tuple(widths)
     held["missing"] = tuple(one.strip() for one in missing)
     return Writing(**(held | lines))
 

@@ -23,7 +23,7 @@ def map_text(found: Survey) -> str:
     if found.of > 1:
         lines.append(f"# The file holds {found.of} recordings. To take one alone:")
         lines.append(f"# section = {found.number}")
-    lines += [f"text.{key} = {quoted(value)}" for key, value in found.layout.items() if value]
+    lines += [f"text.{k} = {held if k == 'widths' else quoted(held)}" for k, held in found.layout.items() if held]
     lines += [_line(one) for one in found.channels if one.sure and one.column]
     for doubt in found.doubts:
         lines.append(f"# {escaped(doubt.says)}")

@@ -10,7 +10,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
-from gearpoly.recording.by_readings import contradicting, since_1970
+from gearpoly.recording.by_readings import contradicting, counter_modulus, since_1970
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.meaning import header_unit, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
@@ -21,6 +21,11 @@ from gearpoly.units import FloatArray
 SLIP = 0.75
 """Likeness (difflib, 0..1) from which a name in a map is one of the file misspelt: two letters exchanged in six give
 0.83, and "angle in" is to "angle away" 0.67."""
+
+
+WHOLE_TURNS = 0.01
+"""Part of a turn by which a counter's turn may miss a whole one; next to a power of two the nearest numbers of counts
+that anybody sets are 2 % off (1000 and 1024)."""
 
 
 def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
@@ -40,7 +45,7 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         one, wanted = channels[name], column_unit(column)
         unit = source.unit or _unit(chart, column, name, one, own=name in table.columns)
         if column in ANGLE_COLUMNS and source.wraps is None:
-            _check_unit(chart, column, one.values * source.scale, unit)
+            _check_unit(chart, column, one, source, unit)
         put(out, times, column, one, replace(source, channel=name, unit=unit))
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
@@ -81,8 +86,16 @@ def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: boo
     return unit
 
 
-def _check_unit(chart: RecordingMap, column: str, values: FloatArray, unit: Unit) -> None:
+def _check_unit(chart: RecordingMap, column: str, one: Channel, source: Source, unit: Unit) -> None:
     """Raise ``InputFileError`` of the map where readings begin again after one turn in another unit than its own."""
+    modulus = counter_modulus(one.values)
+    turns = 0.0 if modulus is None else modulus * source.scale * unit.size / 360.0
+    if modulus is not None and abs(turns - max(1.0, round(turns))) > WHOLE_TURNS:
+        found = f"{unit.name}, and the readings are counts that begin again after {modulus}"
+        wish = f'want wraps = {modulus}, and scale: what a count is of a {unit.name}; unit = "rev" and scale = '
+        wish += f"{1.0 / modulus!r} if that is one turn"
+        raise InputFileError(chart.file, where=f"columns.{column}", found=found, wish=wish)
+    values = one.values * source.scale
     other = contradicting(values, unit)
     if other is not None:
         found = f"{unit.name}, and the readings begin again after one turn as in {other.name}"

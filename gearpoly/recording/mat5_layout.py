@@ -26,7 +26,7 @@ TEXT_LIMIT = 1000
 """Longest text that a key may have, in characters; ``flank`` needs five."""
 
 MATRIX, COMPRESSED = 14, 15
-STRUCT, CHAR, OPAQUE = 2, 4, 17
+CELL, STRUCT, CHAR, OPAQUE = 1, 2, 4, 17
 NUMERIC_CLASSES = range(6, 16)
 STORAGE = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 CODECS = {1: "latin-1", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
@@ -196,3 +196,25 @@ def numbers_of(array: Array) -> npt.NDArray[Any]:
     if size != math.prod(array.shape) * dtype.itemsize:
         raise BrokenError(f"{array.name}: {size} bytes for {math.prod(array.shape)} numbers")
     return np.frombuffer(whole(array.data, start, size), dtype=dtype).reshape(array.shape, order="F")
+
+
+def cells_of(array: Array) -> list[Array]:
+    """The arrays in a cell."""
+    found, at = [], array.at
+    for _ in range(math.prod(array.shape)):
+        kind, start, size, at = element(array.data, at, array.order)
+        if kind != MATRIX:
+            raise BrokenError(f"a cell with an element of type {kind}")
+        found.append(array_head(whole(array.data, start, size), array.order))
+    return found
+
+
+def rows_of_text(array: Array) -> list[str]:
+    """The rows of a matrix of characters without blanks at their ends; none where they are many, or no characters."""
+    kind, start, size, _ = element(array.data, array.at, array.order)
+    if kind not in CODECS or size > 4 * TEXT_LIMIT or len(array.shape) != 2:
+        return []
+    codec = CODECS[kind] + ({"<": "-le", ">": "-be"}[array.order] if kind in (4, 17, 18) else "")
+    text = bytes(whole(array.data, start, size)).decode(codec, errors="replace")
+    rows, columns = array.shape
+    return ["".join(text[k::rows]).strip() for k in range(rows)] if len(text) == rows * columns else []

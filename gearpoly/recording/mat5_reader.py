@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import math
 import zlib
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -44,6 +44,7 @@ from gearpoly.recording.mat5_layout import (
     variables,
     whole,
 )
+from gearpoly.recording.mat5_matrices import MatrixColumn, matrix_columns
 from gearpoly.recording.matlab_tables import READER as TABLES
 from gearpoly.recording.matlab_tables import take_tables
 from gearpoly.recording.reader import (
@@ -101,25 +102,45 @@ def _read(file: Path, stream: BinaryIO) -> Table:
     groups: dict[str, dict[str, Array]] = {"": heads}
     for name, head in heads.items():
         if head.kind == STRUCT and 0 < math.prod(head.shape) <= NAMES_LIMIT:
-            inside = array_head(memoryview(unpacked(file, stream, places[name], order)), order)
-            _take_fields(file, name, inside, groups, objects)
+            struct = array_head(memoryview(unpacked(file, stream, places[name], order)), order)
+            _take_fields(file, name, struct, groups, objects)
+    unpacked_whole: dict[str, Array] = {}
+
+    def inside(array: Array) -> Array:
+        """An array with its contents: of a variable only the head was unpacked so far; its shape bounds the rest."""
+        if array is not heads.get(array.name):
+            return array
+        if array.name not in unpacked_whole:
+            unpacked_whole.clear()  # columns of a matrix come one after the other
+            bound = HEAD_BYTES + 8 * math.prod(array.shape)
+            data = unpacked(
+                file, stream, places[array.name], order, limit=bound if array.kind in NUMERIC_CLASSES else None
+            )
+            unpacked_whole[array.name] = array_head(memoryview(data), order)
+        return unpacked_whole[array.name]
+
+    parts = list(matrix_columns(groups, inside))
     table = Table(columns={}, keys={})
-    where = _place(groups)
-    own = {} if where is None else groups[where]
+    where = _place(groups, parts)
+    own = {} if where is None else groups.get(where, {})
     _take_keys(file, groups, where, table.keys)
     columns = {name: array for name, array in own.items() if name in COLUMNS and not _is_scalar_key(name, array)}
     for name, array in columns.items():
         if array.kind not in NUMERIC_CLASSES or array.is_complex:
             found = "complex numbers" if array.is_complex else f"a {CLASS_NAMES.get(array.kind, 'variable')}"
             raise InputFileError(file, where=f"column {name}", found=found, wish="want plain numbers")
-    others, left = _others(groups, where, columns)
+    others, left = _others(groups, where, columns, {id(one.matrix) for *_, one in parts})
+    of_matrix = {path: (leaf, one) for _, leaf, path, one in parts if path not in others and path not in columns}
     every = {**columns, **{path: array for path, (_, array) in others.items()}}
     sizes = {name: math.prod(array.shape) for name, array in every.items()}
+    sizes |= {path: one.size for path, (_, one) in of_matrix.items()}
     for name in offered(file, sizes, columns, table.remarks):
-        array = every[name]
-        if array is heads.get(array.name):  # only its head was unpacked so far; its shape bounds the rest
-            bound = HEAD_BYTES + 8 * math.prod(array.shape)
-            array = array_head(memoryview(unpacked(file, stream, places[array.name], order, limit=bound)), order)
+        if name in of_matrix:
+            leaf, one = of_matrix[name]
+            values = np.ascontiguousarray(one.of(numbers_of(inside(one.matrix))), dtype=np.float64)
+            table.others[name] = Channel(values=values, unit=one.unit, leaf=leaf)
+            continue
+        array = inside(every[name])
         if name in columns:
             table.columns[name] = numbers(file, name, numbers_of(array))
         else:
@@ -154,12 +175,16 @@ def _take_fields(
                 _take_fields(file, f"{place}.{name}", inner, groups, objects, depth + 1)
 
 
-def _place(groups: Mapping[str, Mapping[str, Array]]) -> str | None:
+def _place(
+    groups: Mapping[str, Mapping[str, Array]], parts: Iterable[tuple[str, str, str, MatrixColumn]]
+) -> str | None:
     """The path of the struct that holds the columns, empty where they are variables themselves, and ``None`` where none
     or several do. One called keys counts last."""
     series = {
         path: [name for name, array in held.items() if not _is_scalar_key(name, array)] for path, held in groups.items()
     }
+    for group, name, _, _ in parts:
+        series.setdefault(group, []).append(name)
     if any(name in COLUMNS for name in series[""]):
         return ""
     place = own_group({path: names for path, names in series.items() if not _is_keys(path)})
@@ -174,7 +199,10 @@ def _take_keys(
     file: Path, groups: Mapping[str, Mapping[str, Array]], where: str | None, keys: dict[str, object]
 ) -> None:
     """The keys among the variables, beside the columns, and in structs called keys beside either."""
-    places = dict.fromkeys([where or "", "", "keys", f"{where}.keys" if where else "keys"])
+    about = [
+        (where or "")[:at] for at, letter in enumerate(where or "") if letter == "."
+    ]  # columns of a matrix lie in it
+    places = dict.fromkeys([where or "", *about[::-1], "", "keys", f"{where}.keys" if where else "keys"])
     for place in places:
         for name, array in groups.get(place, {}).items():
             single = math.prod(array.shape) == 1 or array.kind == CHAR
@@ -184,9 +212,10 @@ def _take_keys(
 
 
 def _others(
-    groups: Mapping[str, Mapping[str, Array]], where: str | None, columns: Mapping[str, Array]
+    groups: Mapping[str, Mapping[str, Array]], where: str | None, columns: Mapping[str, Array], parted: Collection[int]
 ) -> tuple[dict[str, tuple[str, Array]], list[str]]:
-    """The series of numbers beside the ``columns`` by their paths, each with its own name; and what else there is."""
+    """The series of numbers beside the ``columns`` by their paths, each with its own name; and what else there is, but
+    for matrices that are ``parted`` (by id)."""
     out, left = {}, []
     for place, held in groups.items():
         if _is_keys(place) and place != where:
@@ -194,6 +223,8 @@ def _others(
         for name, array in held.items():
             path = f"{place}.{name}" if place else name
             if (place == where and name in columns) or array.kind == STRUCT or _is_scalar_key(name, array):
+                continue
+            if id(array) in parted:
                 continue
             size = math.prod(array.shape)
             if array.kind not in NUMERIC_CLASSES or array.is_complex or size != max(array.shape, default=0):

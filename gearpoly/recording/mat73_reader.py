@@ -14,15 +14,13 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.groups import own_group, take_own
+from gearpoly.recording.hdf5_columns import OBJECT, above, expanded
 from gearpoly.recording.hdf5_reader import SIGNATURE, members, nested, no_numbers, take_datasets
 from gearpoly.recording.matlab_tables import read_table as read_tables
 from gearpoly.recording.matlab_tables import take_tables
 from gearpoly.recording.reader import Reader, check_held, damage_reported, is_key, optional, take_key
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
-
-OBJECT = "MATLAB_object_decode"
-"""Attribute of what MATLAB keeps as an object."""
 
 TEXT_LIMIT = 1000
 """Longest text that a key may have, in characters; ``flank`` needs five."""
@@ -42,12 +40,14 @@ def read_table(file: Path) -> Table:
             for path, held in groups.items()
             if not path.endswith("/keys")
         }
+        series = expanded(h5py, root, series)
         where = own_group(series)
         held = groups.get(where or "", {})
         table = Table(columns={}, keys={})
         own = held.get("keys") if where not in (None, "/") else None
+        about = {place: groups.get(place, {}) for place in above(where or "/")}  # columns of a matrix lie in it
         # Each holder once, also where all lies at the top.
-        for holder, inside in {f"{where}/keys": own, "keys": stated, where or "/": held, "/": top}.items():
+        for holder, inside in {f"{where}/keys": own, "keys": stated, where or "/": held, **about, "/": top}.items():
             if isinstance(inside, h5py.Group):
                 inside = members(file, h5py, inside)
             for name, item in (inside or {}).items():
@@ -62,7 +62,7 @@ def read_table(file: Path) -> Table:
             for name, item in held.items()
             if OBJECT in item.attrs
         }
-        left = take_datasets(file, table, series, where, wrong=_no_numbers, joint=".")
+        left = take_datasets(file, root, table, series, where, wrong=_no_numbers, joint=".")
     take_tables(file, table, objects, lambda names: read_tables(file, names))
     take_own(file, table)
     check_held(file, where or "/", table, [path for path in left if path not in objects])

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.errors import shown
-from gearpoly.recording.by_readings import are_days, contradicting, since_1970, wrapped_unit
+from gearpoly.recording.by_readings import are_days, contradicting, runs_evenly, since_1970, wrapped_unit
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -31,8 +31,8 @@ from gearpoly.recording.quantities import (
     units_written,
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, SHAFTS
-from gearpoly.recording.table import Channel
-from gearpoly.recording.words import NAME_LIMIT, OTHER, TE, by_letter, plain, quantity_of, shaft_of, tokens
+from gearpoly.recording.table import AXIS_ERROR, MAPPED_AXIS, WORM_ANGLE, Channel
+from gearpoly.recording.words import AXIS, NAME_LIMIT, OTHER, TE, WORM, by_letter, plain, quantity_of, shaft_of, tokens
 from gearpoly.units import FloatArray
 
 _BRACKETS = (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*\{([^{}]*)\}", r"(.*\S)\s*<([^<>]*)>")
@@ -173,7 +173,9 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     name, in_name = header_unit(own)
     quantity = quantity_of(name)
     stated = held.unit or in_name
-    if own in COLUMNS:
+    if unit_written(stated, ANGLE) == UNITS[ANGLE]["arcsec"] and tokens(name) & {"ra", "dec"}:  # of a star
+        quantity = AXIS if "ra" in tokens(name) else OTHER
+    if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
     if quantity == OTHER:
         return Meaning(channel=channel)
@@ -186,7 +188,9 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         if len(dimensions) != 1:
             return Meaning(channel=channel)
         quantity = dimensions.pop()
-        doubt = f"known by its unit alone, {stated}"
+        # Nothing else of a drive is told in seconds and runs on evenly.
+        timed = quantity == TIME and unit_written(stated, TIME) is not None and runs_evenly(held.values)
+        doubt = "" if timed else f"known by its unit alone, {stated}"
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
@@ -208,6 +212,18 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubt = "a transmission error, whose sign no name tells (positive where the driven gear is ahead)"
         ask = (entry(column, channel, unit, "sign = 1"),)
         return Meaning(channel=channel, column=column, unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask)
+    if quantity == AXIS:
+        unit = unit_written(stated, ANGLE)
+        doubt = (
+            "the error of a telescope's axis, whose sign no name tells (positive where the axis is ahead), nor whether "
+            "it was guided"
+        )
+        ask = (entry(AXIS_ERROR, channel, unit, *(["scale = 1.0"] if stated and unit is None else []), "sign = 1"),)
+        return Meaning(
+            channel=channel, column=AXIS_ERROR, unit=unit, dimension=AXIS, why=f'"{name}"', doubt=doubt, ask=ask
+        )
+    if quantity == WORM:
+        return _settled(channel, name, WORM_ANGLE, _unit_of(name, stated, ANGLE, held.values), stated, WORM, "")
     columns = {ANGLE: f"{shaft or 'driving'}_angle_deg", TORQUE: "torque_nm", SPEED: "speed_rpm"}
     unit = _unit_of(name, stated, quantity, held.values)
     doubts = [doubt] if doubt else []

@@ -154,6 +154,8 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
     places = _last_places(table)
     if any(name in RAW_COLUMNS for name in table.columns):
         table = angles_from_raw(file, table)
+    elif "time_s" not in table.columns and (rate := table.keys.get("sample_rate_hz")):
+        table.columns["time_s"] = np.arange(next(iter(table.columns.values())).size) / float(str(rate))
     return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places)
 
 

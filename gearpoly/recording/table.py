@@ -8,9 +8,17 @@ from dataclasses import dataclass, field
 
 from gearpoly.units import FloatArray
 
-AXIS_ERROR, AXIS_CORRECTION = "axis_error_arcsec", "axis_correction_arcsec"
-"""Columns of a guide log: error of a telescope's axis, positive where it is ahead, and what pulses may have turned it
-by. Only the pair file knows the worm between that axis and the pair."""
+AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE = "axis_error_arcsec", "axis_correction_arcsec", "worm_angle_deg"
+"""Columns of guide logs and curves of periodic error: error of a telescope's axis, positive where it is ahead, what
+pulses may have turned it by, and the angle of the worm. Only the pair file knows the worm between that axis and the
+pair."""
+
+MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
+"""Those of them that a table under names of its own may have."""
+
+
+WORDS = "of words"
+"""How it is said that columns hold words."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,7 +66,8 @@ class Table:
     ``others`` are channels under names of the owner's own, by their path in the file (``rig/angle``, ``run.angle``, or
     the header of a column); names and units, or a map, say which columns they are. ``layout`` says how a text file was
     read, key by key of a map. ``places`` is half of the last place that a column was written to, where its numbers no
-    longer show it. ``unread`` is what else the file holds and was not read, and the cure.
+    longer show it. ``unread`` is what else the file holds and was not read, and the cure. ``worm_period_s`` is that of
+    a telescope's worm, where the file states it, else 0.
     """
 
     columns: dict[str, FloatArray]
@@ -70,3 +79,4 @@ class Table:
     doubts: list[Doubt] = field(default_factory=list)
     taken_from: dict[str, str] = field(default_factory=dict)
     unread: tuple[str, str] | None = None
+    worm_period_s: float = 0.0

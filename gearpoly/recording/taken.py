@@ -15,14 +15,15 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
+from gearpoly.recording.by_readings import are_row_numbers, counter_modulus, runs_evenly
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.mapped import put, take_mapped
 from gearpoly.recording.meaning import Meaning, entry, meanings
-from gearpoly.recording.quantities import ANGLE, TIME, TORQUE
+from gearpoly.recording.quantities import ANGLE, SPEED, TIME, TORQUE, UNITS
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.sources import put_on_one_axis
-from gearpoly.recording.table import AXIS_ERROR, Channel, Table
+from gearpoly.recording.table import AXIS_ERROR, WORDS, WORM_ANGLE, Channel, Table
 from gearpoly.units import FloatArray
 
 SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
@@ -59,7 +60,7 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
-    _ask(file, found, out)
+    _ask(file, found, out, table.others)
     return out
 
 
@@ -71,7 +72,7 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     keys = {**table.keys, **(chart.keys if chart is not None else {})}
     out = Table(columns=dict(table.columns), keys=keys, remarks=list(table.remarks), places=dict(table.places))
     out.taken_from = {name: name for name in table.columns}
-    out.unread = table.unread
+    out.unread, out.worm_period_s = table.unread, table.worm_period_s
     times: dict[str, FloatArray] = {}
     used = take_mapped(table, out, times, chart) if chart is not None else set()
     held = _beside(table, out, used)
@@ -84,6 +85,8 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
     for name, channel in out.taken_from.items():
         if channel in table.others and name in out.columns:
             check_finite(file, name, out.columns[name])
+    if AXIS_ERROR not in out.columns:  # a worm in another machine
+        out.columns.pop(WORM_ANGLE, None)
     return out, found
 
 
@@ -107,6 +110,9 @@ def _beside(table: Table, out: Table, used: set[str]) -> dict[str, Channel]:
         for name, one in table.others.items()
         if one.leaf in (*ANGLE_COLUMNS, *TE_COLUMNS) and not one.number
     }
+    # So is a group with a channel that is called as one that the map takes from another group.
+    mapped = {table.others[name].leaf for name in used if name in table.others and table.others[name].group(name)}
+    groups |= {one.group(name) for name, one in table.others.items() if one.leaf in mapped and not one.number}
     chosen = {table.others[name].group(name) for name in used if name in table.others}
     sizes = {values.size for values in out.columns.values()}
     held = {}
@@ -173,31 +179,39 @@ def angles_known(names: Iterable[str]) -> bool:
     return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
 
 
-def _ask(file: Path, meant: Sequence[Meaning], out: Table) -> None:
-    """Raise where what a comparison needs is in doubt."""
+def _ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str, Channel]) -> None:
+    """Raise where what a comparison needs is in doubt, of the ``channels`` of a file."""
     doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not angles_known(out.columns):
         angles = [one for one in doubtful if one.dimension == ANGLE] or [
-            one for one in doubtful if one.dimension not in ASKED
+            one for one in doubtful if one.dimension not in (*ASKED, SPEED)
         ]
         needed = [*angles, *(one for one in needed if one not in angles)]
         if not angles:
             there = shorten(", ".join(one.channel for one in meant), width=200)
             lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
             lacks = " and ".join(lacking)
-            free = [one for one in meant if one.channel not in out.taken_from.values()]
-            ask = _offered(lacking, free)
+            used = out.taken_from.values()
+            free = [one for one in meant if one.channel not in used and one.dimension not in (TIME, SPEED)]
+            ask = _offered([*([] if "time_s" in out.columns else ["time_s"]), *lacking], free, channels)
             if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
                 wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
+                if len(meant) == len(ANGLE_COLUMNS):
+                    wish += "; above seconds and arcsec of a telescope's periodic error: Time [s] and PE [arcsec]"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
-            if out.unread is not None:
+            if out.unread is not None and (len(free) < len(lacking) or not out.unread[0].endswith(WORDS)):
                 found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
                 raise InputFileError(file, found=found, wish=out.unread[1])
+            every = _each_once([*ask, *(line for one in needed for line in one.ask)])
             if len(free) < len(lacking):
                 wish = "want the readings of both shafts, or of one and a transmission error, in one file"
                 raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=wish)
-            raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=_wish(ask))
+            raise InputFileError(
+                file,
+                found=f"no column that is surely {lacks}, only {there}",
+                wish=_wish(every),
+            )
     if needed:
         raise _in_doubt(file, needed)
 
@@ -218,10 +232,31 @@ def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
     return InputFileError(file, where=where, found=f"{doubt}{says}{beyond}", wish=_wish(list(ask.values())))
 
 
-def _offered(lacking: Sequence[str], free: Sequence[Meaning]) -> tuple[str, ...]:
-    """The lines of a map for the angles that no name says, one channel for each: those that say the least else."""
+def _each_once(lines: Sequence[str]) -> list[str]:
+    """The lines of a map, the first of each key."""
+    return list({line.partition(" = ")[0]: line for line in reversed(lines)}.values())[::-1]
+
+
+def _offered(lacking: Sequence[str], free: Sequence[Meaning], channels: Mapping[str, Channel]) -> tuple[str, ...]:
+    """The lines of a map for the angles, and the time, that no name says, one channel for each: those that say the
+    least else, and for the time the first where its readings run evenly."""
     likely = sorted(free, key=lambda one: bool(one.dimension))
-    return tuple(entry(angle, one.channel, None) for angle, one in zip(lacking, likely, strict=False))
+    rows = [one for one in likely if one.channel in channels and are_row_numbers(channels[one.channel].values)]
+    likely = [one for one in likely if one not in rows] + rows
+    first = channels.get(likely[0].channel) if len(likely) >= len(lacking) else None
+    if lacking[0] == "time_s" and not (first is not None and runs_evenly(first.values)):
+        lacking = lacking[1:]
+    return tuple(_offer(angle, one.channel, channels) for angle, one in zip(lacking, likely, strict=False))
+
+
+def _offer(column: str, name: str, channels: Mapping[str, Channel]) -> str:
+    """The line of a map that gives a ``column`` to the channel of that ``name``; a counter's says how many counts are a
+    turn, if one turn is where it begins again."""
+    held = channels.get(name)
+    modulus = counter_modulus(held.values) if held is not None and column in ANGLE_COLUMNS else None
+    if modulus is None:
+        return entry(column, name, None)
+    return entry(column, name, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
 
 
 def _wish(ask: Sequence[str]) -> str:

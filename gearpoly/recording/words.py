@@ -8,6 +8,7 @@ import unicodedata
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE
 
 TE, OTHER = "transmission error", "something else"
+AXIS, WORM = "error of a telescope's axis", "angle of the worm"
 
 QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (
@@ -16,6 +17,13 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
         "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
         "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
     ),
+    (
+        AXIS,
+        "pe pec raerror rawpe",
+        "periodic error|ra error|raw pe|tracking error|schneckenfehler|nachfuhrfehler|"
+        "erreur periodique|errore periodico",
+    ),
+    (WORM, "wormphase wormangle", "worm phase|worm angle|worm position|worm pos|schneckenwinkel|schneckenphase"),
     (
         OTHER,
         "",
@@ -36,7 +44,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (ANGLE, "phi theta φ θ ϕ ϑ angle angles angulo angolo", "winkel|angle|angulo|angolo"),
     (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
 )
-"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The second
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The fourth
 row is of quantities that no column holds, some of which have an angle in their names. A word of one letter counts only
 with a unit that fits, but for a name that is t."""
 

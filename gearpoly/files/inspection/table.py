@@ -14,7 +14,7 @@ from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side, Turn
 from gearpoly.files.inspection.measured import SIDES, MeasuredGear, closed
 from gearpoly.files.inspection.sheet_map import SheetMap
-from gearpoly.files.inspection.table_heads import FLANKS, Heads, heads_of, length_of, meaning_of
+from gearpoly.files.inspection.table_heads import FLANKS, SIGNED, Heads, heads_of, length_of, meaning_of
 from gearpoly.files.inspection.text import any_text
 from gearpoly.files.traces import DEVIATION_LIMIT_UM, LINE_LIMIT, parse_number
 from gearpoly.keys.kinds import NAME_SHOWN
@@ -42,8 +42,9 @@ def read_table(file: Path, layout: SheetMap, *, known: Mapping[str, float], coun
     head_line, names = _head(file, rows, layout)
     below = [(line, cells) for line, cells in rows if line > head_line and any(cells)]
     units = [""] * len(names)
-    if below and len(below[0][1]) == len(names) and _are_units(below[0][1]):
+    if below and len(names) - 1 <= len(below[0][1]) <= len(names) and _are_units(below[0][1]):
         units = [cell.strip("[]() ") for cell in below.pop(0)[1]]
+        units = [""] * (len(names) - len(units)) + units  # blanks part the cells, and teeth have no unit
     heads = heads_of(file, head_line, names, units, layout)
     meanings, factors, says = heads.meanings, heads.factors, heads.says
     below = _above_footer(below, [meaning for meaning, _ in meanings].index("tooth"), says)
@@ -143,10 +144,28 @@ def _rows(file: Path, layout: SheetMap) -> list[tuple[int, list[str]]]:
         often = {one: max((n for times, n in found.items() if times), default=0) for one, found in counts.items()}
         separator = max(SEPARATORS, key=lambda one: (often[one] >= 0.5 * len(kept), -SEPARATORS.index(one)))
         if 2 * often[separator] < len(kept):  # most lines have none of them
-            return [(k, line.split()) for k, line in kept]
-    return [
-        (k, [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=separator), [])]) for k, line in kept
-    ]
+            width = Counter(len(line.split()) for _, line in kept).most_common(1)[0][0] if kept else 0
+            wider = [(k, line.split(), re.split(r"\s{2,}|\t", line.strip())) for k, line in kept]  # names hold blanks
+            return [(k, far if len(far) == width != len(cells) else cells) for k, cells, far in wider]
+    return _inside(
+        [
+            (k, [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=separator), [])])
+            for k, line in kept
+        ],
+        bars=separator == "|",
+    )
+
+
+def _inside(rows: list[tuple[int, list[str]]], *, bars: bool) -> list[tuple[int, list[str]]]:
+    """The rows without what nothing stands in: behind the last separator of each, and before the first one of ``bars``
+    that are drawn about a table; nor rules that are drawn below heads."""
+    if bars:
+        rows = [(k, cells) for k, cells in rows if "".join(cells).strip("-:= ")]
+    width = Counter(len(cells) for _, cells in rows).most_common(1)[0][0] if rows else 0
+    wide = [cells for _, cells in rows if len(cells) == width]
+    last = width - 1 if width > 2 and not any(cells[-1] for cells in wide) else width
+    first = 1 if bars and width > 2 and not any(cells[0] for cells in wide) else 0
+    return [(k, cells[first:last] if len(cells) == width else cells) for k, cells in rows]
 
 
 def _head(file: Path, rows: list[tuple[int, list[str]]], layout: SheetMap) -> tuple[int, list[str]]:
@@ -157,7 +176,7 @@ def _head(file: Path, rows: list[tuple[int, list[str]]], layout: SheetMap) -> tu
         if called and called <= set(cells):
             return line, cells
         if not called and any(meaning_of(cell)[0] == "tooth" for cell in cells) and len(cells) > 1:
-            return line, cells
+            return _merged(rows, line, cells)
     if layout.columns and not called:
         wide = max(int(name.removeprefix("column ")) for name in layout.columns)
         first = next((k for k, (_, cells) in enumerate(rows) if len(cells) >= wide and _numbered(cells, layout)), 0)
@@ -169,6 +188,20 @@ def _head(file: Path, rows: list[tuple[int, list[str]]], layout: SheetMap) -> tu
         '"column 1" = "tooth"'
     )
     raise InputFileError(file, found="no line of column names", wish=wish)
+
+
+def _merged(rows: list[tuple[int, list[str]]], line: int, heads: list[str]) -> tuple[int, list[str]]:
+    """Heads in two lines, of which the first has names over several columns (``Left,,Right,``), as one; the heads as
+    they are where the next line is none of names."""
+    below = next(((k, cells) for k, cells in rows if k > line), None)
+    if below is None or len(below[1]) != len(heads) or _are_units(below[1]) or re.search(r"\d", "".join(below[1])):
+        return line, heads
+    if all(meaning_of(cell)[0] not in SIGNED for cell in below[1]):
+        return line, heads
+    over = list(heads)
+    for k in range(1, len(over)):
+        over[k] = over[k] or over[k - 1]
+    return below[0], [f"{one} {cell}".strip() for one, cell in zip(over, below[1], strict=True)]
 
 
 def _numbered(cells: list[str], layout: SheetMap) -> bool:

@@ -20,17 +20,20 @@ from gearpoly.recording.comments import read_comment
 from gearpoly.recording.meaning import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
-from gearpoly.recording.table import Channel, Doubt, Table
+from gearpoly.recording.table import WORDS, Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
+from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touching
 from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import no_reading, without, without_empty
+from gearpoly.recording.text.oscilloscope import take_sequence
 from gearpoly.recording.text.part import TextPart
 from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
+from gearpoly.recording.text.wrapped import unwrapped
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
@@ -66,12 +69,33 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
-    lines = TextLines(without_empty(text), inside)
+    lines = without_empty(TextLines(text, inside))
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
         raise InputFileError(file, found=found, wish=wish)
     del text
+    lines, taken_off = unwrapped(lines)
+    if writing.widths:
+        cut = by_widths(lines, writing.widths)
+        return _recordings(file, cut, replace(writing, separator=PARTED), encoding, footer=footer)
+    try:
+        tables = _recordings(file, lines, writing, encoding, footer=footer)
+        for table in tables if taken_off else ():
+            table.remarks.append(taken_off)
+        return tables
+    except InputFileError:
+        held = touching(lines) if writing.separator in ("", " ") else None
+        if held is None:
+            raise
+    tables = _recordings(file, *parted(file, held, writing), encoding, footer=footer)
+    for table in tables:
+        table.remarks.append(f"numbers touch, such as {shorten(held.example)}: parted {held.how}")
+    return tables
+
+
+def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *, footer: bool) -> list[Table]:
+    """Every recording in the lines of a text."""
     beside = rewritten(file, lines, separator=writing.separator)
     lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
@@ -83,6 +107,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
     shared = _keys(file, lines, blocks[0])
+    parting = "their widths" if writing.widths else SEPARATORS.get(separator, shorten(separator))
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
@@ -91,10 +116,11 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
             table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
-        table.layout = {"encoding": encoding, "separator": separator, **table.layout}
+        ways = {"widths": str(list(writing.widths))} if writing.widths else {"separator": separator}
+        table.layout = {"encoding": encoding, **ways, **table.layout}
         table.remarks.insert(
             0,
-            f"text in {encoding}, cells parted by {SEPARATORS.get(separator, shorten(separator))}, names in line "
+            f"text in {encoding}, cells parted by {parting}, names in line "
             f"{block.header or 'none'}, rows from line {block.rows[0]}",
         )
         if encoding == NO_COUNTRY and not writing.encoding:
@@ -112,7 +138,7 @@ def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
             del table.others[name]
             words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
             table.remarks.append(f"{words}: not read")
-            table.unread = (words, "want numbers in the columns that are to be read")
+            table.unread = (f"{words}, a column {WORDS}", "want numbers in the columns that are to be read")
     for k, (label, unit) in enumerate(beside.labels):
         name = block.names[k] if k < len(block.names) else ""
         if name not in table.others:
@@ -164,6 +190,7 @@ def _table(file: Path, lines: TextLines, block: Block, separator: str, writing: 
         unit, own = "s" if k in stamped else block.units[k], block.stated[k]
         table.others[name] = Channel(values=series[k], unit=unit, leaf=own if own != name else "", number=k + 1)
     take_times(table, lines, block, separator, marks)
+    take_sequence(table, lines, block, separator, marks)
     table.layout["decimal"] = marks.decimal
     if marks.thousands:
         table.layout["thousands"] = marks.thousands

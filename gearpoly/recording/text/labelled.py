@@ -10,7 +10,9 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.text.layout import CELLS_LIMIT, SEPARATORS, split
+from gearpoly.recording.text.cut import split
+from gearpoly.recording.text.layout import CELLS_LIMIT, SEPARATORS
+from gearpoly.recording.text.stamps import is_stamp
 
 LEAST_ROWS = 8
 """Rows from which numbers with the same labels and units are a table; a head may state a few settings so."""
@@ -70,6 +72,10 @@ def _parts(line: str, separator: str) -> tuple[Labels, list[str]] | None:
     labels, numbers = [], []
     for cell in split(line.strip().rstrip(separator), separator):
         held = _CELL.fullmatch(cell)
+        if held is None and is_stamp(cell):
+            labels.append(("", ""))
+            numbers.append(cell)
+            continue
         if held is None:
             return None
         labels.append(((held[1] or "").strip(), held[3] or ""))

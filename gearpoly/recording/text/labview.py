@@ -13,11 +13,12 @@ import numpy as np
 
 from gearpoly.recording.table import Channel, Table
 from gearpoly.recording.text.cells import Marks
-from gearpoly.recording.text.layout import Block, split
+from gearpoly.recording.text.cut import split
+from gearpoly.recording.text.headings import ABSCISSA
+from gearpoly.recording.text.layout import Block
 from gearpoly.units import FloatArray
 
 MARK = "X_Dimension"
-ABSCISSA = "X_Value"
 
 
 def take_times(table: Table, lines: Sequence[str], block: Block, separator: str, marks: Marks) -> None:

@@ -6,18 +6,18 @@ that makes the longest run of data lines of one width; what stands above such a 
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.quantities import DOUBTFUL, UNSTATED, units_written
 from gearpoly.recording.table import told_apart
-from gearpoly.recording.text.cells import is_missing, is_number
+from gearpoly.recording.text.cells import is_number
+from gearpoly.recording.text.cut import is_data, part_read, split
+from gearpoly.recording.text.headings import bare, completed, heading, words_of_line
 from gearpoly.recording.text.lines import LINES_AT_ONCE, TextLines, are_rows
 from gearpoly.recording.text.missing import holds_cells, no_reading
 from gearpoly.recording.text.stamps import is_stamp
@@ -56,29 +56,6 @@ class Block:
     header: int
     head: tuple[int, int]
     rows: tuple[int, int]
-
-
-def split(line: str, separator: str) -> list[str]:
-    """The cells of a line without blanks and quotes around them."""
-    if '"' in line and separator != " ":
-        try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
-        except csv.Error:  # a cell without end
-            return [line]
-    if separator == " ":
-        return [cell.strip('"') for cell in line.split()]
-    return [cell.strip() for cell in line.split(separator)]
-
-
-def is_data(cells: Sequence[str]) -> bool:
-    """Whether a line is a row: every cell is a number, a stamp or nothing read, and one at least was read."""
-    read = False
-    for cell in cells:
-        if is_number(cell) or is_stamp(cell):
-            read = True
-        elif not is_missing(cell):
-            return False
-    return read
 
 
 def find_separator(file: Path, lines: Sequence[str]) -> str:
@@ -187,20 +164,18 @@ def _runs(lines: TextLines, separator: str) -> list[tuple[int, int, int]]:
 
 
 def _is_row(cells: Sequence[str], width: int) -> bool:
-    """Whether a line below the rows was meant for one: it begins with a number, or has as many cells."""
-    return len(cells) == width or is_number(cells[0]) or is_stamp(cells[0])
-
-
-def _part_read(cells: Sequence[str]) -> bool:
-    """Whether a line that is no row holds a number all the same."""
-    return any(is_number(cell) for cell in cells)
+    """Whether a line below the rows was meant for one: it begins with a number, has as many cells, or no letters."""
+    if len(cells) == width or is_number(cells[0]) or is_stamp(cells[0]):
+        return True
+    text = " ".join(cells)
+    return any(c.isdigit() for c in text) and not any(c.isalpha() for c in text)
 
 
 def _begins(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> bool:
     """Whether the lines between two runs of rows begin another recording: one of them names as many columns."""
     for k in above:
-        cells = _words(lines[k], separator, width)
-        if any(cells) and not _part_read(cells):
+        cells = words_of_line(lines[k], separator, width)
+        if any(cells) and not part_read(cells):
             return True
     return False
 
@@ -250,81 +225,20 @@ def _block(
     first, end, width = run
     named, unit_line = header - 1, units - 1
     if not header:
-        named, unit_line = _heading(lines, above, separator, width)
-    names = _words(lines[named], separator, width) if 0 <= named < len(lines) else []
-    named_units = _words(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
+        named, unit_line = heading(lines, above, separator, width)
+    names = words_of_line(lines[named], separator, width) if 0 <= named < len(lines) else []
+    named_units = words_of_line(lines[unit_line], separator, width) if 0 <= unit_line < len(lines) else []
     for asked, key, held in ((header, "header_line", names), (units, "units_line", named_units)):
         if asked and not held:
             found = f"no {width} cells in line {asked}, as the rows have"
             raise InputFileError(file, found=found, wish=f"want {key} in [text] of the map to be another line, or none")
+    if names and not header:
+        names, named_units = completed(lines, above, separator, (named, names), named_units)
     return Block(
         names=tuple(told_apart(names or [""] * width)),
         stated=tuple(names or [""] * width),
-        units=tuple(_bare(cell) for cell in named_units or [""] * width),
+        units=tuple(bare(cell) for cell in named_units or [""] * width),
         header=named + 1 if names else 0,
         head=(above[0] + 1 if above else first + 1, (named if names else first) + 1),
         rows=(first + 1, end + 1),
     )
-
-
-def _heading(lines: Sequence[str], above: Sequence[int], separator: str, width: int) -> tuple[int, int]:
-    """The lines (from 0) of the names and of the units above a run of rows; -1 where there is none."""
-    wide = {
-        k: cells
-        for k in above
-        if (cells := _words(lines[k], separator, width)) and not _part_read(cells) and not _is_rule(cells)
-    }
-    if not wide:
-        return -1, -1
-    *others, last = wide
-    if others and _are_units(wide[last]):
-        return _named(wide, others), last
-    named = _named(wide, [*others, last])
-    # Some write the units above the names, most of which are no units.
-    return named, others[-1] if others and named == last and _are_units(wide[others[-1]]) else -1
-
-
-def _is_rule(cells: Sequence[str]) -> bool:
-    """Whether a line above the rows is one that is drawn below names: ``---`` in each cell."""
-    held = [cell for cell in cells if cell]
-    return bool(held) and all(len(cell) > 2 and not cell.strip("-=:+_") for cell in held)
-
-
-def _named(wide: Mapping[int, Sequence[str]], numbers: Sequence[int]) -> int:
-    """The last of the lines ``wide`` of these ``numbers`` that fills half of its cells, a remark on one column being no
-    names; the last of all where none does."""
-    return next((k for k in reversed(numbers) if 2 * sum(map(bool, wide[k])) >= len(wide[k])), numbers[-1])
-
-
-def _are_units(cells: Sequence[str]) -> bool:
-    """Whether most cells that hold anything hold a unit."""
-    held = [cell for cell in map(_bare, cells) if cell not in UNSTATED]
-    known = sum(bool(units_written(cell)) or cell.lower() in DOUBTFUL for cell in held)
-    return known > 0 and 2 * known > len(held)
-
-
-def _bare(unit: str) -> str:
-    """A unit without brackets about it, and nothing for what stands where none is stated."""
-    inside = unit.strip("[]() ")
-    return "" if inside in UNSTATED else inside
-
-
-def _words(line: str, separator: str, width: int) -> list[str]:
-    """The cells of a line above rows of ``width`` cells, or none where it has another number of them."""
-    text = line.lstrip()
-    if text[:1] in ("#", "%") and "=" not in text:
-        text = text[1:]
-    ways = [split(text, separator)]
-    if separator == " ":  # names may hold blanks where more of them part the columns
-        ways.append(re.split(r"\s{2,}|\t", text.strip()))
-    for cells in ways:
-        if len(cells) == width + 1 and cells[-1].strip().lower() in (
-            "",
-            "comment",
-        ):  # LabVIEW names a column of remarks
-            cells.pop()
-        if len(cells) == width:
-            return [cell.strip() for cell in cells]
-        if len(cells) == width - 1 and width > 2:  # rows end in a separator, names do not
-            return [*(cell.strip() for cell in cells), ""]
-    return []

@@ -66,6 +66,12 @@ class TextLines(Sequence[str]):
         held = mark.encode(self.encoding, "ignore")
         return first < end and held != b"" and self.text.find(held, self._begin(first), int(self._ends[end - 1])) >= 0
 
+    def beginnings(self) -> frozenset[int]:
+        """The bytes with which lines begin, but for the first."""
+        codes = np.frombuffer(self.text, dtype=np.uint8)
+        begins = self._ends[:-1] + 1
+        return frozenset(np.flatnonzero(np.bincount(codes[begins[begins < codes.size]])).tolist())
+
     def _begin(self, k: int) -> int:
         return int(self._ends[k - 1]) + 1 if k else 0
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from gearpoly.recording.meaning import quoted
+from gearpoly.recording.text.lines import TextLines
 
 LONGEST_WORD = 40
 """Characters of a cell that a message shows whole; words for no reading are shorter."""
@@ -16,12 +17,17 @@ _DATE = re.compile(rf"\d{{1,2}}\.?[ -]?{_MONTH}\.?|{_MONTH}[- ]\d{{1,4}}|\d{{1,2
 """Days that spreadsheets make of numbers: 4. Nov, Nov 04, 4-Nov, 04.11.2026."""
 
 
+_SEXAGESIMAL = re.compile(r"[+-]?\d{1,3}:\d{2}:\d{2}(?:[.,]\d+)?")
+
+
 def no_reading(cell: str) -> str:
     """The line of a map for a cell that is a word for no reading, or what made it of a number."""
     if _DATE.fullmatch(cell):
         return (
             "; a spreadsheet made a date of a number: export it again, with these columns as text before it is opened"
         )
+    if _SEXAGESIMAL.fullmatch(cell):
+        return "; degrees, minutes and seconds are read as 100\u00b048'00\", and decimal degrees"
     return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
 
 
@@ -30,13 +36,14 @@ def holds_cells(line: str) -> bool:
     return bool(line) and not line.isspace() and (not line.lstrip().startswith("#") or "=" in line)
 
 
-def without_empty(text: bytes) -> bytes:
-    """The ``text`` with blank lines in the place of those that hold nothing but what parts cells, as spreadsheets write
+def without_empty(lines: TextLines) -> TextLines:
+    """The ``lines`` with blank ones in the place of those that hold nothing but what parts cells, as spreadsheets write
     rows that were once filled."""
+    begin = lines.beginnings()  # a pattern takes far longer
     for mark in (b",", b";", b"\t"):
-        if any(begin in text for begin in (b"\n" + mark + mark, b"\n" + mark + b"\n")):  # patterns take far longer
-            text = re.sub(rb"(?m)^[%b ]+$" % mark, b"", text)
-    return text
+        if mark[0] in begin:
+            lines = TextLines(re.sub(rb"(?m)^[%b ]+$" % mark, b"", lines.text), lines.encoding)
+    return lines
 
 
 def without(text: str, missing: Sequence[str], separator: str) -> str:

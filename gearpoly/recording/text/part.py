@@ -15,7 +15,8 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.finite import all_finite
 from gearpoly.recording.text.cells import Marks
-from gearpoly.recording.text.layout import Block, split
+from gearpoly.recording.text.cut import split
+from gearpoly.recording.text.layout import Block
 from gearpoly.recording.text.lines import TextLines, squeezed
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.parsed import parsed

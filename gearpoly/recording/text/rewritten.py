@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gearpoly.recording.text.cells import is_missing, is_number
+from gearpoly.recording.text.cut import is_data, split
 from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
-from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, is_data, split
+from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
@@ -27,8 +28,8 @@ LEAST_ROWS = 8
 HEAD_LINES = 2
 """Rows that words must add to those without: one or two may begin a head, and columns without words need no change."""
 
-_LETTER = re.compile(r"[^\W\d_eE]")
-"""A letter that no number holds."""
+_LETTER = re.compile(r"[^\W\d_eE]|[%\u2030]")
+"""A letter or sign that no number holds."""
 
 _SECONDS = r"(?P<s>\d{1,2}(?:[.,]\d+)?)\s*(?:\u2033|\u201d|''|\"\"|\")"
 _DMS = re.compile(
