@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.stated_units import PACKED_NAMES
 
 COLUMNS_LIMIT = 200
@@ -123,7 +124,7 @@ def _columns(
     """The columns of the dataset ``name`` in the group ``path`` by their names; none of one that is a series itself."""
     dataset = groups[path][name]
     several = isinstance(dataset, h5py.Dataset) and (dataset.dtype.names or len(dataset.shape or ()) == 2)
-    if not several or not dataset.size or OBJECT in dataset.attrs or kept_elsewhere(dataset):
+    if name in COLUMNS or not several or not dataset.size or OBJECT in dataset.attrs or kept_elsewhere(dataset):
         return
     if dataset.dtype.names and dataset.size == max(dataset.shape, default=0):
         fields = {one: dataset.dtype[one].shape for one in dataset.dtype.names if _is_field(dataset.dtype[one])}

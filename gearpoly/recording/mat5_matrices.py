@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from gearpoly.recording.hdf5_columns import COLUMNS_LIMIT, NAMES, UNITS, alike
 from gearpoly.recording.mat5_layout import CELL, CHAR, NUMERIC_CLASSES, Array, cells_of, rows_of_text
+from gearpoly.recording.recording import COLUMNS
 
 Groups = Mapping[str, Mapping[str, Array]]
 Whole = Callable[[Array], Array]
@@ -54,7 +55,7 @@ def _columns(groups: Groups, place: str, name: str, whole: Whole) -> Iterator[tu
     array = groups[place][name]
     shape = array.shape
     plain = array.kind in NUMERIC_CLASSES and not array.is_complex and len(shape) == 2 and min(shape) > 1
-    if not plain or shape[0] == shape[1]:
+    if name in COLUMNS or not plain or shape[0] == shape[1]:
         return
     for axis in (1, 0) if shape[0] > shape[1] else (0, 1):
         if shape[axis] > COLUMNS_LIMIT:
