@@ -24,7 +24,6 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import PASSES
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import opening, shortened
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.search import Search
@@ -48,17 +47,15 @@ WITH_TEETH = ("shaft_order", "mesh_order", "mesh_phase", "tooth", "condition")
 def compare_as_built(
     file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = lambda _: None
 ) -> Comparison:
-    """``compare``, and where nobody inspected a gear, or its profiles and they differ, what it located at its teeth
-    held against teeth that touch as they were built. Raises what ``compare`` does."""
+    """``compare``, and where nobody inspected a gear, what it located at its teeth held against teeth that touch as
+    they were built. Raises what ``compare`` does."""
     comparison = compare(file, recordings, path=path, step=step)
-    if not any(map(_with_teeth, comparison.located.entries)):
+    if not teeth_are_open(comparison):
         return comparison
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
     seen_at = [opening(one, model, few=FEW) for one in model.observed]
     model = with_forms(model, waves, step)
-    if not teeth_are_open(comparison, model):
-        return comparison
     try:
         fit = Search.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
         return with_teeth_of(fit, comparison, seen_at=seen_at)
@@ -66,10 +63,10 @@ def compare_as_built(
         return comparison
 
 
-def teeth_are_open(comparison: Comparison, model: Model) -> bool:
-    """Whether anything was located that teeth may make which nobody inspected, or whose forms are open."""
-    either = any(one.graded or one.form for one in model.as_built.gears)
-    return either and any(map(_with_teeth, comparison.located.entries))
+def teeth_are_open(comparison: Comparison) -> bool:
+    """Whether anything was located that teeth which nobody inspected may make."""
+    graded = any(one.F_pT is not None for one in comparison.gears)
+    return graded and any(map(_with_teeth, comparison.located.entries))
 
 
 def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:

@@ -87,7 +87,7 @@ def diagnose(
         comparison = comparison.moved(model.offset)
     if model.turned_by:
         comparison = comparison.turned(model.turned_by)
-    if teeth_are_open(comparison, model) and not search.over:
+    if teeth_are_open(comparison) and not search.over:
         every = [np.arange(one.samples.size) for one in model.observed]
         comparison = with_teeth_of(search, comparison, seen_at=every)
     search.step = watch.stage("search")

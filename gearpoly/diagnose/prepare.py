@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -17,7 +16,7 @@ from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.diagnose.model import Model, Observed
-from gearpoly.files.models import GearSection, Inspection, PairFile
+from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
@@ -145,25 +144,10 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         each = max(section.inspection.uncertainty_um, IDEAL)
         # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
         alone = section.inspection.pitch_coast_um is not None
-        known = _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
-        return _of_no_profile(known, section, gears, which)
+        return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
     return graded_prior(section, gears, which)
-
-
-def _of_no_profile(known: GearPrior, section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPrior:
-    """The same with what the gear's grade, if one is stated, leaves open of profiles that nobody measured."""
-    sheet = section.inspection or Inspection()
-    stated = section.grade is not None or section.limits is not None
-    traced = sheet.profile_csv is not None or sheet.gde is not None or sheet.profile_form_um is not None
-    if not stated or traced:
-        return known
-    graded = graded_prior(section, gears, which)
-    known = replace(known, wave=graded.wave)
-    if sheet.profile_slope_um is not None or sheet.profile_slope_coast_um is not None:
-        return known
-    return replace(known, slope=graded.slope, mean_slope=graded.mean_slope, crowning=graded.crowning)
 
 
 def graded_prior(

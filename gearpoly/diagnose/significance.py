@@ -81,8 +81,8 @@ def is_significant(entry: Entry, of: FitResidual) -> bool:
 
 
 def outlying_teeth(of: FitResidual, waves: Sequence[Entry]) -> list[Entry]:
-    """Teeth that would stand elsewhere, by pitch and slope, if their grade or inspection did not hold them, the
-    farthest first; each beside those before it and beside the ``waves`` that are told."""
+    """Teeth that would stand elsewhere, by pitch and slope, if their grade did not hold them, the farthest first; each
+    beside those before it and beside the ``waves`` that are told."""
     fit, built = of.fit, of.fit.linear.layout.built
     as_built, scope = fit.model.as_built, fit.model.scope
     places = [

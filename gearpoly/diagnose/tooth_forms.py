@@ -1,4 +1,4 @@
-"""Whether teeth whose profiles nobody measured differ in form, as their grade lets them: from the evidence."""
+"""Whether teeth of which only the grade is known differ in form, as that lets them: from the evidence."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ CLEARLY = 10.0
 
 
 def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Model:
-    """The model with a form of its own for every tooth whose profile nobody measured, if that makes the recordings
-    likelier; else as it was."""
+    """The model with a form of its own for every tooth of graded gears, if that makes the recordings likelier; else as
+    it was."""
     told = _open(model.as_built)
     if told is model.as_built or model.budget.over:
         return model
