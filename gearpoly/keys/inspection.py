@@ -73,8 +73,8 @@ class Inspection(Section):
         "profile crowning of the coast flanks in um; default: the drive flanks'"
     )
     profile_form_um: Forms | None = field(
-        "form of the drive flanks in um, a list per tooth: amplitudes of cos(k pi u) with k = 2, 3, 4 and more half "
-        "waves, u from 0 at the start of the active profile to 1 at the tip; positive = more material there"
+        "form of the drive flanks in um, a list per tooth: amplitudes of cos(k pi u), k from 2 on, u from 0 at the "
+        "active root to 1 at the tip"
     )
     profile_form_coast_um: Forms | None = field("the same of the coast flanks; default: the drive flanks'")
     tooth_thickness_um: PerTooth | None = field(
