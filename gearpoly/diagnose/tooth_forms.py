@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.diagnose.as_built import AsBuilt, make_as_built
+from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import FEW, shortened
@@ -25,10 +26,10 @@ parameters and three recordings of 5500 samples a fit took 9 s loaded and 17 s u
 
 COMMON = 100.0
 """Standard deviation of what all teeth have in common meanwhile, over that of a half wave: some 11 times what the grade
-allows, more than any wear that teeth outlive."""
+allows, more than any wear that teeth outlive. Without it a missing deflection of two torques turned forms on."""
 
 ROUNDS = 6
-"""Rounds of simulating and fitting before it is asked."""
+"""Rounds of simulating and fitting before it is asked: as many as a place of the teeth is tried with. A judgement."""
 
 APART = 0.25
 """Part of the teeth of a flank, those that differ most, that are not asked, nor any mesh in which they touch: a damaged
@@ -36,7 +37,7 @@ tooth says nothing of how a gear was made, and all teeth of its mate meet it. A 
 
 MESH_WAVES = 8
 """Harmonics of the mesh that are free in every recording meanwhile: beyond those a hand-over holds little, and at 16
-samples per mesh nothing shows."""
+samples per mesh nothing shows. Without them a wear of 32 times what shows turned forms on."""
 
 FINER, COARSER = 0.1, 1.3
 """Mean square of what forms come out as, over what they are beforehand, below and above which they are none. Of
@@ -44,13 +45,11 @@ fifteen drawn pairs it was 0.35 to 1.1 (the teeth that differ most are not asked
 1.5 to 17; of unloaded teeth of one form that all lean by ten times what shows 0.05, where fits of them leave what they
 cannot do."""
 
-CLEARLY = 10.0
-"""Fall of twice the negative log of the evidence for it to be believed: likelier by a factor of 150."""
-
 
 def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Model:
-    """The model with a form of its own for every tooth of graded gears, if that makes the recordings likelier; else as
-    it was."""
+    """The model with a form of its own for every tooth of graded gears, if that makes the recordings likelier beside
+    the ``foreign`` columns (n_k, q) in mm; else as it was. Where gears cannot run so, nothing is asked. For the
+    evidence of a linear model see MacKay 1992, Neural Computation 4, 415."""
     told = _open(model.as_built)
     if told is model.as_built or model.budget.over:
         return model

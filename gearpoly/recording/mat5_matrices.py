@@ -31,6 +31,7 @@ class MatrixColumn:
 
     @property
     def size(self) -> int:
+        """Number of readings."""
         return self.matrix.shape[1 - self.axis]
 
     def of(self, numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -48,6 +48,7 @@ class Touching:
 
     @property
     def how(self) -> str:
+        """What parted the numbers, in words."""
         return f"where their columns end, in widths of {', '.join(map(str, self.cut))}" if self.cut else "at signs"
 
 
