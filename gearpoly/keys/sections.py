@@ -199,7 +199,8 @@ class GearSection(Open):
             )
         for key, values in self.inspection or ():
             if isinstance(values, tuple) and key not in FOR_THE_GEAR and len(values) != self.teeth:
-                wish = f"want {self.teeth}, one per tooth, or one number for all teeth"
+                wish = f"want {self.teeth}, one per tooth"
+                wish += "" if key.startswith("profile_form") else ", or one number for all teeth"
                 broken(f"inspection.{key}", f"a list of {len(values)} values", wish)
         for name, faults in self:
             for fault in faults if isinstance(faults, tuple) else ():
