@@ -13,6 +13,7 @@ import numpy as np
 from gearpoly.compare.among import shared_counts
 from gearpoly.compare.even import even_rate
 from gearpoly.compare.ratio import Explained, Travelled, decided, explanations, other_teeth
+from gearpoly.compare.runaway import held
 from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.physics.parts import EncoderErrors
@@ -79,6 +80,7 @@ def put_right(
     Raises ``InputFileError`` where the lines are those of another pair of teeth, or the ratio is another pair's by more
     than ``RATIO_LIMIT`` and no lines tell.
     """
+    recordings = [held(recording, pair) for recording in recordings]
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     found = {k: one for k, r in enumerate(recordings) if (one := _travelled(r, pair)) is not None}
     if not found:

@@ -1,0 +1,86 @@
+"""Transmission errors that the rig computed and that run away by more than teeth in mesh can.
+
+Teeth in mesh do not slip. A transmission error that grows by pitches along a recording is a motor's rate, a wrong count
+or an axis that wanders; of the shaft whose angle follows from it nothing is then at its order. So what is slow of it is
+taken out, as the curve that the noise's own fit allows for anyway, and told.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.compare.slow import slow_curves
+from gearpoly.errors import InputFileError
+from gearpoly.mesh.pair import GearPair
+from gearpoly.recording.clean import RATIO_LIMIT
+from gearpoly.recording.recording import SHAFTS, Recording
+from gearpoly.recording.travel import FEWEST
+from gearpoly.units import UM, FloatArray
+
+MATTERS = 0.25
+"""Pitches by which a slow course misses from which the mate's lines are smeared: a line of the order of its teeth loses
+a tenth of its power where its phase runs over a quarter of a turn."""
+
+APART = 1.5
+"""Turns from which a wave of order 1 is fitted beside the slow course; of less the course takes its part."""
+
+NO_ERROR = 0.2
+"""Part of what a shaft turns from which the column is no transmission error: an angle, or another unit. Of rigs that
+wander by pitches the worst run away by 0.06."""
+
+
+def held(recording: Recording, pair: GearPair) -> Recording:
+    """The recording without the slow course (mean left, ramp, bow and S taken) of a transmission error that runs away;
+    as it is where both angles were read, or where the course is within ``MATTERS``. Beside an encoder's angle a ramp up
+    to ``RATIO_LIMIT`` may be its scale, which the diagnosis asks for.
+
+    Raises ``InputFileError`` where the column cannot be a transmission error.
+    """
+    te = recording.te_in_rad(pair.r_b2)
+    shafts = [name for name in SHAFTS if getattr(recording, f"{name}_angle_rad") is not None]
+    if te is None or len(shafts) != 1:
+        return recording
+    shaft, angle = shafts[0], getattr(recording, f"{shafts[0]}_angle_rad")
+    good = np.isfinite(te) & np.isfinite(angle)
+    if np.count_nonzero(good) < FEWEST:
+        return recording
+    # An angle that only rises or falls was never wrapped, and may go on by more than half a turn.
+    steps = np.diff(angle[good])
+    whole = angle[good] if np.all(steps >= 0.0) or np.all(steps <= 0.0) else np.unwrap(angle[good])
+    turned = whole * (pair.ratio if shaft == "driving" else 1.0)
+    course = _course(te[good], turned, ratio=pair.ratio)
+    runs, travel = float(np.ptp(course)), float(np.ptp(turned))
+    least = MATTERS * pair.driven.gear.tau if shaft in recording.from_time else RATIO_LIMIT * travel
+    if runs <= least:
+        return recording
+    far = f"{runs / pair.driven.gear.tau:.2g} pitches"
+    if runs > NO_ERROR * travel:
+        found = f"a transmission error that runs {runs / travel:.0%} of what the shafts turn, {far}: no teeth slip so"
+        wish = "want theta_2 - z_1/z_2 theta_1 in its unit: te_um (along the line of action), te_urad or te_arcsec"
+        raise InputFileError(recording.source, found=found, wish=wish)
+    says = (
+        f"the transmission error runs away by {runs * pair.r_b2 / UM:.4g} um, {far}, along the recording: more than "
+        "teeth in mesh can; its slow course (ramp, bow and S) is taken out"
+    )
+    there = np.full(te.size, math.nan)
+    there[good] = te[good] - course
+    changes = {"te_rad": there} if recording.te_rad is not None else {"te_mm": there * pair.r_b2}
+    return replace(recording, **changes, remarks=(*recording.remarks, says))
+
+
+def _course(te: FloatArray, turned: FloatArray, *, ratio: float) -> FloatArray:
+    """The slow course (n,) of ``te`` over the driven rotation, about its mean, fitted beside both shafts' first two
+    orders where the recording holds turns enough to part them."""
+    slow = slow_curves(turned)
+    waves = [
+        wave(order * angle)
+        for angle in (turned / ratio, turned)
+        if float(np.ptp(angle)) > APART * 2.0 * math.pi
+        for order in (1, 2)
+        for wave in (np.cos, np.sin)
+    ]
+    fitted = np.linalg.lstsq(np.column_stack([slow, *waves]), te, rcond=None)[0]
+    return np.asarray(slow[:, 1:] @ fitted[1 : slow.shape[1]])
