@@ -308,10 +308,18 @@ def test_angles_in_rad_are_told_where_they_would_be_long_enough() -> None:
     assert "were they written in rad, it would be 44 turns" in error.wish
 
 
-def test_fewer_than_two_turns() -> None:
+def test_less_than_two_turns_are_taken_with_a_word() -> None:
     t, theta = steady(1.9)
-    assert "1.90 driving turns" in refusal(recording(theta, error_of(theta), t)).found
-    t, theta, _ = ramped(3.6, 1.5, 1.5, 0.2)
+    (said,) = [one.says for one in clean(recording(theta, error_of(theta), t), ratio=RATIO).done if one.what == "short"]
+    assert "1.90 driving turns" in said
+    t, theta = steady(2.1)
+    assert all(one.what != "short" for one in clean(recording(theta, error_of(theta), t), ratio=RATIO).done)
+
+
+def test_less_than_a_turn() -> None:
+    t, theta = steady(0.9)
+    assert "0.90 driving turns" in refusal(recording(theta, error_of(theta), t)).found
+    t, theta, _ = ramped(2.6, 1.2, 1.2, 0.2)
     assert "driving turns" in refusal(recording(theta, error_of(theta), t)).found
     assert (
         "were they written in rad, it would be" not in refusal(recording(0.01 * theta, 0.01 * error_of(theta), t)).wish

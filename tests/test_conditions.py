@@ -12,6 +12,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, take_back, with_and_without
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.keys.edit import on_gear
@@ -81,7 +82,7 @@ def bulging(without_load: float, folder: Path) -> Search:
     path = folder / "pair.toml"
     model = prepare(true, compare(true, made, path=path), path=path)
     nothing: list[FloatArray] = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    search = Search.begun(model, nothing, lambda _: None)
+    search = from_declared(Search, model, nothing, lambda _: None)
     assert search.model.scope.torques == (20.0 * NM, 0.0)
     search.join([Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(CROWNING,))])
     search.settle()

@@ -15,6 +15,7 @@ from gearpoly.diagnose.contest import contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import scan
 from gearpoly.diagnose.search import Search
 from gearpoly.errors import GeometryError
@@ -46,7 +47,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     known, recordings = leaning()
     path = tmp_path_factory.mktemp("leaning") / "pair.toml"
     model = prepare(known, compare(known, recordings, path=path), path=path)
-    return Fit.begun(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    return from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from gearpoly.diagnose import multi_start as multi_start_module
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
 from gearpoly.keys.edit import changed
 from tests.knowledge.rigs import UNLOADED, graded, record
@@ -25,7 +26,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     comparison = compare(known, record(true, UNLOADED, cycles=2.0, per_mesh=8), path=path)
     model = prepare(known, comparison, path=path)
     nothing = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    return Search.begun(model, nothing, lambda _: None)
+    return from_declared(Search, model, nothing, lambda _: None)
 
 
 @pytest.fixture

@@ -18,8 +18,10 @@ from gearpoly.diagnose import placing
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import BETTER, Fit
-from gearpoly.diagnose.placing import ASKEW, ENOUGH, _best_of, off_by, opening, placed, seen_at, well_placed
+from gearpoly.diagnose.placing import _best_of, off_by, placed, well_placed
 from gearpoly.diagnose.prepare import means_compare, prepare
+from gearpoly.diagnose.relaxed import from_declared, relax
+from gearpoly.diagnose.shortened import ASKEW, ENOUGH, opening, seen_at
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
@@ -160,7 +162,7 @@ def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch) ->
     foreign = [np.zeros((model.observed[0].samples.size, 0))]
 
     def begin() -> Fit:
-        return Fit.begun(model, foreign, lambda _: None)
+        return from_declared(Fit, model, foreign, lambda _: None)
 
     fit = well_placed(model, begin)
     assert abs(off_pitches_of(model.observed[0].samples.theta_2, one)) < 0.2
@@ -231,7 +233,7 @@ def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> Non
     (one,) = recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=4.0)
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, [one], path=path), path=path)
-    fit = Fit.begun(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    fit = from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
     upright, noises = fit.linear.system.misfit, fit.noises
     rng = np.random.default_rng(5)
     built = model.built.copy()
@@ -240,10 +242,10 @@ def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> Non
     model.built = built
     fit.settle(1)
     assert fit.linear.under(noises).system.misfit > upright + BETTER
-    fit.relax()
+    relax(fit)
     assert fit.linear.under(noises).system.misfit < upright + BETTER
     rested = model.built
-    fit.relax()
+    relax(fit)
     np.testing.assert_array_equal(model.built, rested)
 
 
@@ -349,7 +351,7 @@ def test_a_fit_that_has_wandered_to_teeth_of_no_grade_begins_elsewhere_in_the_pi
     model = prepare(declared, compare(declared, [recording], path=path), path=path)
     foreign = [np.zeros((one.samples.size, 0)) for one in model.observed]
     placed(model, foreign, lambda _: None)
-    fit = well_placed(model, lambda: Fit.begun(model, foreign, lambda _: None))
+    fit = well_placed(model, lambda: from_declared(Fit, model, foreign, lambda _: None))
     assert not model.as_built.strained(model.built)
     # Three standard deviations of the misfit of noise in so many samples are 0.035 of it; teeth as built take 86.
     assert fit.linear.system.beyond < 0.01 * fit.linear.system.samples

@@ -15,6 +15,7 @@ from gearpoly.diagnose import left_open
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
@@ -96,7 +97,7 @@ def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     comparison = compare(known, recordings, path=path)
     model = prepare(known, comparison, path=path)
     model.shift_std = 1e-3 * model.scope.gears[1].tau
-    search = Fit.begun(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = from_declared(Fit, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     begun = comparison.alignment.zeros.driven
     assert begun is not None
     late = math.remainder(begun - ZEROS[1], 2.0 * math.pi) - 0.125 * model.scope.gears[1].tau

@@ -11,6 +11,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.imagine import LIGHT, Imagined, NextRecording, effects, imagined
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.separate import Separation, would_separate
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -33,7 +34,7 @@ def fitted(folder: Path, torque_nm: float) -> Fit:
     file, path = rough(), folder / "pair.toml"
     recordings = recorded(file, (Condition(torque_nm=torque_nm),), np.random.default_rng(3), per_mesh=12)
     model = prepare(file, compare(file, recordings, path=path), path=path)
-    fit = Fit.begun(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    fit = from_declared(Fit, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     model.claims = [Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(3.0,))]
     fit.linear = fit.linearised()
     return fit

@@ -16,6 +16,7 @@ from gearpoly.diagnose.imagine import NextRecording, imagined
 from gearpoly.diagnose.linear import derivatives
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import every_place, polished, scan
 from gearpoly.diagnose.search import GROWN
 from gearpoly.diagnose.verdict import Diagnosis
@@ -129,7 +130,7 @@ def test_a_pit_may_be_asked_to_grow_no_more_than_it_has_to(tmp_path: Path) -> No
     (one,) = recorded(pair(0.0, spall_um=20.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0)
     path = tmp_path / "pair.toml"
     model = prepare(pair(0.0), compare(pair(0.0), [one], path=path), path=path)
-    fit = Fit.begun(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    fit = from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
     places = ((p, place) for p, place in every_place(model) if p.name == "tooth_spall" and place.tooth == TOOTH)
     coarse = scan(model, fit.scenes, fit.linear, only=places)[0][0]
     free, held = (

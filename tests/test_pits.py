@@ -12,6 +12,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
@@ -102,7 +103,7 @@ def test_a_pit_whose_fit_rests_beside_it_is_found_once_its_edges_are_moved(tmp_p
     case = Pitted(m=3.0, tooth=19, pit=(17.6, 34.94, 36.41, 0.134))
     recordings, path = case.recordings(12, cycles=2.0), tmp_path / "pair.toml"
     model = prepare(case.file(), compare(case.file(), recordings, path=path), path=path)
-    search = Search.begun(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     beside: Values = (12.1, 35.3, 36.49, 0.01)
     search.join([Claim(physics=PITTED, place=Place(gear=0, tooth=19, shape=beside[1:]), values=beside)])
     search.settle()

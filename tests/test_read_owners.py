@@ -190,7 +190,7 @@ def test_a_survey_says_what_a_comparison_would_refuse(tmp_path: Path) -> None:
     for columns, words in (
         ([one[::-1] for one in rising], "time that falls from row to row"),
         ([TIME_S, DRIVING, np.mod(-DRIVEN, 360.0)], r"driven_direction = -1 \(in a map as keys.NAME\)"),
-        ([one[:200] for one in rising], "want at least 2 driving turns"),
+        ([one[:200] for one in rising], "want at least 1 driving turn"),
     ):
         text = table(columns, ("Time [s]", *ANGLES), separator=",", decimal=".")
         (found,) = survey(written(tmp_path, text))

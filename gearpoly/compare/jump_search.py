@@ -94,6 +94,11 @@ class JumpSearch(JointModel):
                 best = self._best_jump(solution)
             if best is None or best.gain < least:
                 break
+            if self.lead(best) < -SURELY:
+                # All that is fitted anew beside it turns no bump and no slow rise into a jump: those that were kept
+                # led before they were fitted, too, and those that trailed by as much were refused.
+                self.refused.append((best.k, best.alone, best.at))
+                continue
             jump, s = Jump(at=best.at), self.states[best.k]
             waiting.append((s, jump))
             s.jumps.append(jump)

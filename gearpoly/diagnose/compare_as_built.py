@@ -24,9 +24,9 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import PASSES
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.placing import opening, shortened
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.errors import GearpolyError

@@ -11,6 +11,7 @@ import numpy as np
 from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.linear import Linear, whole_effect
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
@@ -130,7 +131,7 @@ def take_back(search: Search) -> bool:
         try:
             search.join([], instead=[k])
             search.settle()
-            search.relax()
+            relax(search)
             search.drop_idle()
         except GearpolyError:
             # Gears that cannot run without it need it.

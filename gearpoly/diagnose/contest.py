@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.way import NEGLIGIBLE
@@ -57,7 +58,7 @@ def contest(search: Search) -> Mapping[Key, tuple[Refitted, ...]]:
             try:
                 search.join([one.claim], instead=[k])
                 search.settle()
-                search.relax()
+                relax(search)
                 rest(search)
             except GearpolyError:
                 pass

@@ -37,6 +37,7 @@ from gearpoly.diagnose.leftovers import (
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.remounted import remounted
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
@@ -81,7 +82,7 @@ def diagnose(
     preparing = watch.stage("prepare")
     placed(model, waves, preparing)
     model = with_forms(model, waves, preparing)
-    search = well_placed(model, lambda: Search.begun(model, waves, preparing))
+    search = well_placed(model, lambda: from_declared(Search, model, waves, preparing))
     anew = remounted(model, search.linear, deflection=search.deflection)
     if model.offset:
         comparison = comparison.moved(model.offset)

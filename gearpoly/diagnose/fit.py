@@ -42,9 +42,6 @@ PASSES = 16
 BETTER = 10.0
 """Fall in misfit by which another state must be better: more than three standard deviations."""
 
-RELAXED = 8
-"""Times that a fit begins once more with teeth alike."""
-
 
 @dataclass(kw_only=True, eq=False)
 class Fit:
@@ -89,10 +86,6 @@ class Fit:
             trial=trial is not None,
         )
         fit.settle(PASSES if trial is None else trial)
-        if trial is None:
-            fit.relax(first=True)
-            fit.choose_law()
-            fit.share()
         return fit
 
     @property
@@ -168,51 +161,6 @@ class Fit:
         rest = [one for k, one in enumerate(model.claims) if k not in instead]
         at = min(instead, default=len(rest))
         model.claims = [*rest[:at], *claims, *rest[at:]]
-
-    def relax(self, *, first: bool = False) -> None:
-        """Begin once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that
-        lean as none of their fellows does, as long as that ends better; and with teeth as declared, as the ``first``
-        fit began.
-
-        Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
-        step was wrong: the fit rests with teeth that lean as none does. And what two crownings differ by is a slope and
-        a late hand-over, so that fits creep along a bent valley in which both gears bulge as none of their grade does.
-        Teeth that had settled for what was left out rest in a local minimum that its claim does not lead out of: a
-        relief of 0.4 um was made of that, of which the fit that began with declared teeth left nothing.
-        """
-        teeth = self.model.as_built
-        graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
-        if not graded or self.over:
-            return
-        ways = [teeth.upright]
-        if not all(scene.bends for scene in self.scenes) or teeth.strained(self.model.built):
-            ways.insert(0, teeth.alike)
-        if not first:
-            self._better_from(teeth.as_declared(self.model.built, graded), self.model.shift)
-        for afresh in ways:
-            for _ in range(RELAXED):
-                begun = afresh(self.model.built, graded)
-                if (
-                    self.over
-                    or np.array_equal(begun, self.model.built)
-                    or not self._better_from(begun, self.model.shift)
-                ):
-                    break
-        most = MOST_SHIFT * self.model.scope.gears[1].tau
-        for shift in (0.0, most, -most):
-            # Teeth that lean together hand over elsewhere, and to first order no column says that the zero is wrong.
-            if teeth.strained(self.model.built) and not self.over:
-                self._better_from(teeth.alike(self.model.built, graded), shift)
-
-    def _better_from(self, built: FloatArray, shift: float) -> bool:
-        """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
-        better, and is kept."""
-
-        def from_there() -> None:
-            self.model.built, self.model.shift = built, shift
-            self.settle()
-
-        return self.tried(from_there, better=BETTER)
 
     def tried(self, change: Callable[[], None], *, better: float) -> bool:
         """Whether a ``change`` of the state, all fitted again, leaves less misfit by more than ``better``, by the noise

@@ -15,9 +15,10 @@ import numpy as np
 from gearpoly.diagnose.budget import Step
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import FEW, TRIALS, shortened
+from gearpoly.diagnose.placing import TRIALS
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import polished, scan
+from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.infer.unknown import mesh_curves
@@ -75,11 +76,14 @@ def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
     if not any(scene.bends for scene in roughly.scenes):
         return None
     stated = _fit(begin, file, close=True)
-    if stated is None or _of_every_mesh(stated) < OF_MISFIT:
+    # What a closer fit of the stated keys, or a physics, explains needs no other keys: nothing more is simulated then.
+    if stated is None or _beyond(stated, by=stated) < AMISS or _of_every_mesh(stated) < OF_MISFIT:
         return None
-    beside = [stated, *(_fit(begin, file, close=True, beside=claims) for claims in _rivals(stated))]
-    if any(one is not None and _beyond(one, by=one) < AMISS for one in beside):
-        return None
+    beside: list[Fit | None] = [stated]
+    for claims in _rivals(stated):
+        beside.append(_fit(begin, file, close=True, beside=claims))
+        if stated.over or (beside[-1] is not None and _beyond(beside[-1], by=beside[-1]) < AMISS):
+            return None
     found = _closely(file, _likeliest(file, begin, by=roughly), begin)
     if found is None or stated.over:
         return None

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from itertools import product
 from typing import TypeVar
 
 import numpy as np
 
-from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.both_flanks import turns_told
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.model import Model, Observed
+from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import relieved
+from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.place import Place
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import FloatArray
 
 Begun = TypeVar("Begun", bound=Fit)
 
@@ -39,17 +38,6 @@ of 24 and 36 teeth the right tooth then had 1.28 times the least, of an unloaded
 
 LOST = 2.0
 """Misfit beyond noise over that of noise alone from which a place is doubted: laws and what is missing leave less."""
-
-CYCLES, ENOUGH = 3, 12_000
-"""Whole hunting cycles and samples of a recording that suffice for that; a wrong place misfits by a tenth and more."""
-
-FEW = (2000, 5000)
-"""Samples of a recording on which the places are tried, at first and then closely: 2000 tell a misfit to a
-thirtieth, 5000 to a fiftieth."""
-
-ASKEW = 1.0618
-"""Part by which the step from one such sample to the next is longer than even: at even steps samples that come so many
-to the mesh would see the same few places of every pitch."""
 
 CLOSELY = 6
 """Places that are tried closely at most, the best of the first trial and the stated one."""
@@ -196,14 +184,6 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     return system.beyond > LOST * system.samples
 
 
-def shortened(model: Model, foreign: list[FloatArray], *, few: int) -> tuple[Model, list[FloatArray]]:
-    """The model with as much of its recordings as suffices to place the teeth, a ``few`` samples of each, and so much
-    of foreign columns."""
-    wheres = [opening(one, model, few=few) for one in model.observed]
-    observed = [seen_at(one, where, model) for one, where in zip(model.observed, wheres, strict=True)]
-    return replace(model, observed=observed), [one[where] for one, where in zip(foreign, wheres, strict=True)]
-
-
 def _best_of(
     model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float,
     besides: Sequence[Claim] = (),
@@ -245,32 +225,3 @@ def _best_of(
     blind = model.stated and least > (1.0 + LOST) * counted
     if least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated):
         model.moved(best)
-
-
-def _meshes(one: Observed, model: Model) -> FloatArray:
-    """Meshes (n,) of driven rotation."""
-    return one.samples.theta_2 / model.scope.gears[1].tau
-
-
-def opening(one: Observed, model: Model, *, few: int) -> IntArray:
-    """Numbers (k,) of the samples of a recording that suffice to place the teeth: of whole hunting cycles of a long
-    one, else of all, about a ``few``."""
-    u, period = _meshes(one, model), math.lcm(*(gear.z for gear in model.scope.gears))
-    cycles = whole_cycles(u, period)
-    wanted = max(CYCLES, math.ceil(ENOUGH * max(cycles, 1) / u.size))
-    n = int(np.flatnonzero(u - u[0] >= wanted * period)[0]) if wanted < cycles else u.size
-    if n < 2 * few:
-        return np.arange(n)
-    return np.asarray(np.arange(0.0, n, ASKEW * n / few), dtype=np.int64)
-
-
-def seen_at(one: Observed, where: IntArray, model: Model) -> Observed:
-    """A recording at the samples of these numbers (k,)."""
-    if where.size == one.samples.size:
-        return one
-    estimator = NoiseEstimator(_meshes(one, model)[where], z_1=model.scope.gears[0].z, z_2=model.scope.gears[1].z)
-    jumps = tuple(int(np.searchsorted(where, jump)) for jump in one.jumps if jump <= where[-1])
-    return replace(
-        one, samples=one.samples.at(where), recorded=one.recorded[where], fit=one.fit[where], jumps=jumps,
-        estimator=estimator,
-    )  # fmt: skip

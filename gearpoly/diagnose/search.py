@@ -11,6 +11,7 @@ from gearpoly.diagnose.fit import BETTER
 from gearpoly.diagnose.kept import Kept, without_columns
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.multi_start import multi_start
+from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.unnamed import is_weighed, leave_more, left_unnamed, likeliest, weigh_at
@@ -233,7 +234,7 @@ class Search(Exchange):
                 return False  # neither law nor form mends what a single tooth has made worse
             if self.over:
                 return False  # nobody knows what it would have been worth
-            self.relax()
+            relax(self)
             self.reshape()
             if any(shows_in_laws(one) for one in claims):
                 self.laws_anew()
@@ -331,7 +332,7 @@ class Search(Exchange):
         there, noises = self.linear.system.misfit, self.noises
         self.join([], instead=[k])
         self.settle()
-        self.relax()
+        relax(self)
         if self.linear.under(noises).system.misfit < there + MINIMA_APART:
             multi_start(self, enough=there)
 

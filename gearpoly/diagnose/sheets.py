@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import FEW, shortened
+from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.unstated import COARSEST, between, limited
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import Inspection, PairFile

@@ -11,7 +11,7 @@ from gearpoly.diagnose.as_built import AsBuilt, make_as_built
 from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import FEW, shortened
+from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.mesh.pair import Flank

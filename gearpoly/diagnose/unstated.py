@@ -12,8 +12,8 @@ import numpy as np
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import FEW, shortened
 from gearpoly.diagnose.prepare import form_of, graded_prior
+from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import changed, gear_section
 from gearpoly.units import FloatArray

@@ -110,7 +110,7 @@ def usable(runs: Sequence[Recording]) -> list[Recording]:
     if not long:
         file, most = next((one.run.file, one.run.turns) for one in _longest_first(runs) if one.run is not None)
         found = f"{len(runs)} runs forth and back, none of more than {most:.3g} driving turns"
-        wish = f"want at least {TURNS_LEAST:g} driving turns one way; gearpoly read tells the lost motion all the same"
+        wish = f"want at least {TURNS_LEAST:g} driving turn one way; gearpoly read tells the lost motion all the same"
         raise InputFileError(file, found=found, wish=wish)
     if not short:
         return long

@@ -278,7 +278,7 @@ CLEAN = [
         ratio=RATIO,
     ),
     text("newest first", "sort the rows by their times", rows(*ROWS[::-1]), BASE, ratio=RATIO),
-    text("too short", "want at least 2 driving turns", rows(*ROWS[:200]), BASE, ratio=RATIO),
+    text("too short", "want at least 1 driving turn", rows(*ROWS[:200]), BASE, ratio=RATIO),
     text("few samples", "record longer", rows(*ROWS[:6]), BASE, ratio=RATIO),
     text(
         "counts down",
@@ -304,7 +304,7 @@ CLEAN = [
     ),
     text(
         "forth and back",
-        "driving turns one way; gearpoly read tells the lost motion",
+        "driving turn one way; gearpoly read tells the lost motion",
         with_columns(driving_angle_deg=BACK / 20.0, driven_angle_deg=RATIO * BACK / 20.0),
         BASE,
     ),

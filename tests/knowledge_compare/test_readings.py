@@ -166,9 +166,9 @@ def test_a_real_reversal_is_refused() -> None:
         )
 
 
-@pytest.mark.parametrize(("meshes", "per_mesh"), [(1.8 * Z[0], 12.0), (4.0 * Z[0], 1.0)])
+@pytest.mark.parametrize(("meshes", "per_mesh"), [(0.9 * Z[0], 12.0), (4.0 * Z[0], 1.0)])
 def test_a_recording_too_short_to_tell_noise_is_refused(meshes: float, per_mesh: float) -> None:
-    """With fewer than two turns nothing of the driving shaft comes again; 44 samples have no spectrum."""
+    """In less than a turn not every driving tooth was in mesh; 44 samples have no spectrum."""
     with pytest.raises(InputFileError):
         told(FILE, recorded(drawn(FILE), meshes=meshes, per_mesh=per_mesh))
 
