@@ -7,14 +7,23 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import dblquad, quad
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
+from gearpoly.infer.chance import log_tail
 from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
 
 # Quadrature is exact to 1e-9 relative; what is compared are logarithms of its results.
 TO = 1e-6
+
+
+@pytest.mark.parametrize("freedoms", [1, 3, 40])
+def test_the_chance_of_a_sum_of_squares_is_that_of_its_density_beyond(freedoms: int) -> None:
+    beyond = quad(lambda x: chi2.pdf(x, freedoms), 50.0, 500.0, epsabs=0.0)[0]
+    assert log_tail(50.0, freedoms) == pytest.approx(math.log(beyond), abs=TO)
+    assert log_tail(0.0, freedoms) == 0.0
+    assert log_tail(5000.0, freedoms) == -math.inf
 
 
 def test_one_size_is_integrated_as_by_quadrature() -> None:
