@@ -64,7 +64,7 @@ def worst(flanks: Flanks, cut: Cut) -> tuple[float, float]:
     return off, float(np.max(np.abs(flanks.r[some] * gap)))
 
 
-@pytest.mark.parametrize("shifts", [SHIFTS[1::3], pytest.param(SHIFTS, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("shifts", [SHIFTS[::3], pytest.param(SHIFTS, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", RACKS)
 def test_face_is_the_envelope_of_the_rack(name: str, shifts: tuple[float, ...]) -> None:
     drawn = 0
@@ -80,7 +80,7 @@ def test_face_is_the_envelope_of_the_rack(name: str, shifts: tuple[float, ...]) 
             off, vertices = worst(flanks, cut)
             assert off < PROMISE, f"z = {z}, x = {x}"
             assert vertices < FLOOR, f"z = {z}, x = {x}"
-    assert drawn > 0.63 * len(TEETH) * len(shifts)  # the others are pointed
+    assert drawn > 0.64 * len(TEETH) * len(shifts)  # the others are pointed
 
 
 def test_the_oracle_sees_a_wrong_fillet() -> None:
