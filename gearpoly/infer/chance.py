@@ -1,6 +1,6 @@
 """How often noise alone gives a sum of squares as large.
 
-Of scipy.special, which is loaded in a fifth of the time of scipy.stats: every command that compares would wait for it.
+Of scipy.special, which everything else loads anyway: every command that compares would wait for scipy.stats.
 """
 
 from __future__ import annotations
