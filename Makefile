@@ -27,12 +27,14 @@ run: $(VENV)/.core
 	@printf 'Commands of the documentation run as they stand after this line:\n  . $(BIN)/activate\n'
 
 # A file stays with one worker, so that what its tests share is made once. The twenty slowest are listed at the end.
-# Types are checked beside the tests, which leave a processor idle at their ends; what is said of them comes last.
+# Types are checked beside what is compiled once for all tests, and beside their ends, which leave a processor idle;
+# what is said of them comes last.
 test: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	@mkdir -p out
 	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
+	$(BIN)/python -m tests.ready; \
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --durations=20 -m "not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from gearpoly import cli
 from gearpoly.__main__ import main
 from tests.chromium import Chromium
-from tests.made_command import PAIR, Command, Ran
+from tests.made_command import PAIR, Command, Ran, commands
 
 
 @pytest.hookimpl(wrapper=True)
@@ -31,6 +32,8 @@ def pytest_collection() -> Generator[None, object, object]:
 @pytest.fixture
 def gearpoly_command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Command:
     """Runs ``gearpoly ...`` in this process: exit code, standard output and standard error, on a wide terminal."""
+
+    monkeypatch.setattr(cli, "app", commands())
 
     def run(*arguments: str | Path) -> Ran:
         monkeypatch.setattr(sys, "argv", ["gearpoly", *map(str, arguments)])

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+
+import typer.main
+
+from gearpoly.cli import app
 
 PAIR = """\
 name = "test pair"
@@ -21,6 +26,13 @@ module_mm = 2.0
 points_per_flank = 200
 grade = 6
 """
+
+
+@cache
+def commands() -> Callable[..., object]:
+    """The command line. Typer reads the options of all commands from their annotations, 0.05 s: a process does that
+    once, and so do all tests that run commands in theirs."""
+    return typer.main.get_command(app)
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from gearpoly.gear.chain import closed_chain
 def test_waves_of_a_graded_gear_are_those_of_gears_drawn_within_its_limits(
     z: int, single: float, cumulative: float
 ) -> None:
-    """Power of every order, over 500 gears: their own scatter is 4 %, the formula's 8 %."""
+    """Power of every order, over 200 gears: their own scatter of its root is 3.5 %, the formula's 8 %."""
     rng = np.random.default_rng(z)
-    drawn = np.array([closed_chain(z, f=single, F=cumulative, rng=rng) for _ in range(500)])
+    drawn = np.array([closed_chain(z, f=single, F=cumulative, rng=rng) for _ in range(200)])
     measured = np.mean(np.abs(np.fft.rfft(drawn, axis=1)[:, 1:]) ** 2, axis=0) / z
     stated = np.fft.rfft(chain(z, single=single, cumulative=cumulative)[0]).real[1:]
     assert np.sqrt(measured) == pytest.approx(np.sqrt(stated), rel=0.15)

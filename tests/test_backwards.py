@@ -162,7 +162,8 @@ def test_a_resonance_lags_in_time_and_so_leads_in_angle() -> None:
     assert np.std(got - expected) < 0.03 * np.std(expected)
 
 
-def test_a_jump_is_told_in_the_time_of_the_file() -> None:
+@pytest.mark.parametrize("diagnosed", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_jump_is_told_in_the_time_of_the_file(diagnosed: bool) -> None:
     """And a step up there is one down in the order of angles; to 3 samples and a tenth of the noise per sample."""
     true = rough()
     (one,) = recorded(true, (replace(BACK, torque_nm=0.0),), np.random.default_rng(3), cycles=4.0)
@@ -174,7 +175,7 @@ def test_a_jump_is_told_in_the_time_of_the_file() -> None:
         held = one if timed else replace(one, time_s=None)
         jumped = replace(held, driven_angle_rad=one.driven_angle_rad + up)
         told = [compare(true, [jumped], path=Path("pair.toml")).located.entries]
-        if timed:  # a diagnosis takes seconds, and only passes on what was located
+        if timed and diagnosed:  # it takes seconds, and only passes on what was located
             told.append(diagnose(true, [jumped], path=Path("pair.toml")).unexplained)
         for entries in told:
             (jump,) = [entry for entry in entries if entry.moment is not None]

@@ -47,7 +47,15 @@ def entries(*data: AlignedResidual) -> tuple[Entry, ...]:
     return locate(list(data), gears=GEARS).entries
 
 
-@pytest.mark.parametrize(("seed", "gain"), [(4, 60.0), (5, 60.0), (6, 60.0), (4, -60.0)])
+@pytest.mark.parametrize(
+    ("seed", "gain"),
+    [
+        (4, 60.0),
+        pytest.param(5, 60.0, marks=pytest.mark.slow),
+        pytest.param(6, 60.0, marks=pytest.mark.slow),
+        (4, -60.0),
+    ],
+)
 def test_bumps_and_dips_are_found_that_sums_of_powers_do_not_show(seed: int, gain: float) -> None:
     """Half of a gain of 60 is the chance's logarithm at one place, width and moment, of which there are 10^5; as the
     power of ten lines it shares the chance with 20 numbers."""
@@ -63,7 +71,7 @@ def test_bumps_and_dips_are_found_that_sums_of_powers_do_not_show(seed: int, gai
     assert find_train([lines.chances], step=step, repeats=[lines.repeats], share=0.002) is None
 
 
-@pytest.mark.parametrize("seed", [4, 5, 6])
+@pytest.mark.parametrize("seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (5, 6))])
 def test_a_train_is_placed_to_within_its_stated_error(seed: int) -> None:
     data = made(seed)
     found = entries(struck(data, data.theta_1 / (2.0 * math.pi) * ORDER + 0.3, gain=65.0))
@@ -76,6 +84,7 @@ def test_a_train_is_placed_to_within_its_stated_error(seed: int) -> None:
         assert abs(e.order - round(e.order / ORDER) * ORDER) < 3.0 * e.order_std
 
 
+@pytest.mark.slow
 def test_what_strikes_in_time_is_told_from_what_turns() -> None:
     """The speed wanders by a few parts in a hundred, so a train over time is none over angle."""
     data = made(7)
@@ -110,7 +119,7 @@ def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
     assert both["order"].gain > 1.02 * train.gain  # it had a line less
 
 
-@pytest.mark.parametrize("seed", [5, 6])
+@pytest.mark.parametrize("seed", [5, pytest.param(6, marks=pytest.mark.slow)])
 def test_a_train_at_a_difference_of_both_shafts_is_one(seed: int) -> None:
     """0.2865 of the driving shaft is 1 - 18/25 to a third of a line, and further harmonics are as near to such sums,
     where the pair itself puts next to nothing."""
@@ -146,7 +155,7 @@ def spectrum(rng: np.random.Generator, lines: int) -> Lines:
     return Lines(amplitude=sums, rest=rest, count=count, repeats=np.zeros(at.size, dtype=np.bool_))
 
 
-@pytest.mark.parametrize("recordings", [1, 2])
+@pytest.mark.parametrize("recordings", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_bumps_in_noise_are_rarer_than_stated(recordings: int) -> None:
     """The bound counts neighbouring places as many tests, and a bump has to show in two lines at least. At a true rate
     of 20 % more than 35 of 100 come in 0.02 % of such tests."""

@@ -50,7 +50,8 @@ def standing(found: Located) -> list[Entry]:
     return [one for one in found.where if not one.as_built]
 
 
-@pytest.mark.parametrize("seed", [pytest.param(3, marks=pytest.mark.slow), 8])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 8])
 def test_healthy_unloaded_gears_leave_nothing_to_tell(seed: int) -> None:
     """Which of two teeth touches is no linear matter: to first order a healthy pair seems to have many faults."""
     recording = recording_of(seed)
@@ -75,6 +76,7 @@ def test_a_tooth_that_no_grade_allows_is_the_one_place() -> None:
     assert found.amplitude_um == pytest.approx(30.0 * 12 / 13, abs=3.0 * 2.5 * math.sqrt(1.25))
 
 
+@pytest.mark.slow
 def test_an_axis_that_is_off_by_more_than_the_grade_allows_is_told() -> None:
     """40 um of eccentricity where the cumulative pitch keeps to 19 um: a first order of the driving shaft, as large."""
     found = standing(located(recording_of(6, off_axis=40.0)))

@@ -103,6 +103,7 @@ def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(tmp_path: Pa
     assert not search.model.claims
 
 
+@pytest.mark.slow
 def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     search = bulging(CROWNING, tmp_path)
     worth = elsewhere(search, 0)

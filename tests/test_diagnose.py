@@ -125,6 +125,7 @@ def test_waves_of_another_mount_get_no_name(tmp_path: Path) -> None:
     assert {20.0, 10.0} <= {entry.order for entry in found.unexplained}
 
 
+@pytest.mark.slow
 def test_a_plan_knows_the_look_alikes_of_a_pair(tmp_path: Path) -> None:
     pair = tmp_path / "pair.toml"
     pair.write_text(

@@ -155,7 +155,10 @@ def chains_by_chance(z: int, f: float, F: float, count: int, rng: np.random.Gene
     return np.array(found[:count])
 
 
-@pytest.mark.parametrize(("z", "F"), [(6, 1.2), (9, 1.7), (12, 1.5), (12, 2.4)])
+@pytest.mark.parametrize(
+    ("z", "F"),
+    [(6, 1.2), pytest.param(9, 1.7, marks=pytest.mark.slow), pytest.param(12, 1.5, marks=pytest.mark.slow), (12, 2.4)],
+)
 def test_chains_are_those_of_chance(z: int, F: float) -> None:
     rng = np.random.default_rng(20)
     ours = np.array([closed_chain(z, f=1.0, F=F, rng=rng) for _ in range(1200)])

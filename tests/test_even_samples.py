@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
-from gearpoly.compare.angles import driven_share, smoothed
+from gearpoly.compare.angles import WINDOW, driven_share, smoothed
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.even import even_rate
@@ -118,6 +119,14 @@ def test_the_noise_is_laid_to_the_shaft_that_has_it(noisy: str, share: float) ->
 def test_where_nothing_tells_each_shaft_has_half_of_the_noise() -> None:
     driving, driven, _ = readings("driven", even=False)
     assert driven_share(driving, driven, ratio=RATIO) == 0.5
+
+
+@pytest.mark.parametrize("size", [WINDOW - 1, WINDOW, WINDOW + 1, 1000])
+def test_a_parabola_is_laid_under_every_sample(size: int) -> None:
+    """As Savitzky and Golay do, to rounding; what is too short for one stays as it is."""
+    te = 1e-4 * np.random.default_rng(2).normal(size=size).cumsum()
+    wanted = te if size < WINDOW else savgol_filter(te, WINDOW, 2)
+    np.testing.assert_allclose(smoothed(te), wanted, rtol=0.0, atol=1e-14 * float(np.abs(te).max()))
 
 
 def test_columns_at_the_estimated_angle_do_not_follow_a_reading_s_own_noise() -> None:

@@ -6,15 +6,24 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import dblquad, quad
-from scipy.stats import norm
+from scipy.integrate import quad
+from scipy.stats import chi2, norm
 
+from gearpoly.infer.chance import log_tail
 from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
 
 # Quadrature is exact to 1e-9 relative; what is compared are logarithms of its results.
 TO = 1e-6
+
+
+@pytest.mark.parametrize("freedoms", [1, 3, 40])
+def test_the_chance_of_a_sum_of_squares_is_that_of_its_density_beyond(freedoms: int) -> None:
+    beyond = quad(lambda x: chi2.pdf(x, freedoms), 50.0, 500.0, epsabs=0.0)[0]
+    assert log_tail(50.0, freedoms) == pytest.approx(math.log(beyond), abs=TO)
+    assert log_tail(0.0, freedoms) == 0.0
+    assert log_tail(5000.0, freedoms) == -math.inf
 
 
 def test_one_size_is_integrated_as_by_quadrature() -> None:
@@ -28,12 +37,12 @@ def test_one_size_is_integrated_as_by_quadrature() -> None:
 def test_two_sizes_that_lean_on_each_other_are_integrated_as_by_quadrature() -> None:
     score, information, std = np.array([1.0, -2.0]), np.array([[2.0, 1.1], [1.1, 1.5]]), np.array([0.8, 2.0])
 
-    def density(y: float, x: float) -> float:
-        b = np.array([x, y])
-        prior = norm.pdf(x, scale=std[0]) * norm.pdf(y, scale=std[1])
-        return float(prior * math.exp(score @ b - 0.5 * b @ information @ b))
-
-    whole = dblquad(density, -8, 8, -12, 12, epsabs=1e-10)[0]
+    # Even steps far finer than what is smooth, and whole beyond both ends, are exact to rounding.
+    x, y = np.linspace(-8.0, 8.0, 321), np.linspace(-12.0, 12.0, 321)
+    b = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    prior = norm.pdf(b[..., 0], scale=std[0]) * norm.pdf(b[..., 1], scale=std[1])
+    densities = prior * np.exp(b @ score - 0.5 * np.einsum("...i,ij,...j", b, information, b))
+    whole = float(np.sum(densities)) * (x[1] - x[0]) * (y[1] - y[0])
     assert log_bayes_factor(score, information, std=std) == pytest.approx(math.log(whole), abs=TO)
 
 

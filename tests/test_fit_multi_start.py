@@ -52,6 +52,7 @@ def test_as_declared_and_perturbed_move_the_graded_teeth_alone(fit: Fit) -> None
         assert teeth.crowning(leaning, "drive", gear) == teeth.crowning(values, "drive", gear)
 
 
+@pytest.mark.slow
 def test_a_fit_that_rests_in_another_minimum_is_led_out_of_it(fit: Fit) -> None:
     """Begun with teeth that lean otherwise this fit rests 446 above where it rested before; of 16 such beginnings the
     middle one ends 184 above. So eight of them come down by more than any claim of nothing had gained (93)."""

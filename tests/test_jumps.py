@@ -157,8 +157,17 @@ def test_a_rise_of_one_sample_is_a_step() -> None:
     np.testing.assert_array_equal(rise(50, 30, width=1, noise=left.noise), step)
 
 
-@pytest.mark.parametrize(("kind", "size"), [("white", 0.4), ("white", -3.0), ("ar", 0.8)])
-@pytest.mark.parametrize("gears", [known, graded])
+@pytest.mark.parametrize(
+    ("kind", "size", "gears"),
+    [
+        ("white", 0.4, known),
+        pytest.param("white", -3.0, known, marks=pytest.mark.slow),
+        pytest.param("ar", 0.8, known, marks=pytest.mark.slow),
+        pytest.param("white", 0.4, graded, marks=pytest.mark.slow),
+        ("white", -3.0, graded),
+        ("ar", 0.8, graded),
+    ],
+)
 def test_a_jump_is_found(kind: str, size: float, gears: Callable[[], tuple[GearKnown, GearKnown]]) -> None:
     data = made(2, kind)
     entries = found(jumped(data, (0.37, size)), gears=gears())
@@ -202,9 +211,13 @@ def test_without_time_the_turn_tells_the_moment() -> None:
 
 @pytest.mark.parametrize(
     "jumps",
-    [((0.3, 1.0), (0.7, -1.0)), ((0.3, 1.0), (0.7, 1.0)), ((0.25, 0.6), (0.6, 5.0)),
-     ((0.2, 2.0), (0.5, -1.0), (0.8, 3.0))],
-)  # fmt: skip
+    [
+        pytest.param(((0.3, 1.0), (0.7, -1.0)), marks=pytest.mark.slow),
+        pytest.param(((0.3, 1.0), (0.7, 1.0)), marks=pytest.mark.slow),
+        ((0.25, 0.6), (0.6, 5.0)),
+        ((0.2, 2.0), (0.5, -1.0), (0.8, 3.0)),
+    ],
+)
 def test_several_jumps(jumps: tuple[tuple[float, float], ...]) -> None:
     data = made(4)
     entries = found(jumped(data, *jumps))
@@ -233,14 +246,23 @@ def test_a_jump_beside_a_wave_and_a_tooth() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("tau", "size"), [(1.0, 2.0), (0.4, 2.0), (0.4, 20.0), (0.2, 2.0), (0.1, 3.0)])
+@pytest.mark.parametrize(
+    ("tau", "size"),
+    [
+        pytest.param(1.0, 2.0, marks=pytest.mark.slow),
+        pytest.param(0.4, 2.0, marks=pytest.mark.slow),
+        (0.4, 20.0),
+        pytest.param(0.2, 2.0, marks=pytest.mark.slow),
+        (0.1, 3.0),
+    ],
+)
 def test_warming_up_is_no_jump(tau: float, size: float) -> None:
     """A drift that settles with a time constant of ``tau`` of the record, whose steep beginning no cubic follows."""
     data = made(7, cycles=2.0)
     assert not only_jumps(found(plus(data, size * (1.0 - np.exp(-along(data) / tau)))))
 
 
-@pytest.mark.parametrize("tau", [1.0, 0.4])
+@pytest.mark.parametrize("tau", [pytest.param(1.0, marks=pytest.mark.slow), 0.4])
 def test_a_jump_while_it_warms_up(tau: float) -> None:
     data = made(9, cycles=2.0)
     entries = found(jumped(plus(data, 5.0 * (1.0 - np.exp(-along(data) / tau))), (0.6, 1.5)))
@@ -255,8 +277,19 @@ def test_a_rise_over_several_turns_is_no_jump_and_one_over_a_few_teeth_is() -> N
     assert matches(only_jumps(found(plus(data, 2.0 * quick)))[0], data, 0.5, 2.0)
 
 
-@pytest.mark.parametrize(("length", "size"), [(1, 40.0), (20, 10.0), (20, -30.0), (200, 5.0)])
-@pytest.mark.parametrize("at", [0.5, 0.93])
+@pytest.mark.parametrize(
+    ("length", "size", "at"),
+    [
+        (1, 40.0, 0.5),
+        pytest.param(20, 10.0, 0.5, marks=pytest.mark.slow),
+        pytest.param(20, -30.0, 0.5, marks=pytest.mark.slow),
+        pytest.param(200, 5.0, 0.5, marks=pytest.mark.slow),
+        pytest.param(1, 40.0, 0.93, marks=pytest.mark.slow),
+        pytest.param(20, 10.0, 0.93, marks=pytest.mark.slow),
+        (20, -30.0, 0.93),
+        (200, 5.0, 0.93),
+    ],
+)
 def test_a_burst_is_no_jump(length: int, size: float, at: float) -> None:
     """Something that is over within a turn (360 samples of the driving shaft) has not stayed."""
     data = made(10)

@@ -56,6 +56,7 @@ def test_columns_stand_out_together_by_the_chance_of_one_wave() -> None:
     assert not large(0.95 * level, 10)
 
 
+@pytest.mark.slow
 def test_a_sharp_line_below_the_noise_is_located_where_nothing_repeats() -> None:
     """0.6 um in noise of 0.8 um, 45 standard errors, in 1.7 hunting cycles: no colour of noise is that sharp. It once
     went without a word, as whatever is below such noise."""

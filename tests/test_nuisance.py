@@ -25,7 +25,7 @@ def scenes_of(folder: Path, *, off_um: float, torque_nm: float) -> list[Scene]:
     driving = file.driving.model_copy(update={"eccentricity": Eccentricity(amplitude_um=off_um, angle_deg=30.0)})
     file = file.model_copy(update={"driving": driving})
     conditions = (Condition(torque_nm=torque_nm), Condition(torque_nm=torque_nm, flank="coast"))
-    recordings = recorded(file, conditions, np.random.default_rng(1), per_mesh=8)
+    recordings = recorded(file, conditions, np.random.default_rng(1), cycles=1.0, per_mesh=8)
     path = folder / "pair.toml"
     return prepare(file, compare(file, recordings, path=path), path=path).scenes()
 

@@ -293,7 +293,7 @@ def test_a_diagnosis_without_an_end_is_a_failed_case(
     }
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_ground_that_cannot_be_written_is_refused(tmp_path: Path, workers: int) -> None:
     few = [entry.index for entry in plan(6, quick=True) if not entry.physics][:workers]
     (tmp_path / "cases").mkdir()

@@ -220,7 +220,7 @@ def test_one_speed_measured_twice_is_one_speed(rpm: tuple[float, float], several
 )
 def test_swings_at_samples_are_those_of_a_far_finer_curve(part: float) -> None:
     """Rough teeth hand over in bends between which no places lie. A resonance at 1 and 6 times the mesh frequency
-    does not follow them, one at 150 times it follows them at once: 128 places a pitch come within 0.015 um of 1024,
+    does not follow them, one at 150 times it follows them at once: 128 places a pitch come within 0.015 um of 512,
     where straight lines alone between the places of what it adds are off by twice that."""
     assembled = made(rough())
     pair, speed = assembled.pair, 300.0 * RPM
@@ -232,13 +232,13 @@ def test_swings_at_samples_are_those_of_a_far_finer_curve(part: float) -> None:
 
     theta_2 = np.sort(rng.uniform(0.0, pair.cycle, 1500))
     here, found, plain = te_at(theta_2), {}, {}
-    for places in (128, 1024):
+    for places in (128, 512):
         even = np.arange(pair.meshes_per_cycle * places) * (pair.cycle / (pair.meshes_per_cycle * places))
         curve = te_at(even)
         found[places] = swings_at(shafts, curve, pair, theta_2, here, speed=speed, time=None)
         added = shafts.swings(curve, period=pair.cycle / (speed * pair.ratio))
         plain[places] = np.interp(theta_2, even, added, period=pair.cycle)
-    error, before = (float(np.std(one[128] - found[1024])) for one in (found, plain))
+    error, before = (float(np.std(one[128] - found[512])) for one in (found, plain))
     assert error < (0.015 if part < 100.0 else 0.05) * UM
     assert error < (0.6 if part < 100.0 else 1.05) * before
 

@@ -64,11 +64,12 @@ def worst(flanks: Flanks, cut: Cut) -> tuple[float, float]:
     return off, float(np.max(np.abs(flanks.r[some] * gap)))
 
 
+@pytest.mark.parametrize("shifts", [SHIFTS[::3], pytest.param(SHIFTS, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", RACKS)
-def test_face_is_the_envelope_of_the_rack(name: str) -> None:
+def test_face_is_the_envelope_of_the_rack(name: str, shifts: tuple[float, ...]) -> None:
     drawn = 0
     for z in TEETH:
-        for x in SHIFTS:
+        for x in shifts:
             cut = cut_of(z, x, RACKS[name])
             flanks = flanks_or_none(z, x, RACKS[name])
             # Refused or drawn, the rack itself decides which is right.
@@ -79,7 +80,7 @@ def test_face_is_the_envelope_of_the_rack(name: str) -> None:
             off, vertices = worst(flanks, cut)
             assert off < PROMISE, f"z = {z}, x = {x}"
             assert vertices < FLOOR, f"z = {z}, x = {x}"
-    assert drawn > 40  # of 63; the others are pointed
+    assert drawn > 0.64 * len(TEETH) * len(shifts)  # the others are pointed
 
 
 def test_the_oracle_sees_a_wrong_fillet() -> None:

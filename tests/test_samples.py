@@ -112,6 +112,7 @@ def check(found: dict[str, Any], name: str) -> None:
     assert unseen["after"] <= 1.05 * found["noise_um"]
 
 
+@pytest.mark.slow
 def test_diagnose_names_the_encoder_and_nothing_else(gearpoly_command: Command) -> None:
     check(run(gearpoly_command, "diagnose", "encoder_off_centre"), "encoder_off_centre")
 

@@ -141,7 +141,7 @@ def test_what_simulate_writes_is_read_back(tmp_path: Path, gearpoly_command: Com
     """Its own CSV: both angles, the error twice, and two columns that only a simulation has."""
     pair, table, compared = tmp_path / "pair.toml", tmp_path / "run.csv", tmp_path / "where.json"
     pair.write_text(PAIR, encoding="utf-8")
-    assert gearpoly_command("simulate", pair, "--csv", table, "--turns", "4", "--points-per-mesh", "10").code == 0
+    assert gearpoly_command("simulate", pair, "--csv", table, "--turns", "2", "--points-per-mesh", "10").code == 0
     recording = read_recording(table)
     assert any("backlash_um passed over" in remark for remark in recording.remarks)
     assert any("contact_pairs passed over" in remark for remark in recording.remarks)

@@ -228,7 +228,8 @@ def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> 
         yields_ = yields(limits, groups, confidence=0.95)
         for picture in pictures(replace(answers, groups=groups, yields=yields_)):
             for figure in (picture.drawn()[0], picture.figure()):
-                FigureCanvasAgg(figure).draw()
+                FigureCanvasAgg(figure)
+                figure.draw_without_rendering()
                 width, height = figure.bbox.size
                 for axis in figure.axes:
                     for labels in (axis.get_xticklabels(), axis.get_yticklabels()):

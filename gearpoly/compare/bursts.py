@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual
+from gearpoly.infer.chance import log_tail
 from gearpoly.units import UM, FloatArray
 
 SHORTEST, LONGEST = 32, 16
@@ -90,7 +90,7 @@ def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.b
         at = int(np.argmax(loud))
         if loud[at] < LOUDER * middle or loud[at] - middle < OUTSTANDING * spread:
             continue
-        log_false = math.log(tests) + float(chi2.logsf(length * loud[at] / max(1.0, middle), length))
+        log_false = math.log(tests) + log_tail(length * loud[at] / max(1.0, middle), length)
         if log_false < SURELY and (best is None or log_false < best.log_false):
             best = _Stretch(first=int(starts[at]), last=int(starts[at]) + length, log_false=log_false)
     return best

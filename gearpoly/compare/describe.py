@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2 as chi2_law
+from scipy.special import chdtrc
 
 from gearpoly.compare.entries import Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
@@ -280,7 +280,7 @@ def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
     size = beta**2 / ((2.0 * degree + 1.0) / s.data.u.size)
     nodes, weights = np.polynomial.hermite_e.hermegauss(24)
     ratio = size[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
-    tail = np.asarray(chi2_law.sf(ratio, 1)) @ (weights / np.sum(weights))
+    tail = np.asarray(chdtrc(1, ratio)) @ (weights / np.sum(weights))
     p = float(np.min(tail)) * degree.size * len(search.states)
     curve = s.slow[:, 1:] @ beta
     values = s.data.residual

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.stats import chi2 as chi2_law
+from scipy.special import chdtrc
 
 from gearpoly.compare.describe import GEARS
 from gearpoly.compare.entries import Entry
@@ -161,7 +161,7 @@ def _condition(search: Search, solution: Solution, base: int, k: int, tests: int
     values, vectors = np.linalg.eigh(covariance)
     good = values > 1e-9 * values[-1]
     square = float(np.sum((vectors.T @ difference)[good] ** 2 / values[good]))
-    p = float(chi2_law.sf(square, int(good.sum()))) * tests
+    p = float(chdtrc(int(good.sum()), square)) * tests
     s, t = search.states[k], search.states[base]
     orders = 2 * sum(1 for peak in t.orders if peak.known and peak in s.orders)
     wave = 0.5 * float(np.sum(difference[1 : 1 + orders] ** 2))

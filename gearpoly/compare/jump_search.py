@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2 as chi2_law
+from scipy.special import chdtri
 
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.jumps import (
@@ -31,7 +31,7 @@ from gearpoly.units import FloatArray, IntArray
 STAYS = 1.0
 """Turns of the slower shaft that a recording holds before and after a jump: what passes sooner may be teeth."""
 
-DRIFTS = float(chi2_law.isf(SHARES.drift, SLOW - 1))
+DRIFTS = float(chdtri(SLOW - 1, SHARES.drift))
 """Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
 
 FINE = 12

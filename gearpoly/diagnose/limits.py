@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from gearpoly.diagnose.running import Running
 from gearpoly.errors import GearpolyError
@@ -27,7 +27,7 @@ from gearpoly.units import UM, FloatArray, IntArray
 
 GRADES = {1995: range(13), 2013: range(1, 12)}
 
-CHANCE = float(norm.sf(2.0))
+CHANCE = float(ndtr(-2.0))
 """Chance with which a limit that holds may be called broken: that of one figure beyond two standard errors."""
 
 
@@ -108,7 +108,7 @@ def figures_of(
 
 def allowance(count: int) -> float:
     """Standard errors that the worst of ``count`` figures must be beyond its limit: 2 for one figure."""
-    return float(norm.isf(CHANCE / count))
+    return -float(ndtri(CHANCE / count))
 
 
 def exceeded(figures: Sequence[Figures], limit: Limit) -> Exceeded | None:

@@ -10,7 +10,6 @@ from itertools import chain
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import chi2
 
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.spectrum import Grid
@@ -18,6 +17,7 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
 from gearpoly.errors import GearpolyError
+from gearpoly.infer.chance import log_tail
 from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.physics.base import Claim, Physics, Scope
 from gearpoly.physics.place import Place, Values
@@ -91,7 +91,7 @@ class Candidate:
         sign of what noise looks like means nothing: no tooth is the stiffer for a crack."""
         physics = self.claim.physics
         signs = 1 if physics.amplitudes == 1 and physics.coordinates[0].low >= 0.0 else 2
-        return math.log(tests * signs / 2) + float(chi2.logsf(max(self.gain, 0.0), self.freedoms))
+        return math.log(tests * signs / 2) + log_tail(max(self.gain, 0.0), self.freedoms)
 
 
 def probes(physics: Physics, place: Place) -> list[Values]:

@@ -13,6 +13,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.clean import clean
 from gearpoly.recording.read import read_set
+from tests.made_command import commands
 from tests.made_texts import own, run, table
 
 PACKAGE = Path(__file__).parents[2] / "gearpoly"
@@ -130,11 +131,10 @@ def foreign(names: tuple[str, ...], *, decimal: str = ",", **how: Any) -> str:
 
 def command(*words: object) -> None:
     """The command line, in this process; what it refuses is raised."""
-    from gearpoly.cli import app
     from gearpoly.files.environment import check_arguments
 
     check_arguments([str(one) for one in words])
-    app([str(one) for one in words], standalone_mode=False)
+    commands()([str(one) for one in words], standalone_mode=False)
 
 
 def own_run(**how: Any) -> str:

@@ -141,6 +141,7 @@ def check(folder: Path, made: dict[str, Callable[[Path], None]]) -> dict[str, st
     return said
 
 
+@pytest.mark.slow
 def test_files_that_state_much_or_never_end(tmp_path: Path) -> None:
     for module in ("h5py", "pyarrow"):
         pytest.importorskip(module)

@@ -20,6 +20,7 @@ def softer(file: PairFile, **keys: object) -> PairFile:
     return file.model_copy(update={"model": file.model.model_copy(update=keys)})
 
 
+@pytest.mark.slow
 def test_noise_alone_raises_no_name() -> None:
     """Thousands of places are looked at, so one in a thousand by chance at each would be several names."""
     known = inspected()

@@ -35,6 +35,7 @@ def test_a_tooth_that_comes_again_is_named() -> None:
     assert found.size(low, "deviation_um") == pytest.approx(4.0, abs=0.7)
 
 
+@pytest.mark.slow
 def test_a_claim_against_unseen_data_is_refused() -> None:
     """One tooth 7 um off, seen twice in 1.8 turns of ten samples per mesh and noise of 0.5 um: a pit fits what is seen
     and nothing else. Its name is refused, or unseen data fit better with what is named."""
