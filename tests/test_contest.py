@@ -112,6 +112,14 @@ def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
     assert 2.0 < std < 7.0
 
 
+@pytest.fixture(autouse=True)
+def rests(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The made searches below rest wherever they are."""
+    if "begun" not in request.fixturenames:
+        for module in ("search", "contest"):
+            monkeypatch.setattr(f"gearpoly.diagnose.{module}.relax", lambda search: None)
+
+
 class Ends:
     """A search whose claim fits with the misfit ``ends`` says, fitted again or not, "nothing" without any; ``broken``
     pairs cannot turn, gains of more than 20 are significant."""
@@ -149,8 +157,6 @@ class Ends:
     def settle(self) -> None:
         if self.broken in [claim.key for claim in self.model.claims] or (self.broken and not self.model.claims):
             raise GeometryError("tip below base")
-
-    def relax(self) -> None: ...
 
     def step(self, text: str) -> None: ...
 
