@@ -318,8 +318,8 @@ def test_less_than_two_turns_are_taken_with_a_word() -> None:
 
 def test_less_than_a_turn() -> None:
     t, theta = steady(0.9)
-    assert "0.90 driving turns" in refusal(recording(theta, error_of(theta), t)).found
-    t, theta, _ = ramped(2.6, 1.2, 1.2, 0.2)
+    assert "0.89 driving turns" in refusal(recording(theta, error_of(theta), t)).found
+    t, theta, _ = ramped(2.2, 1.2, 1.2, 0.2)
     assert "driving turns" in refusal(recording(theta, error_of(theta), t)).found
     assert (
         "were they written in rad, it would be" not in refusal(recording(0.01 * theta, 0.01 * error_of(theta), t)).wish

@@ -290,7 +290,7 @@ COLUMNS = "driving_angle_deg,driven_angle_deg"
     [
         ("rec.csv", ramp(3.0, header="driving_angle_deg,other_angle"), "driven_angle_deg"),
         ("rec.csv", ramp(3.0, header="driving_angle_deg,driving_angle_deg"), "the name of columns 1 and 2"),
-        ("rec.csv", ramp(1.0), "driving turns"),
+        ("rec.csv", ramp(0.9), "driving turns"),
         ("rec.csv", ramp(3.0, ratio=0.6), "the nearest tooth ratio is 3/5"),
         ("rec.csv", ramp(3.0, count=40), "usable samples"),
         ("rec.csv", ramp(3.0, keys='# torque_nm = "high"\n'), 'line 1: torque_nm = "high"'),

@@ -237,15 +237,15 @@ def test_pieces_too_short_are_said(pair: Pair) -> None:
     long = usable(runs)
     assert [run.source.name for run in long] == ["test.csv#1", "test.csv#3"]
     assert any("too short to use: run 2 of 3 in test.csv" in said for said in long[0].remarks)
-    with pytest.raises(InputFileError, match=r"2 runs forth and back, none of more than 1\.3"):
-        usable(runs_of(recorded(pair.made, motion((1.0, -1.0)), rng())))
+    with pytest.raises(InputFileError, match=r"2 runs forth and back, none of more than 0\.9"):
+        usable(runs_of(recorded(pair.made, motion((0.7, -0.7)), rng())))
 
 
 def test_a_run_that_its_ramps_leave_too_short_is_left_out_with_a_word(pair: Pair) -> None:
-    slow = runs_of(recorded(pair.made, motion((6.0, -1.53)), rng()))
+    slow = runs_of(recorded(pair.made, motion((6.0, -0.78)), rng()))
     (kept,) = clean_set(slow, ratio=RATIO, r_b2=pair.made.pair.r_b2)
     assert kept.recording.flank == "drive"
-    assert kept.recording.remarks[-1].startswith("test.csv#2 left out, with 1.")
+    assert kept.recording.remarks[-1].startswith("test.csv#2 left out, with 0.")
 
 
 def test_a_drive_that_only_swings_is_read_to_its_end_in_a_bounded_time() -> None:
