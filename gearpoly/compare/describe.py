@@ -11,6 +11,7 @@ from scipy.special import chdtrc
 from gearpoly.compare.entries import Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
+from gearpoly.compare.few_turns import log_false
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
@@ -141,6 +142,11 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
         return None
     kind, gear, order, label, rivals = kind_of(search, peak.frequency)
+    if peak.few:
+        false = log_false(s.search, search.states[best].noise, peak, gain=square, recordings=len(search.states))
+        if false > 0.0:
+            return None
+        p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, "a slow drift")
     if not peak.known:
         label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.search.span)
     if peak.harmonic:

@@ -76,7 +76,8 @@ class Peak:
     ``log_false`` log of the expected number of such finds in noise; ``known``: it is an integer order of a shaft.
     ``std`` of the frequency, in its unit; ``rival`` the gain of the best wave of the other kind at its place, ``image``
     that of the wave in time which the same samples show where the sampling is even. ``faint``: it was found together
-    with others only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them."""
+    with others only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them.
+    ``few``: the recording holds too few turns of it to tell it from a drift."""
 
     domain: Domain
     frequency: float
@@ -89,6 +90,7 @@ class Peak:
     harmonic: int = 0
     faint: bool = False
     leads: bool = False
+    few: bool = False
 
     @property
     def hum(self) -> bool:

@@ -18,6 +18,7 @@ from gearpoly.compare.columns import (
     shape_part,
     waves,
 )
+from gearpoly.compare.few_turns import first_order, without_first
 from gearpoly.compare.jumps import Jump
 from gearpoly.compare.lines import LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
@@ -116,13 +117,16 @@ class JointModel:
 
     def _state(self, data: AlignedResidual) -> State:
         x = data.u if data.time_s is None else data.time_s
+        search = LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)
+        slowest = first_order(search)
         return State(
             data=data,
             carried=data.carried(self.z_1, self.z_2),
-            search=LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0),
+            search=search,
+            orders=[] if slowest is None else [slowest],
             slow=slow_curves(x),
             estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
-            noise=estimator.estimate(data.residual),
+            noise=estimator.estimate(without_first(data.u, data.residual, slowest)),
             flank_at=self.flanks.index(data.flank) * self.tooth_parameters,
         )
 
@@ -199,7 +203,8 @@ class JointModel:
                 if peaks and x is not None:
                     held = waves(x, np.array([p.frequency for p in peaks]), before=s.waves.get(name))
                     s.waves[name] = held
-                    own_parts.append((name, held, np.zeros(held.size)))
+                    known = [0.0 if not p.few else float(np.ptp(s.data.residual)) ** -2.0 for p in peaks]
+                    own_parts.append((name, held, np.repeat(known, 2)))
             if s.jumps:
                 steps = np.stack([jump.column(u.size) for jump in s.jumps], axis=1)
                 own_parts.append(("jumps", Dense(columns=steps), np.zeros(len(s.jumps))))
@@ -239,7 +244,7 @@ class JointModel:
 
     def renew_noise(self, solution: Solution) -> None:
         for s, left in zip(self.states, solution.left, strict=True):
-            s.noise = s.estimator.estimate(left)
+            s.noise = s.estimator.estimate(without_first(s.data.u, left, next((p for p in s.orders if p.few), None)))
 
     def new_tooth(self, s: State, find: ToothFind) -> Tooth:
         """A found tooth in recording ``s``, its shape still flat."""
