@@ -396,3 +396,17 @@ def test_an_eccentricity_is_hardly_told_from_a_wave_and_a_pitch_wave_is() -> Non
     assert unknown(rig, limit, off)["log_odds"] < 6.0
     assert unknown(rig, limit, wave)["log_odds"] > 8.0
     assert te(rig, condition, path).size == path.time.size
+
+
+def test_a_tooth_that_no_sample_meets_leading_is_written_with_an_unknown_of_nothing() -> None:
+    """At 1.8 samples per mesh every tooth is met in few places. Of this driven tooth a neighbour leads at all of them,
+    so to first order its pitch shows nothing, and nothing is what any unknown of its flank makes of it."""
+    plan = GROUNDS["real-life"].plan(602214076)
+    made = GROUNDS["real-life"].make(602214076, plan[60])
+    assert plan[60].klass == "wander"
+    (item,) = made.truth["truth"]
+    assert (item["physics"], item["over_limit"]) == ("tooth_pitch", 0.0)
+    assert {key: item["unknown"][key] for key in ("log_odds", "separability", "left")} == dict.fromkeys(
+        ("log_odds", "separability", "left"), 0.0
+    )
+    assert item["unknown"]["place"] == "tooth"

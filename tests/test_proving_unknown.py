@@ -131,6 +131,80 @@ def test_forms_are_free_where_they_say() -> None:
     assert count == {"flank": 16, "condition": 24}
 
 
+SHADED = 7
+NOTHING = {"physics": "unknown", "place": "tooth", "form": "flank", "log_odds": 0.0, "separability": 0.0, "left": 0.0}
+
+
+def shaded(noise_um: float = 0.3) -> tuple[Rig, Limit]:
+    """One driven tooth 5 um behind the others, read only where a neighbour touches as well, or where it is a base
+    pitch off its path of contact: never where it would carry alone."""
+    rig, gear = crowned(), PAIR.driven
+    rig = rig.with_teeth(2, rig.teeth(2).index_plus(SHADED, -5.0))
+    limit = limit_of(rig, DRIVE, noise_um=noise_um)
+    (sight,) = limit.look
+    turn = 2.0 * pi * gear.r_b
+    # Along an involute the contact runs as far as the base circle does, from the tip of the driven tooth downwards.
+    roll = PAIR.l_work(2) - gear.r_b * sight.path.angle(sight.time) + SHADED * PAIR.p_b
+    roll = (roll - PAIR.l_start(2) + PAIR.p_b) % turn - PAIR.p_b
+    span = gear.l_tip - PAIR.l_start(2)
+    two = ((roll > 0.01) & (roll < span - PAIR.p_b - 0.01)) | ((roll > PAIR.p_b + 0.01) & (roll < span - 0.01))
+    at = two | (roll < -0.9 * PAIR.p_b) | (roll > span + 0.9 * PAIR.p_b)
+    assert two.sum() > 50
+    return rig, limit.seen_with((replace(sight, time=sight.time[at]),), limit.whiten)
+
+
+@pytest.mark.parametrize("size", [-20.0, -2.0, 2.0])
+def test_a_tooth_that_its_neighbours_keep_off_the_mate_is_nothing_and_so_is_its_unknown(size: float) -> None:
+    """Rigid teeth: 5 um behind crownings of 0.5 um, and 3 um as well, the flank reaches no reading. So no curve of it
+    moves any, and two that make nothing are told by nothing."""
+    rig, limit = shaded()
+    hidden = Effect(physics="tooth_pitch", gear=2, size=size, more={"tooth": SHADED})
+    for form in PLACES["tooth_flank"].forms:
+        assert free_columns(rig, limit, hidden, "tooth_flank", form).shape == (limit.base.size, 0)
+    assert unknown(rig, limit, hidden) == NOTHING
+
+
+def test_a_tooth_that_a_part_of_a_turn_leaves_out_has_no_unknown_either() -> None:
+    rig = crowned()
+    limit = limit_of(rig, replace(DRIVE, turns=0.6))  # 10.8 of 25 driven teeth
+    first, last = limit.look[0].path.angles
+    away = round(0.5 * (first + last) / PAIR.driven.tau + 0.5 * PAIR.driven.z) % PAIR.driven.z
+    hidden = Effect(physics="tooth_pitch", gear=2, size=20.0, more={"tooth": away})
+    assert unknown(rig, limit, hidden) == NOTHING
+
+
+def test_a_place_at_which_nothing_is_free_is_no_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bump of 8 um shows 3 um before the neighbours. Of a size near its limit splines cost more than they say; that
+    no deviation of the flank reaches a reading makes nothing likelier."""
+    rig, limit = shaded(noise_um=20.0)
+    radii = [sqrt(PAIR.driven.r_b**2 + roll**2) for roll in (4.5, 7.0)]
+    bump = Effect(
+        physics="tooth_spall", gear=2, size=-8.0, more={"tooth": SHADED, "from_mm": radii[0], "to_mm": radii[1]}
+    )
+    found = nearest(rig, limit, bump)
+    assert free_columns(rig, limit, bump, "tooth_flank", "flank").shape[1] == 0
+    assert found.place == "tooth"
+    assert found.log_evidence < 0.0
+    monkeypatch.setitem(PHYSICS, "tooth_spall", replace(PHYSICS["tooth_spall"], nearby=()))
+    assert nearest(rig, limit, bump) == found
+
+
+def test_what_is_seen_at_no_place_of_an_unknown_is_told_from_nothing_by_its_own_price(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Then all of it is left, and of its odds is taken what its two numbers cost. A wave of amplitude a in n samples
+    of noise s has n a^2 / (2 s^2) of squared size over the limit."""
+    nil = replace(PLACES["wave"], columns=lambda rig, one, effect: np.zeros((one.time.size, 2)))
+    monkeypatch.setitem(PLACES, "wave", nil)
+    found = unknown(crowned(), limit_of(crowned(), DRIVE), LINE)
+    samples = DRIVE.turns * PAIR.driving.z * DRIVE.per_mesh
+    q = 0.5 * samples * (1e-3 * LINE.size * PAIR.driven.r_b / 0.3) ** 2
+    odds = 0.5 * q * q / (2.0 + q) - log(1.0 + 0.5 * q)
+    assert (found["place"], found["form"], found["left"]) == ("wave", "all", 1.0)
+    assert found["log_odds"] == pytest.approx(odds, rel=0.03)  # cosines at the readings, and what the zero takes
+    assert found["separability"] == pytest.approx(sqrt(2.0 * odds / q), rel=0.01)
+
+
 def test_every_physics_has_a_place_and_its_numbers_are_counted() -> None:
     assert all(PHYSICS[name].place in PLACES for name in CATALOGUE)
     assert all(place in PLACES for name in CATALOGUE for place in PHYSICS[name].nearby)

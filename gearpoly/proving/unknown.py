@@ -80,6 +80,8 @@ def _tooth(rig: Rig, one: Sight, effect: Effect, *, flank: bool = False) -> Floa
     knots = np.concatenate([np.zeros(3), np.linspace(0.0, 1.0, KNOTS), np.ones(3)])
     out = np.zeros((one.time.size, KNOTS + 2))
     rows, slots = np.nonzero((tooth == effect.more["tooth"]) & (roll > 0.0) & (u >= 0.0) & (u <= 1.0))
+    if not rows.size:
+        return out  # no reading of this recording meets the tooth
     out[rows] = BSpline.design_matrix(u[rows, slots], knots, 3).toarray()
     if flank:
         out[rows] *= got.weights[rows, slots, None]
@@ -127,7 +129,9 @@ PLACES = {
 
 
 def free_columns(rig: Rig, limit: Limit, effect: Effect, place: str, form: str) -> FloatArray:
-    """Whitened columns (n, k) over all recordings of what has no cause at a place; none that is nil."""
+    """Whitened columns (n, k) over all recordings of what has no cause at a place; none that is nil. So there are none
+    at all (k = 0) where what sits there moves no sample: a flank that its neighbours keep off the mate whenever the
+    encoders are read, or a tooth that a part of a turn leaves out."""
     keys = [SAME[form](one.condition) for one in limit.look]
     groups = list(dict.fromkeys(keys))
     out = []
@@ -162,21 +166,26 @@ class Unknown:
 
 
 def nearest(rig: Rig, limit: Limit, effect: Effect) -> Unknown:
-    """The unknown that comes nearest to an effect put into a rig; ``limit`` is built about the rig without it."""
+    """The unknown that comes nearest to an effect put into a rig; ``limit`` is built about the rig without it.
+
+    A place at which nothing moves a sample has no unknown that could be likelier, or come nearer, than another. If no
+    place has one, the unknown is that nothing is there: log evidence 0, and all of the effect is left."""
     s = whitened(rig, limit, effect)
     perp = limit.perp(s)
     q = float(s @ perp)
     one = PHYSICS[effect.physics]
-    tried, left = [], 1.0
+    tried, left = [], 1.0 if q > 0.0 else 0.0
     for place in (one.place, *one.nearby):
         for form in PLACES[place].forms:
             free = free_columns(rig, limit, effect, place, form)
+            if not free.shape[1]:
+                continue
             taken = np.stack([limit.perp(column) for column in free.T], axis=1)
             seen = float(np.einsum("ij,ij->", free, taken))
             scale = sqrt(max(q, 0.0) / seen) if seen > 0.0 else 0.0
             tried.append((log_evidence(s, perp, scale * free, scale * taken), place, form))
             left = min(left, _left(free, taken, perp, q))
-    best, place, form = max(tried)
+    best, place, form = max(tried, default=(0.0, one.place, PLACES[one.place].forms[0]))
     return Unknown(place=place, form=form, log_evidence=best, left=left)
 
 
