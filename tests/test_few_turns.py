@@ -10,7 +10,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.few_turns import FEWEST, first_order
+from gearpoly.compare.few_turns import ONE_TURN, first_order
 from gearpoly.compare.lines import SLOWEST, LineSearch
 from gearpoly.compare.locate import Located
 from gearpoly.files.models import PairFile
@@ -72,7 +72,7 @@ def test_of_white_noise_nothing_is_told(mount: tuple[PairFile, Path]) -> None:
 @pytest.mark.parametrize(
     ("turns", "z", "shaft"),
     [
-        (0.9 * FEWEST, (12, 47), None),
+        (0.9 * ONE_TURN, (12, 47), None),
         (1.5, (12, 47), 47),
         (1.1 * SLOWEST, (12, 47), None),
         (1.1, (24, 36), 24),  # of the driving shaft there are 1.65 turns, which tell more

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.compare.runaway import held
+from gearpoly.compare.runaway import without_course
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import GearPair
@@ -69,7 +69,7 @@ def test_what_is_slow_is_taken_and_what_repeats_stays(drive: Drive, wrapped: boo
     if unit == "te_mm":
         assert one.te_rad is not None
         one = replace(one, te_rad=None, te_mm=one.te_rad * pair.r_b2)
-    out = held(one, pair)
+    out = without_course(one, pair)
     te = out.te_in_rad(pair.r_b2)
     assert te is not None
     # Order 9, which is not fitted beside, leaves a ramp of its amplitude over pi times its waves (144).
@@ -80,27 +80,27 @@ def test_what_is_slow_is_taken_and_what_repeats_stays(drive: Drive, wrapped: boo
 
 def test_a_course_within_a_quarter_of_a_pitch_stays(drive: Drive) -> None:
     for one in (recording(course(0.24, pair=drive.pair)), recording(line(1.0, amplitude=1.0, pair=drive.pair))):
-        assert held(one, drive.pair) is one
+        assert without_course(one, drive.pair) is one
 
 
 def test_beside_an_encoder_a_ramp_may_be_its_scale(drive: Drive) -> None:
     pair = drive.pair
     travel = TURNS * pair.driven.gear.z
     below, above = (recording(course(part * travel, pair=pair), timed=False) for part in (0.029, 0.031))
-    assert held(below, pair) is below
-    assert "runs away" in held(above, pair).remarks[0]
+    assert without_course(below, pair) is below
+    assert "runs away" in without_course(above, pair).remarks[0]
 
 
 def test_both_angles_are_left_to_their_lines(drive: Drive) -> None:
     one = recording(course(6.0, pair=drive.pair))
     both = replace(one, driving_angle_rad=np.linspace(0.0, TURNS * TURN, 4000) / drive.pair.ratio)
-    assert held(both, drive.pair) is both
+    assert without_course(both, drive.pair) is both
 
 
 def test_a_column_that_is_no_transmission_error_is_refused_with_a_cure(drive: Drive) -> None:
     one = recording(np.linspace(0.0, TURNS * TURN, 4000))
     with pytest.raises(InputFileError, match="100% of what the shafts turn") as caught:
-        held(one, drive.pair)
+        without_course(one, drive.pair)
     assert "te_um" in caught.value.wish and "te_arcsec" in caught.value.wish
 
 

@@ -17,19 +17,19 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
 from gearpoly.units import FloatArray
 
-FEWEST = 1.0
+ONE_TURN = 1.0
 """Turns of a shaft from which its order 1 is fitted beside ramp, bow and S: of a single wave these leave a tenth, of
 less nothing that stands out."""
 
-ORDERS = 3
+FIRST_ORDERS = 3
 """Orders of that shaft that are kept out of the noise: their lines are so wide that they reach between the orders, from
 where it is taken. With order 1 alone a worm of 8, 2 and 0.7 arcsec in orders 1 to 3 left 6 arcsec of noise, of 0.6."""
 
 
 def first_order(search: LineSearch) -> Peak | None:
-    """Order 1 of the shaft of which a recording holds most turns, more than ``FEWEST`` and no more than ``SLOWEST``;
+    """Order 1 of the shaft of which a recording holds most turns, more than ``ONE_TURN`` and no more than ``SLOWEST``;
     None where there is no such shaft. Of two such shafts the other's would be no longer apart from the drift."""
-    within = [z for z in (search.z_1, search.z_2) if FEWEST < search.span / z <= SLOWEST]
+    within = [z for z in (search.z_1, search.z_2) if ONE_TURN < search.span / z <= SLOWEST]
     return _order_1(min(within)) if within else None
 
 
@@ -45,7 +45,7 @@ def without_first(u: FloatArray, residual: FloatArray, peak: Peak | None) -> Flo
     if peak is None:
         return residual
     angle = 2.0 * math.pi * peak.frequency * u
-    waves = [wave(order * angle) for order in range(1, ORDERS + 1) for wave in (np.cos, np.sin)]
+    waves = [wave(order * angle) for order in range(1, FIRST_ORDERS + 1) for wave in (np.cos, np.sin)]
     columns = np.column_stack((slow_curves(u), *waves))
     return np.asarray(residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0])
 

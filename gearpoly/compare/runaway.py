@@ -21,10 +21,11 @@ from gearpoly.recording.travel import FEWEST
 from gearpoly.units import UM, FloatArray
 
 MATTERS = 0.25
-"""Pitches by which a slow course misses from which the mate's lines are smeared: a line of the order of its teeth loses
-a tenth of its power where its phase runs over a quarter of a turn."""
+"""Pitches along a whole recording from which teeth stand at other angles than the readings say: of less a slope of the
+transmission error tells all that there is. A line of the order of the teeth, whose phase runs over a quarter of a turn,
+loses a fifth of its power (sinc 0.25)^2."""
 
-APART = 1.5
+HOLDS = 1.5
 """Turns from which a wave of order 1 is fitted beside the slow course; of less the course takes its part."""
 
 NO_ERROR = 0.2
@@ -32,7 +33,7 @@ NO_ERROR = 0.2
 wander by pitches the worst run away by 0.06."""
 
 
-def held(recording: Recording, pair: GearPair) -> Recording:
+def without_course(recording: Recording, pair: GearPair) -> Recording:
     """The recording without the slow course (mean left, ramp, bow and S taken) of a transmission error that runs away;
     as it is where both angles were read, or where the course is within ``MATTERS``. Beside an encoder's angle a ramp up
     to ``RATIO_LIMIT`` may be its scale, which the diagnosis asks for.
@@ -78,7 +79,7 @@ def _course(te: FloatArray, turned: FloatArray, *, ratio: float) -> FloatArray:
     waves = [
         wave(order * angle)
         for angle in (turned / ratio, turned)
-        if float(np.ptp(angle)) > APART * 2.0 * math.pi
+        if float(np.ptp(angle)) > HOLDS * 2.0 * math.pi
         for order in (1, 2)
         for wave in (np.cos, np.sin)
     ]

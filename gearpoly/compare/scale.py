@@ -13,7 +13,7 @@ import numpy as np
 from gearpoly.compare.among import shared_counts
 from gearpoly.compare.even import even_rate
 from gearpoly.compare.ratio import Explained, Travelled, decided, explanations, other_teeth
-from gearpoly.compare.runaway import held
+from gearpoly.compare.runaway import MATTERS, without_course
 from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.physics.parts import EncoderErrors
@@ -31,10 +31,6 @@ SWAPPED = (
     "driven_angle_deg in the recording, or the two gears in the pair file"
 )
 """What to do where the ratio of the travels is the inverse of the pair's."""
-
-MATTERS = 0.25
-"""Pitches of a whole recording by which travels miss the ratio from which teeth stand at other angles than they read:
-of less a slope of the transmission error tells all that there is."""
 
 QUIET = 0.02 * UM
 """mm rms. What the simulation itself misses; a recording of less was made without encoders."""
@@ -80,7 +76,7 @@ def put_right(
     Raises ``InputFileError`` where the lines are those of another pair of teeth, or the ratio is another pair's by more
     than ``RATIO_LIMIT`` and no lines tell.
     """
-    recordings = [held(recording, pair) for recording in recordings]
+    recordings = [without_course(recording, pair) for recording in recordings]
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     found = {k: one for k, r in enumerate(recordings) if (one := _travelled(r, pair)) is not None}
     if not found:

@@ -25,7 +25,7 @@ Begun = TypeVar("Begun", bound=Fit)
 RELAXED = 8
 """Times that a fit begins once more with teeth alike."""
 
-WORTH = 0.01
+WORTH_WHILE = 0.01
 """Part of the misfit beyond noise by which another beginning must end better, too: where much is left without a cause
 teeth creep on by a thousandth each time, and what is claimed next moves them all again. A spall of 40 um took 16 such
 fits of whole recordings."""
@@ -100,7 +100,7 @@ class _Tries:
     def better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
         better, and is kept."""
-        better = max(BETTER, WORTH * self.fit.linear.system.beyond)
+        better = max(BETTER, WORTH_WHILE * self.fit.linear.system.beyond)
         if self.few is None:
             return _ends_better(self.fit, built, shift, better=better)
         few, part = self.few
