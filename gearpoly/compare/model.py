@@ -126,7 +126,7 @@ class JointModel:
             orders=[] if slowest is None else [slowest],
             slow=slow_curves(x),
             estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
-            noise=estimator.estimate(without_first(data.u, data.residual, slowest)),
+            noise=estimator.estimate(without_first(search, data.residual)),
             flank_at=self.flanks.index(data.flank) * self.tooth_parameters,
         )
 
@@ -244,7 +244,7 @@ class JointModel:
 
     def renew_noise(self, solution: Solution) -> None:
         for s, left in zip(self.states, solution.left, strict=True):
-            s.noise = s.estimator.estimate(without_first(s.data.u, left, next((p for p in s.orders if p.few), None)))
+            s.noise = s.estimator.estimate(without_first(s.search, left))
 
     def new_tooth(self, s: State, find: ToothFind) -> Tooth:
         """A found tooth in recording ``s``, its shape still flat."""

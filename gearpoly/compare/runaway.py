@@ -17,16 +17,13 @@ from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import RATIO_LIMIT
 from gearpoly.recording.recording import SHAFTS, Recording
-from gearpoly.recording.travel import FEWEST
+from gearpoly.recording.travel import FEWEST, HOLDS
 from gearpoly.units import UM, FloatArray
 
 MATTERS = 0.25
 """Pitches along a whole recording from which teeth stand at other angles than the readings say: of less a slope of the
 transmission error tells all that there is. A line of the order of the teeth, whose phase runs over a quarter of a turn,
 loses a fifth of its power (sinc 0.25)^2."""
-
-HOLDS = 1.5
-"""Turns from which a wave of order 1 is fitted beside the slow course; of less the course takes its part."""
 
 NO_ERROR = 0.2
 """Part of what a shaft turns from which the column is no transmission error: an angle, or another unit. Of rigs that
