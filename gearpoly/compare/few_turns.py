@@ -7,6 +7,7 @@ is fitted from the start, beside the slow curves, and told where more is in it t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -33,6 +34,14 @@ def first_order(search: LineSearch) -> Peak | None:
     return _order_1(min(within)) if within else None
 
 
+def first_orders(searches: Sequence[LineSearch]) -> list[Peak | None]:
+    """The same of each recording of a set; None where another one holds turns enough of that shaft to tell its order 1
+    from a drift. It is then looked for there, and what is fixed to a shaft is fitted in all."""
+    firsts = [first_order(search) for search in searches]
+    longest = max(search.span for search in searches)
+    return [None if one is None or longest * one.frequency > SLOWEST else one for one in firsts]
+
+
 @lru_cache
 def _order_1(z: int) -> Peak:
     """The same of all recordings of a set."""
@@ -44,10 +53,29 @@ def without_first(u: FloatArray, residual: FloatArray, peak: Peak | None) -> Flo
     that fit it best: else they would be noise that wanders, in which nothing weighs, they themselves least of all."""
     if peak is None:
         return residual
-    angle = 2.0 * math.pi * peak.frequency * u
-    waves = [wave(order * angle) for order in range(1, FIRST_ORDERS + 1) for wave in (np.cos, np.sin)]
-    columns = np.column_stack((slow_curves(u), *waves))
+    columns = np.column_stack((slow_curves(u), *_waves(u, peak)))
     return np.asarray(residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0])
+
+
+def beside_order_1(search: LineSearch, gear: str | None) -> tuple[str, ...]:
+    """What order 1 of the shaft of ``gear`` may be as well: a drift, and order 1 of the other where the recording
+    does not tell both apart, which are less than a line from each other."""
+    apart = abs(search.span / search.z_1 - search.span / search.z_2)
+    other = "driven" if gear == "driving" else "driving"
+    return (*((f"order 1 of the {other} shaft",) if 0.0 < apart < 1.0 else ()), "a slow drift")
+
+
+def beside_first(u: FloatArray, slow: FloatArray, peak: Peak) -> FloatArray:
+    """Variances (terms - 1,) of the amplitudes of ``slow`` curves (n, terms) but the mean in white noise of variance 1,
+    fitted beside the wave: they and a wave of so few turns take from each other."""
+    columns = np.column_stack((slow, *_waves(u, peak)))
+    return np.asarray(np.diag(np.linalg.pinv(columns.T @ columns))[1 : slow.shape[1]])
+
+
+def _waves(u: FloatArray, peak: Peak) -> list[FloatArray]:
+    """The wave and its harmonics that are kept out of the noise, as columns (n,) of 1 mm."""
+    angle = 2.0 * math.pi * peak.frequency * u
+    return [wave(order * angle) for order in range(1, FIRST_ORDERS + 1) for wave in (np.cos, np.sin)]
 
 
 def log_false(search: LineSearch, noise: Noise, peak: Peak, *, gain: float, recordings: int) -> float:
