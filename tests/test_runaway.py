@@ -78,6 +78,29 @@ def test_what_is_slow_is_taken_and_what_repeats_stays(drive: Drive, wrapped: boo
     assert "6 pitches" in said and "more than teeth in mesh can" in said
 
 
+def test_across_a_gap_of_several_turns_a_wrapped_angle_goes_on(drive: Drive) -> None:
+    """Of 12 driven turns 2.7 are missing; the course goes on meanwhile, and its turns with it."""
+    repeats = line(1.0, amplitude=40.0 * UM, pair=drive.pair)
+    te = repeats + course(6.0, pair=drive.pair)
+    te[1000:1900] = math.nan
+    out = without_course(recording(te, wrapped=True), drive.pair).te_in_rad(drive.pair.r_b2)
+    assert out is not None
+    assert float(np.nanmax(np.abs(out - repeats))) * drive.pair.r_b2 < 1.0 * UM
+
+
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_word_for_no_reading_is_no_course(drive: Drive, timed: bool) -> None:
+    """Single samples of 10 m, one of them near the end, are as a ramp of all others of 10 mm."""
+    repeats = line(1.0, amplitude=40.0 * UM, pair=drive.pair)
+    repeats[[50, 2000, 3990]] = 9999.999 / drive.pair.r_b2
+    one = recording(repeats, timed=timed)
+    assert without_course(one, drive.pair) is one
+    one = recording(repeats + course(16.0, pair=drive.pair), timed=timed)
+    out = without_course(one, drive.pair).te_in_rad(drive.pair.r_b2)
+    assert out is not None
+    assert float(np.max(np.abs(out - repeats))) * drive.pair.r_b2 < 1.0 * UM
+
+
 def test_a_course_within_a_quarter_of_a_pitch_stays(drive: Drive) -> None:
     for one in (recording(course(0.24, pair=drive.pair)), recording(line(1.0, amplitude=1.0, pair=drive.pair))):
         assert without_course(one, drive.pair) is one
