@@ -14,6 +14,7 @@ from gearpoly.compare.runaway import without_course
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import GearPair
+from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
 from tests.made_recordings import inspected
@@ -138,3 +139,14 @@ def test_a_line_of_the_driving_shaft_is_found_at_its_order(drive: Drive) -> None
     located = compare(drive.file, [recording(te)], path=drive.path).located
     lines = {(e.gear, e.order): e.amplitude_um for e in located.entries if e.order is not None}
     assert lines[("driving", 31)] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_wrapped_angle_with_missing_rows_is_still_time(way: float) -> None:
+    """The rows of 2.7 turns are missing. An angle that wobbles by a hundredth of a degree is an encoder's."""
+    t = np.linspace(0.0, 600.0, 4000)
+    t = np.delete(t, np.s_[1000:1900])
+    angle = way * 7.2 * t + 17.0
+    assert is_from_time(t, np.mod(angle, 360.0))
+    assert is_from_time(t, angle)
+    assert not is_from_time(t, np.mod(angle + 0.01 * np.sin(t), 360.0))
