@@ -35,12 +35,18 @@ def mount(tmp_path_factory: pytest.TempPathFactory) -> tuple[PairFile, Path]:
 
 
 def log(
-    turns: float, sizes: tuple[float, ...], seed: int, *, ramp: float = 10.0, gap: tuple[float, float] = (0.0, 0.0)
+    turns: float,
+    sizes: tuple[float, ...],
+    seed: int,
+    *,
+    ramp: float = 10.0,
+    gap: tuple[float, float] = (0.0, 0.0),
+    steps: int = STEPS,
 ) -> Recording:
     """A driven angle that is time, and waves of the driven shaft in noise with a ramp in um per rad; nothing between
     the turns of a ``gap``."""
     rng = np.random.default_rng([seed, round(100.0 * turns)])
-    theta = np.arange(0.0, turns * TURN, TURN / STEPS)
+    theta = np.arange(0.0, turns * TURN, TURN / steps)
     theta = theta[(theta <= gap[0] * TURN) | (theta >= gap[1] * TURN)]
     te: FloatArray = rng.normal(0.0, NOISE, theta.size) + ramp * theta
     for order, size in enumerate(sizes, start=1):
@@ -139,3 +145,11 @@ def test_it_is_asked_of_the_shaft_with_most_turns(turns: float, z: tuple[int, in
     u = np.linspace(0.0, turns * z[1], 600)
     one = first_order(LineSearch(u=u, time=None, z_1=z[0], z_2=z[1]))
     assert (None if one is None else round(1.0 / one.frequency)) == shaft
+
+
+def test_a_fine_log_of_few_turns_is_searched_for_no_jump(mount: tuple[PairFile, Path]) -> None:
+    """More samples than are searched whole: a jump would have to stay for a turn of the larger gear on either side."""
+    found = compare(mount[0], [log(1.5, SIZES, 1, ramp=0.0, steps=30_000)], path=mount[1]).located
+    one = order_1(found)
+    assert one is not None
+    assert one.amplitude_um == pytest.approx(SIZES[0], rel=0.02)
