@@ -153,3 +153,4 @@ def test_a_fine_log_of_few_turns_is_searched_for_no_jump(mount: tuple[PairFile, 
     one = order_1(found)
     assert one is not None
     assert one.amplitude_um == pytest.approx(SIZES[0], rel=0.02)
+    assert found.noise_level / UM == pytest.approx(NOISE, rel=0.15)
