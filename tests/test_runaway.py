@@ -14,6 +14,7 @@ from gearpoly.compare.runaway import without_course
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import PairFile
 from gearpoly.mesh.pair import GearPair
+from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
 from tests.made_recordings import inspected
@@ -78,6 +79,29 @@ def test_what_is_slow_is_taken_and_what_repeats_stays(drive: Drive, wrapped: boo
     assert "6 pitches" in said and "more than teeth in mesh can" in said
 
 
+def test_across_a_gap_of_several_turns_a_wrapped_angle_goes_on(drive: Drive) -> None:
+    """Of 12 driven turns 2.7 are missing; the course goes on meanwhile, and its turns with it."""
+    repeats = line(1.0, amplitude=40.0 * UM, pair=drive.pair)
+    te = repeats + course(6.0, pair=drive.pair)
+    te[1000:1900] = math.nan
+    out = without_course(recording(te, wrapped=True), drive.pair).te_in_rad(drive.pair.r_b2)
+    assert out is not None
+    assert float(np.nanmax(np.abs(out - repeats))) * drive.pair.r_b2 < 1.0 * UM
+
+
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_word_for_no_reading_is_no_course(drive: Drive, timed: bool) -> None:
+    """Single samples of 10 m, one of them near the end, are as a ramp of all others of 10 mm."""
+    repeats = line(1.0, amplitude=40.0 * UM, pair=drive.pair)
+    repeats[[50, 2000, 3990]] = 9999.999 / drive.pair.r_b2
+    one = recording(repeats, timed=timed)
+    assert without_course(one, drive.pair) is one
+    one = recording(repeats + course(16.0, pair=drive.pair), timed=timed)
+    out = without_course(one, drive.pair).te_in_rad(drive.pair.r_b2)
+    assert out is not None
+    assert float(np.max(np.abs(out - repeats))) * drive.pair.r_b2 < 1.0 * UM
+
+
 def test_a_course_within_a_quarter_of_a_pitch_stays(drive: Drive) -> None:
     for one in (recording(course(0.24, pair=drive.pair)), recording(line(1.0, amplitude=1.0, pair=drive.pair))):
         assert without_course(one, drive.pair) is one
@@ -115,3 +139,14 @@ def test_a_line_of_the_driving_shaft_is_found_at_its_order(drive: Drive) -> None
     located = compare(drive.file, [recording(te)], path=drive.path).located
     lines = {(e.gear, e.order): e.amplitude_um for e in located.entries if e.order is not None}
     assert lines[("driving", 31)] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_wrapped_angle_with_missing_rows_is_still_time(way: float) -> None:
+    """The rows of 2.7 turns are missing. An angle that wobbles by a hundredth of a degree is an encoder's."""
+    t = np.linspace(0.0, 600.0, 4000)
+    t = np.delete(t, np.s_[1000:1900])
+    angle = way * 7.2 * t + 17.0
+    assert is_from_time(t, np.mod(angle, 360.0))
+    assert is_from_time(t, angle)
+    assert not is_from_time(t, np.mod(angle + 0.01 * np.sin(t), 360.0))

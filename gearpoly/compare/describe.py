@@ -11,7 +11,7 @@ from scipy.special import chdtrc
 from gearpoly.compare.entries import Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.few_turns import log_false
+from gearpoly.compare.few_turns import beside_first, beside_order, log_false
 from gearpoly.compare.lines import TIE, Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
@@ -146,7 +146,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
         false = log_false(s.search, search.states[best].noise, peak, gain=square, recordings=len(search.states))
         if false > 0.0:
             return None
-        p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, "a slow drift")
+        p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, *beside_order(s.search, gear, peak.few))
     if not peak.known:
         label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.search.span)
     if peak.harmonic:
@@ -283,7 +283,10 @@ def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
     # A Legendre polynomial of degree j turns half j times over the record.
     skip = s.noise.cycles
     level, doubt = _slow_noise(x, solution.left[k], at=np.asarray(0.5 * degree, dtype=np.float64), skip=skip)
-    size = beta**2 / ((2.0 * degree + 1.0) / s.data.u.size)
+    few = next((peak for peak in s.orders if peak.few), None)
+    if few is not None and wave_entry(search, solution, k, few) is None:
+        few = None  # What does not stand out itself takes nothing of the drift.
+    size = beta**2 / ((2.0 * degree + 1.0) / s.data.u.size if few is None else beside_first(s.data.u, s.slow, few))
     nodes, weights = np.polynomial.hermite_e.hermegauss(24)
     ratio = size[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
     tail = np.asarray(chdtrc(1, ratio)) @ (weights / np.sum(weights))

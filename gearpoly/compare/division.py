@@ -110,10 +110,10 @@ def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[
             continue
         curve = part.apply(solution.beta[where])
         others += curve
-        if name != "slow" or drift:
+        if name != "slow" or drift or any(peak.few for peak in s.orders):
             listed += curve
         if name == "orders":
-            known = np.repeat([peak.known for peak in s.orders], 2)
+            known = np.repeat([peak.known and not peak.few for peak in s.orders], 2)
             fitted += part.apply(np.where(known, solution.beta[where], 0.0))
     return s.data.residual - solution.left[k] - others, listed, fitted
 
@@ -129,7 +129,9 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
     # Of every mesh alike no single tooth holds anything: such orders stand out by themselves, or belong to laws.
     open_ = s.search.searched & (orders.place % orders.period != 0)
     open_[orders.whole.size :] = False
-    taken = [int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known]
+    taken = [
+        int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known and not peak.few
+    ]
     mean = float(np.mean(values))
     rest: FloatArray = values - mean
     heights: FloatArray = np.zeros(0)

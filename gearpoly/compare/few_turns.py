@@ -7,6 +7,7 @@ is fitted from the start, beside the slow curves, and told where more is in it t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -29,34 +30,53 @@ where it is taken. With order 1 alone a worm of 8, 2 and 0.7 arcsec in orders 1 
 def first_order(search: LineSearch) -> Peak | None:
     """Order 1 or 2 of a shaft of which a recording holds ``FEWEST_WAVES`` to ``SLOWEST`` waves, of several the fastest;
     None where there is none. The others would be no longer apart from the drift."""
-    place = _place(search)
-    return None if place is None else _wave_at(*place)
-
-
-def _place(search: LineSearch) -> tuple[int, int] | None:
-    """The teeth of that shaft, and the order."""
     held = {(z, order): order * search.span / z for z in (search.z_1, search.z_2) for order in (1, 2)}
     within = {place: waves for place, waves in held.items() if FEWEST_WAVES < waves <= SLOWEST}
-    return max(within, key=lambda place: within[place]) if within else None
+    return _order(*max(within, key=lambda place: within[place])) if within else None
+
+
+def first_orders(searches: Sequence[LineSearch]) -> list[Peak | None]:
+    """The same of each recording of a set; None where another one holds turns enough of that shaft to tell the order
+    from a drift. It is then looked for there, and what is fixed to a shaft is fitted in all."""
+    firsts = [first_order(search) for search in searches]
+    longest = max(search.span for search in searches)
+    return [None if one is None or longest * one.frequency > SLOWEST else one for one in firsts]
 
 
 @lru_cache
-def _wave_at(z: int, order: int) -> Peak:
+def _order(z: int, order: int) -> Peak:
     """The same of all recordings of a set."""
-    return Peak(domain="order", frequency=order / z, std=0.0, gain=0.0, log_false=0.0, known=True, few=True)
+    return Peak(domain="order", frequency=order / z, std=0.0, gain=0.0, log_false=0.0, known=True, few=order)
 
 
-def without_first(search: LineSearch, residual: FloatArray) -> FloatArray:
-    """A ``residual`` (n,) in mm less that wave, if there is one, the next orders of its shaft and the slow curves that
-    fit it best: else they would be noise that wanders, in which nothing weighs, they themselves least of all."""
-    place = _place(search)
-    if place is None:
+def without_first(u: FloatArray, residual: FloatArray, peak: Peak | None) -> FloatArray:
+    """A ``residual`` (n,) in mm at ``u`` (n,) meshes less the wave, if there is one, the next orders and the slow
+    curves that fit it best: else they would be noise that wanders, in which nothing weighs, least of all themselves."""
+    if peak is None:
         return residual
-    z, first = place
-    angle = 2.0 * math.pi * search.u / z
-    waves = [wave(order * angle) for order in range(first, first + FIRST_ORDERS) for wave in (np.cos, np.sin)]
-    columns = np.column_stack((slow_curves(search.u), *waves))
+    columns = np.column_stack((slow_curves(u), *_waves(u, peak)))
     return np.asarray(residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0])
+
+
+def beside_order(search: LineSearch, gear: str | None, order: int) -> tuple[str, ...]:
+    """What an ``order`` of the shaft of ``gear`` may be as well: a drift, and the same of the other where the recording
+    does not tell both apart, which are less than a line from each other."""
+    apart = order * abs(search.span / search.z_1 - search.span / search.z_2)
+    other = "driven" if gear == "driving" else "driving"
+    return (*((f"order {order} of the {other} shaft",) if 0.0 < apart < 1.0 else ()), "a slow drift")
+
+
+def beside_first(u: FloatArray, slow: FloatArray, peak: Peak) -> FloatArray:
+    """Variances (terms - 1,) of the amplitudes of ``slow`` curves (n, terms) but the mean in white noise of variance 1,
+    fitted beside the wave: they and a wave of so few turns take from each other."""
+    columns = np.column_stack((slow, *_waves(u, peak)))
+    return np.asarray(np.diag(np.linalg.pinv(columns.T @ columns))[1 : slow.shape[1]])
+
+
+def _waves(u: FloatArray, peak: Peak) -> list[FloatArray]:
+    """The wave and the next orders of its shaft, which are kept out of the noise, as columns (n,) of 1 mm."""
+    angle = 2.0 * math.pi * peak.frequency / peak.few * u
+    return [wave(order * angle) for order in range(peak.few, peak.few + FIRST_ORDERS) for wave in (np.cos, np.sin)]
 
 
 def log_false(search: LineSearch, noise: Noise, peak: Peak, *, gain: float, recordings: int) -> float:

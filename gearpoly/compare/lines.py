@@ -77,7 +77,7 @@ class Peak:
     ``std`` of the frequency, in its unit; ``rival`` the gain of the best wave of the other kind at its place, ``image``
     that of the wave in time which the same samples show where the sampling is even. ``faint``: it was found together
     with others only, as ``harmonic`` of a train of pulses (0: of none); ``leads``: it is the strongest of them.
-    ``few``: the recording holds too few turns of it to tell it from a drift."""
+    ``few``: the order of a shaft of which the recording holds too few turns to tell it from a drift (0: any other)."""
 
     domain: Domain
     frequency: float
@@ -90,7 +90,7 @@ class Peak:
     harmonic: int = 0
     faint: bool = False
     leads: bool = False
-    few: bool = False
+    few: int = 0
 
     @property
     def hum(self) -> bool:
@@ -135,7 +135,9 @@ class LineSearch:
                 self.time_grid = Grid(time, step=0.5 / self.duration, count=int(self.top * 2.0 * self.duration))
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
-        self.searched = self.orders.frequency > SLOWEST / self.span
+        apart = self.orders.told_apart(self.span)
+        self.searched = apart & (self.orders.frequency > SLOWEST / self.span)
+        self._snaps = self.known[apart]
 
     @cached_property
     def wave_sums(self) -> WaveSums:
@@ -265,7 +267,7 @@ class LineSearch:
     def snapped(self, frequency: float, std: float) -> float | None:
         """The integer order (or low sum of both shafts) in cycles per mesh that ``frequency`` is, if it is one."""
         place = frequency * self.period * self.fine
-        near = int(self.known[np.argmin(np.abs(self.known - place))]) if self.known.size else -1
+        near = int(self._snaps[np.argmin(np.abs(self._snaps - place))]) if self._snaps.size else -1
         within = max(SNAP / self.span, 3.0 * std)
         exact = near / (self.period * self.fine)
         return exact if near > 0 and abs(exact - frequency) < within else None
@@ -335,9 +337,7 @@ def refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> 
         y = y - np.repeat(mean, size)
         held.append([mean, *(np.add.reduceat(wave * y**k, begin) for k in (0, 1, 2))])
     along, sums, moments, squares = (np.concatenate(part) for part in zip(*held, strict=True))
-    start = 0.0
-    off = 0.0
-    power = 0.0
+    start = off = power = 0.0
     for step in range(4):
         turn = -2j * np.pi * off
         turned = np.exp(turn * along)

@@ -22,6 +22,8 @@ from gearpoly.compare.division import Division, divide
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_in
 from gearpoly.compare.fast import without_fast_waves
+from gearpoly.compare.few_turns import first_order, without_first
+from gearpoly.compare.lines import LineSearch
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.masked import strong_waves
@@ -106,6 +108,8 @@ def locate(
         if cut.size < u.size or cut.group > 1:
             strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
             waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
+            first = first_order(LineSearch(u=one.u, time=None, z_1=z_1, z_2=z_2))
+            waves = residual - without_first(u, residual - waves, first)
             residual = residual - waves
         if cut.group > 1:
             spacing = cut.group * cut.spacing

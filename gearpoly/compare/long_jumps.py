@@ -85,6 +85,8 @@ def _suspect(
     )
     turn = STAYS * max(gear.z for gear in gears)
     low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turn, u[-1] - turn))
+    if low >= high:  # so short a recording shows of no step that it stays
+        return None
     steps = weigh_steps(left, low=low, high=high, barred=barred[: size * group : group])
     gain = steps.at(steps.best)[0]
     return steps.best * group if steps.log_false(gain, colour=(1.0, AS_MODELLED), recordings=1) < 0.0 else None

@@ -18,7 +18,7 @@ from gearpoly.compare.columns import (
     shape_part,
     waves,
 )
-from gearpoly.compare.few_turns import first_order, without_first
+from gearpoly.compare.few_turns import first_orders, without_first
 from gearpoly.compare.jumps import Jump
 from gearpoly.compare.lines import LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
@@ -109,16 +109,19 @@ class JointModel:
         self.z_1, self.z_2 = gears[0].z, gears[1].z
         self.tooth_parameters = 2 * (self.z_1 + self.z_2)
         self.flanks = sorted({r.flank for r in residuals}, reverse=True)
-        self.states = [self._state(r) for r in residuals]
+        searches = [self._lines(r) for r in residuals]
+        firsts = first_orders(searches)
+        self.states = [self._state(*each) for each in zip(residuals, searches, firsts, strict=True)]
         self.beta_built = np.zeros(self.tooth_parameters * len(self.flanks))
         self.finds: list[ToothFind] = []
         self.built_rms = 0.0
         self.places: list[dict[str, IntArray]] = []
 
-    def _state(self, data: AlignedResidual) -> State:
+    def _lines(self, data: AlignedResidual) -> LineSearch:
+        return LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)
+
+    def _state(self, data: AlignedResidual, search: LineSearch, slowest: Peak | None) -> State:
         x = data.u if data.time_s is None else data.time_s
-        search = LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)
-        slowest = first_order(search)
         return State(
             data=data,
             carried=data.carried(self.z_1, self.z_2),
@@ -126,7 +129,7 @@ class JointModel:
             orders=[] if slowest is None else [slowest],
             slow=slow_curves(x),
             estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
-            noise=estimator.estimate(without_first(search, data.residual)),
+            noise=estimator.estimate(without_first(data.u, data.residual, slowest)),
             flank_at=self.flanks.index(data.flank) * self.tooth_parameters,
         )
 
@@ -244,7 +247,7 @@ class JointModel:
 
     def renew_noise(self, solution: Solution) -> None:
         for s, left in zip(self.states, solution.left, strict=True):
-            s.noise = s.estimator.estimate(without_first(s.search, left))
+            s.noise = s.estimator.estimate(without_first(s.data.u, left, next((p for p in s.orders if p.few), None)))
 
     def new_tooth(self, s: State, find: ToothFind) -> Tooth:
         """A found tooth in recording ``s``, its shape still flat."""

@@ -7,7 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+BESIDE_WHOLE = 0.5
+"""Independent lines from a whole order of a shaft within which a sum or difference of both shafts' orders is taken for
+it. In a log of one turn of a worm and a half its order 2 was told as a difference 0.13 lines beside it, and its order 1
+as 69.0 +- 0.9 um, of 77."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,6 +43,15 @@ class KnownOrders:
     def frequency(self) -> FloatArray:
         """Frequencies (k,) in cycles per mesh."""
         return self.place / float(self.period)
+
+    def told_apart(self, span: float) -> BoolArray:
+        """Which of them (k,) a record of ``span`` meshes tells from whole orders: all but sums and differences that lie
+        within ``BESIDE_WHOLE`` of one."""
+        whole, mixed = np.sort(self.whole), self.place[self.whole.size :]
+        near = np.clip(np.searchsorted(whole, mixed), 1, whole.size - 1)
+        off = np.minimum(np.abs(mixed - whole[near - 1]), np.abs(mixed - whole[near]))
+        apart = off * span / self.period > BESIDE_WHOLE
+        return np.concatenate([np.ones(whole.size, dtype=np.bool_), apart])
 
 
 def known_orders(z_1: int, z_2: int, *, nyquist: float, slowest: float) -> KnownOrders:

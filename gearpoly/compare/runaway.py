@@ -17,8 +17,10 @@ from gearpoly.errors import InputFileError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import RATIO_LIMIT
 from gearpoly.recording.recording import SHAFTS, Recording
+from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.travel import FEWEST, HOLDS
-from gearpoly.units import UM, FloatArray
+from gearpoly.recording.unwrapping import continuous
+from gearpoly.units import UM, BoolArray, FloatArray
 
 MATTERS = 0.25
 """Pitches along a whole recording from which teeth stand at other angles than the readings say: of less a slope of the
@@ -45,11 +47,10 @@ def without_course(recording: Recording, pair: GearPair) -> Recording:
     good = np.isfinite(te) & np.isfinite(angle)
     if np.count_nonzero(good) < FEWEST:
         return recording
-    # An angle that only rises or falls was never wrapped, and may go on by more than half a turn.
-    steps = np.diff(angle[good])
-    whole = angle[good] if np.all(steps >= 0.0) or np.all(steps <= 0.0) else np.unwrap(angle[good])
-    turned = whole * (pair.ratio if shaft == "driving" else 1.0)
-    course = _course(te[good], turned, ratio=pair.ratio)
+    turned = _whole(recording, angle, good) * (pair.ratio if shaft == "driving" else 1.0)
+    # A word for no reading, such as 99999, is left out later on, and would bend the course of all others.
+    spikes = single_spikes(te[good], turned / pair.ratio, turned)
+    course = _course(te[good], turned, ~spikes, ratio=pair.ratio)
     runs, travel = float(np.ptp(course)), float(np.ptp(turned))
     least = MATTERS * pair.driven.gear.tau if shaft in recording.from_time else RATIO_LIMIT * travel
     if runs <= least:
@@ -69,9 +70,22 @@ def without_course(recording: Recording, pair: GearPair) -> Recording:
     return replace(recording, **changes, remarks=(*recording.remarks, says))
 
 
-def _course(te: FloatArray, turned: FloatArray, *, ratio: float) -> FloatArray:
-    """The slow course (n,) of ``te`` over the driven rotation, about its mean, fitted beside both shafts' first two
-    orders where the recording holds turns enough to part them."""
+def _whole(recording: Recording, angle: FloatArray, good: BoolArray) -> FloatArray:
+    """The ``good`` readings (m,) of an angle (n,) in rad without wraps, across gaps by the usual speed."""
+    steps = np.diff(angle[good])
+    # An angle that only rises or falls was never wrapped, and may go on by more than half a turn.
+    if np.all(steps >= 0.0) or np.all(steps <= 0.0):
+        return angle[good]
+    rows = np.flatnonzero(good & (True if recording.time_s is None else np.isfinite(recording.time_s)))
+    position = rows.astype(np.float64) if recording.time_s is None else recording.time_s[rows]
+    if rows.size < FEWEST or rows.size < np.count_nonzero(good) or np.any(np.diff(position) < 0.0):
+        return np.unwrap(angle[good])
+    return continuous(angle[rows], position, rows).angle
+
+
+def _course(te: FloatArray, turned: FloatArray, held: BoolArray, *, ratio: float) -> FloatArray:
+    """The slow course (n,) of ``te`` over the driven rotation, about its mean, fitted to the samples ``held`` (n,)
+    beside both shafts' first two orders where the recording holds turns enough to part them."""
     slow = slow_curves(turned)
     waves = [
         wave(order * angle)
@@ -80,5 +94,5 @@ def _course(te: FloatArray, turned: FloatArray, *, ratio: float) -> FloatArray:
         for order in (1, 2)
         for wave in (np.cos, np.sin)
     ]
-    fitted = np.linalg.lstsq(np.column_stack([slow, *waves]), te, rcond=None)[0]
+    fitted = np.linalg.lstsq(np.column_stack([slow, *waves])[held], te[held], rcond=None)[0]
     return np.asarray(slow[:, 1:] @ fitted[1 : slow.shape[1]])
