@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.ndimage import convolve1d
 
 from gearpoly.units import FloatArray
 
@@ -31,14 +30,9 @@ def smoothed(te: FloatArray) -> FloatArray:
     """A transmission error (n,) without the noise of single samples; its ends lie on the parabolas there."""
     if te.size < WINDOW:
         return te
-    # As scipy.signal.savgol_filter does, which takes longer to load than most recordings to smooth.
-    half = WINDOW // 2
-    curve = np.vander(np.linspace(-1.0, 1.0, WINDOW), 3)
-    parabola = curve @ np.linalg.pinv(curve)  # samples under it to its values at the same places
-    out = np.asarray(convolve1d(te, parabola[half]))
-    out[:half] = parabola[:half] @ te[:WINDOW]
-    out[-half:] = parabola[-half:] @ te[-WINDOW:]
-    return out
+    from scipy.signal import savgol_filter  # slow to import, and many commands compare nothing
+
+    return np.asarray(savgol_filter(te, WINDOW, 2))
 
 
 def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> float:

@@ -17,6 +17,7 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from gearpoly.compare.spectrum import Grid
 from gearpoly.recording.recording import Recording
+from gearpoly.recording.unwrapping import only_goes_on
 from gearpoly.units import FloatArray, IntArray
 
 RATE_STD = 1.5e-3
@@ -84,9 +85,7 @@ def turned(recording: Recording, *, z_1: int, z_2: int) -> tuple[Recording, Cloc
             continue
         good = np.isfinite(angle) & np.isfinite(pulses) & np.isfinite(te)
         timed = shaft in recording.from_time
-        # An angle that only rises or falls was never wrapped, and may pause for more than half a turn.
-        steps = np.diff(angle[good])
-        whole = angle[good] if np.all(steps >= 0.0) or np.all(steps <= 0.0) else np.unwrap(angle[good])
+        whole = angle[good] if only_goes_on(angle[good]) else np.unwrap(angle[good])
         clock = found(whole, pulses[good], te[good], teeth=teeth, mate=z_1 + z_2 - teeth, timed=timed)
         there = np.full(recording.size, math.nan)
         there[good] = clock.rate * whole + clock.share * pulses[good]

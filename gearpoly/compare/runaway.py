@@ -19,7 +19,7 @@ from gearpoly.recording.clean import RATIO_LIMIT
 from gearpoly.recording.recording import SHAFTS, Recording
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.travel import FEWEST, HOLDS
-from gearpoly.recording.unwrapping import continuous
+from gearpoly.recording.unwrapping import continuous, only_goes_on
 from gearpoly.units import UM, BoolArray, FloatArray
 
 MATTERS = 0.25
@@ -72,14 +72,12 @@ def without_course(recording: Recording, pair: GearPair) -> Recording:
 
 def _whole(recording: Recording, angle: FloatArray, good: BoolArray) -> FloatArray:
     """The ``good`` readings (m,) of an angle (n,) in rad without wraps, across gaps by the usual speed."""
-    steps = np.diff(angle[good])
-    # An angle that only rises or falls was never wrapped, and may go on by more than half a turn.
-    if np.all(steps >= 0.0) or np.all(steps <= 0.0):
-        return angle[good]
-    rows = np.flatnonzero(good & (True if recording.time_s is None else np.isfinite(recording.time_s)))
-    position = rows.astype(np.float64) if recording.time_s is None else recording.time_s[rows]
-    if rows.size < FEWEST or rows.size < np.count_nonzero(good) or np.any(np.diff(position) < 0.0):
-        return np.unwrap(angle[good])
+    if only_goes_on(angle[good]):
+        return np.asarray(angle[good])
+    rows = np.flatnonzero(good)
+    position = rows.astype(np.float64)
+    if recording.time_s is not None and np.all(np.diff(recording.time_s[rows]) >= 0.0):
+        position = recording.time_s[rows]
     return continuous(angle[rows], position, rows).angle
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.units import FloatArray
+from gearpoly.recording.unwrapping import continuous, only_goes_on
+from gearpoly.units import DEG, FloatArray
 
 STEADY = 1e-6
 """Part of the angle's range by which it may be off a straight line over time and still be nothing but time: readings to
@@ -28,7 +29,7 @@ def _is_line(time: FloatArray, angle: FloatArray) -> bool:
     held = np.isfinite(time) & np.isfinite(angle)
     if np.count_nonzero(held) < FIRST // 2:
         return False
-    t, turned = time[held], _unwrapped(time[held], angle[held])
+    t, turned = time[held], _whole(time[held], angle[held])
     span, far = float(np.ptp(t)), float(np.ptp(turned))
     if not (span > 0.0 and far > 0.0):
         return False
@@ -36,16 +37,9 @@ def _is_line(time: FloatArray, angle: FloatArray) -> bool:
     return bool(np.max(np.abs(turned - line)) <= STEADY * max(far, WRAP_DEG))
 
 
-def _unwrapped(t: FloatArray, angle: FloatArray) -> FloatArray:
+def _whole(t: FloatArray, angle: FloatArray) -> FloatArray:
     """An ``angle`` (n,) in deg without wraps, with as many turns in each gap of ``t`` (n,) in s as fit the usual
     rate."""
-    steps = np.diff(angle)
-    if np.all(steps >= 0.0) or np.all(steps <= 0.0):
+    if only_goes_on(angle):
         return angle
-    turned = np.unwrap(angle, period=WRAP_DEG)
-    step, pause = np.diff(turned), np.diff(t)
-    moves = pause > 0.0
-    if not moves.any():
-        return turned
-    missing = np.rint((float(np.median(step[moves] / pause[moves])) * pause - step) / WRAP_DEG)
-    return np.asarray(turned + np.concatenate(([0.0], np.cumsum(missing))) * WRAP_DEG)
+    return continuous(angle * DEG, t, np.arange(t.size)).angle / DEG

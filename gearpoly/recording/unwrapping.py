@@ -90,6 +90,13 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     return Continuous(angle=angle, wraps=turns, ordinary=ordinary, wrapped=wrapped, expected=expected)
 
 
+def only_goes_on(angle: FloatArray) -> bool:
+    """Whether an ``angle`` (n,) only rises or only falls: it was never wrapped, and may go on by more than half a turn
+    from one reading to the next."""
+    steps = np.diff(angle)
+    return bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+
+
 def thinned(values: FloatArray) -> FloatArray:
     """Every so-many-th of values (n,), ``ENOUGH`` of them or a few more: as many as a usual one is told from."""
     return values[:: max(1, values.size // ENOUGH)]
