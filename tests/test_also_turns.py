@@ -143,6 +143,9 @@ def test_a_whole_order_of_a_part_is_fitted_beside_everything() -> None:
     plain = wave(gear="driving", order=13.0)
     assert not is_foreign(plain)
     assert is_foreign(replace(plain, parts=("the wheel's mesh",)))
+    # Nor is it taken for what a proud tooth brings along, or the teeth would take a part of it and leave its images.
+    assert is_foreign(replace(plain, parts=("the wheel's mesh",), companion_of="a tooth of the driven gear"))
+    assert not is_foreign(replace(plain, companion_of="a tooth of the driven gear"))
     assert not is_foreign(wave(kind="mesh_order", order=1.0, parts=("the wheel's mesh",)))
 
 
