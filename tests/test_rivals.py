@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from gearpoly.diagnose.contest import Refitted
 from gearpoly.diagnose.earned import _doubted
-from gearpoly.diagnose.judge import Judged, _behind
-from gearpoly.infer.posterior import Posterior
+from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.judge import Judged, _as_far_as_simulated, _behind
+from gearpoly.diagnose.trial import Trial
+from gearpoly.infer.posterior import Explanation, Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -32,8 +36,36 @@ def test_a_freedom_costs_what_it_might_have_told() -> None:
     # The other way round the simpler one is ahead, though it fits a little worse.
     assert _behind(spall, Refitted(claim=chip, behind=1.23), gain) == pytest.approx(1.23 - two)
     assert _behind(spall, Refitted(claim=spall, behind=3.0), gain) == 3.0
+    # One that fits better is ahead: as if level it fell with the claim, below causes that it had beaten.
+    assert _behind(spall, Refitted(claim=spall, behind=-57.8), gain) == -57.8
     # Data that hardly tell one freedom from none cannot tell two from one.
     assert _behind(chip, Refitted(claim=spall, behind=0.5), 4.0) == 0.5
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_once_per_turn_a_claim_is_ahead_or_behind_by_no_less_than_the_simulation_is_known_to(sense: float) -> None:
+    """4 sigma of what the simulation may be wrong by are taken off what 10 sigma tell, whoever is ahead. Beside a pure
+    first order of 7 um an eccentric gear was 10 sigma behind what has no cause, and lost its name and the encoder's."""
+    samples, noise = 10_000, 0.3e-3
+    doubt = 100.0 * FAINT / noise
+    assert doubt == pytest.approx(4.0)
+    trial = SimpleNamespace(
+        dispersion=1.0,
+        plain=SimpleNamespace(samples=samples),
+        linear=SimpleNamespace(noises=[SimpleNamespace(innovation=noise)]),
+    )
+    one = Claim(physics=catalogue()["eccentricity"], place=Place(gear=1), values=(1.0, 0.0))
+    mine = 100.0
+
+    def told(sigmas: float) -> float:
+        other = Explanation(claim=None, log_evidence=mine - sense * 0.5 * sigmas**2, weight=1.0)
+        standing = Explanation(claim=one, log_evidence=mine, weight=1.0)
+        kept, moved = _as_far_as_simulated(cast("Trial", trial), one, [standing, other], [np.full(samples, 1e-4)])
+        assert kept.log_evidence == mine
+        return moved.log_evidence
+
+    assert told(3.9) == mine
+    assert told(10.0) == pytest.approx(mine - sense * 0.5 * 6.0**2)
 
 
 @pytest.mark.parametrize(("name", "values", "unknown"), [("tooth_crack", (0.6,), 0.9), ("tooth_spall", SPALL, 0.1)])

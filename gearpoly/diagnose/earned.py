@@ -22,6 +22,10 @@ from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
+CLEARLY = 2.0
+"""Times that a claim is likelier than the one that stands, from which on that one is no head: look-alikes of two equal
+gears differ by rounding, and by what is left of a fit. A judgement."""
+
 
 def earned(
     search: Search, refitted: Mapping[Key, Sequence[Refitted]]
@@ -78,7 +82,7 @@ def earned(
                 plain.clear()
             continue
         least = max(
-            (claim for claim in named if not judged[claim.key].posterior.named),
+            (claim for claim in named if not judged[claim.key].posterior.named or _contradicted(search, judged, claim)),
             key=lambda claim: judged[claim.key].posterior.unknown + judged[claim.key].posterior.nothing,
             default=None,
         )
@@ -163,6 +167,14 @@ def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> 
         if claim.key not in beside | taken and stands.key not in taken and chance > posterior.of(stands):
             return stands, claim
     return None
+
+
+def _contradicted(search: Search, judged: Mapping[Key, Judged], claim: Claim) -> bool:
+    """Whether another claim is clearly likelier than the one that stands, though it stood there already and this one
+    was likelier then: neither has the name. A head was told so that had less than 1 in 100, and its rival 98."""
+    better = _likelier(search, {claim.key: judged[claim.key]}, set())
+    posterior = judged[claim.key].posterior
+    return better is not None and posterior.of(better[1]) > CLEARLY * posterior.of(claim)
 
 
 def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:

@@ -133,7 +133,7 @@ def _behind(claim: Claim, refit: Refitted, gain: float) -> float:
     all that a missing tip makes, and has edges, a wall and a depth to make it with."""
     price = max(2.0, math.log(max(gain, 1.0))) - 2.0
     more = len(refit.claim.values) - len(claim.values)
-    return max(0.0, refit.behind) + more * price
+    return refit.behind + more * price
 
 
 def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float) -> list[Explanation]:
@@ -158,19 +158,19 @@ def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float)
 def _as_far_as_simulated(
     trial: Trial, claim: Claim, explanations: Sequence[Explanation], effect: Sequence[FloatArray]
 ) -> list[Explanation]:
-    """The same where the claim is ahead of each other only by more than the simulation itself is known to: what turns
-    once with a shaft differs in second order alone, and chords and contacts leave as much now and then, corners a part
-    of its ``effect``."""
+    """The same where the claim is ahead of each other, or behind it, only by more than the simulation itself is known
+    to: what turns once with a shaft differs in second order alone, and chords and contacts leave as much now and then,
+    corners a part of its ``effect``."""
     mine = next(one for one in explanations if one.claim is not None and one.claim.key == claim.key)
     rms = math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
     faint = math.sqrt(trial.plain.samples) * max(FAINT, OF_CORNERS * rms) / mean_innovation(trial.linear.noises)
 
     def told(one: Explanation) -> Explanation:
-        ahead = math.sqrt(2.0 * trial.dispersion * max(0.0, mine.log_evidence - one.log_evidence))
-        if not 0.0 < ahead < math.inf:
+        ahead = mine.log_evidence - one.log_evidence
+        if not math.isfinite(ahead):
             return one
-        behind = 0.5 * max(0.0, ahead - faint) ** 2 / trial.dispersion
-        return replace(one, log_evidence=mine.log_evidence - behind)
+        apart = 0.5 * max(0.0, math.sqrt(2.0 * trial.dispersion * abs(ahead)) - faint) ** 2 / trial.dispersion
+        return replace(one, log_evidence=mine.log_evidence - math.copysign(apart, ahead))
 
     return [told(one) for one in explanations]
 
