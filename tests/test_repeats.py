@@ -111,3 +111,36 @@ def test_standing_still_at_the_ends_is_no_repeat() -> None:
     still = [np.concatenate([np.full(700, x[0]), x, np.full(300, x[-1])]) for x in (theta_1, theta_2)]
     one = cleaned(np.arange(still[0].size) / PER_TURN, *still)
     assert [deed.what for deed in one.done] == ["start ramp", "stop ramp"]
+
+
+@pytest.mark.parametrize("timed", [True, False])
+@pytest.mark.parametrize("counts", [None, 4_000_000, 200])
+@pytest.mark.parametrize("wrapped", [True, False])
+def test_standing_still_in_the_middle_is_a_stop(timed: bool, counts: int | None, wrapped: bool) -> None:
+    """A stand as long as 5.2 turns take, in which an encoder repeats its reading exactly, is cut as a stop. Taken for a line
+    that froze while the pair turned on, whole turns were added across it."""
+    t, *angles = rotations()
+    stand, at = 2600, 4321
+    t = np.arange(t.size + stand) / PER_TURN
+    theta_1, theta_2 = (np.concatenate([x[:at], np.full(stand, x[at - 1]), x[at:]]) for x in angles)
+    if counts is not None:
+        theta_1 = counted(theta_1, counts)
+    if wrapped:
+        theta_1, theta_2 = theta_1 % TURN, theta_2 % TURN
+    one = cleaned(t if timed else None, theta_1, theta_2)
+    assert float(np.ptp(one.theta_1)) / TURN == pytest.approx(TURNS, abs=0.05)
+    # Counts of 200 a turn are read when one of three passes: driven readings are then as new.
+    assert left_um(one) < (1.0 if counts != 200 else 400.0)
+    assert one.size > 0.95 * (angles[0].size if counts != 200 else 200 * TURNS)
+
+
+def test_a_frozen_line_is_no_stop() -> None:
+    """Both readings hold for 200 samples while the pair turns on by 0.4 turns, and go on from there: as before, the
+    samples without a new reading are left out, and the angle goes on by what was turned."""
+    t, theta_1, theta_2 = rotations()
+    for x in (theta_1, theta_2):
+        x[4000:4200] = x[3999]
+    one = cleaned(t, theta_1 % TURN, theta_2 % TURN)
+    assert one.size == t.size - 200
+    assert float(np.ptp(one.theta_1)) / TURN == pytest.approx(TURNS, abs=0.01)
+    assert left_um(one) < 1e-6
