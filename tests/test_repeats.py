@@ -117,8 +117,8 @@ def test_standing_still_at_the_ends_is_no_repeat() -> None:
 @pytest.mark.parametrize("counts", [None, 4_000_000, 200])
 @pytest.mark.parametrize("wrapped", [True, False])
 def test_standing_still_in_the_middle_is_a_stop(timed: bool, counts: int | None, wrapped: bool) -> None:
-    """A stand as long as 5.2 turns take, in which an encoder repeats its reading exactly, is cut as a stop. Taken for a line
-    that froze while the pair turned on, whole turns were added across it."""
+    """A stand as long as 5.2 turns take, in which an encoder repeats its reading exactly, is cut as a stop. Taken for a
+    line that froze while the pair turned on, whole turns were added across it."""
     t, *angles = rotations()
     stand, at = 2600, 4321
     t = np.arange(t.size + stand) / PER_TURN
