@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -18,6 +19,7 @@ from gearpoly.infer.posterior import Explanation, Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
+from tests.made_diagnosis import findings
 
 SPALL = (30.0, 47.2, 48.8, 0.01)
 CHIP = (1.0, 1.6)
@@ -78,3 +80,15 @@ def test_a_flank_that_fits_worse_speaks_for_no_crack(name: str, values: tuple[fl
     assert told.unknown == pytest.approx(unknown)
     assert told.of(one) + told.unknown == pytest.approx(1.0)
     assert _doubted(one, judged, None) is judged
+
+
+def test_a_head_is_likelier_than_not_or_one_of_several() -> None:
+    """Of two equal gears either may run off its axis, and either encoder: no one of four heads the others alone."""
+    one = findings()[0]
+    alone = one.says
+    assert replace(one, probability=0.51).says == alone
+    assert replace(one, probability=0.27, rivals=3 * one.rivals).says == (
+        f"One of 4 that look alike here, of which none is likelier than not: {alone}"
+    )
+    # What has no rival is not one of anything.
+    assert replace(one, probability=0.27, rivals=()).says == alone

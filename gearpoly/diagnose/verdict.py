@@ -18,6 +18,9 @@ from gearpoly.units import FloatArray
 
 Status = Literal["nothing_missing", "explained", "partly_explained", "unexplained"]
 
+HALF = 0.5
+"""Probability above which the likeliest of look-alikes heads them alone."""
+
 
 def _said(claim: Claim, tooth: int | None) -> str:
     """A claim as a sentence about ``tooth``."""
@@ -67,8 +70,12 @@ class Finding:
 
     @property
     def says(self) -> str:
-        """The finding as a sentence, or one for each claim; it names no tooth where the numbering is open."""
-        return " ".join(_said(claim, self.tooth) for claim in self.claims)
+        """The finding as a sentence, or one for each claim; it names no tooth where the numbering is open. Where it is
+        no likelier than its rivals together, it is one of them."""
+        said = " ".join(_said(claim, self.tooth) for claim in self.claims)
+        if self.rivals and self.probability <= HALF:
+            return f"One of {1 + len(self.rivals)} that look alike here, of which none is likelier than not: {said}"
+        return said
 
     @property
     def claims(self) -> tuple[Claim, ...]:
