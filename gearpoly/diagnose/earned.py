@@ -22,9 +22,9 @@ from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
-CLEARLY = 2.0
-"""Times that a claim is likelier than the one that stands, from which on that one is no head: look-alikes of two equal
-gears differ by rounding, and by what is left of a fit. A judgement."""
+LIKELIER = 2.0
+"""Ratio of the probability of another claim to that of the one that stands, above which that one has no name. Those of
+two equal gears differ by rounding; of the one wrong head that was seen it was 1e10. A judgement."""
 
 
 def earned(
@@ -171,10 +171,9 @@ def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> 
 
 def _contradicted(search: Search, judged: Mapping[Key, Judged], claim: Claim) -> bool:
     """Whether another claim is clearly likelier than the one that stands, though it stood there already and this one
-    was likelier then: neither has the name. A head was told so that had less than 1 in 100, and its rival 98."""
-    better = _likelier(search, {claim.key: judged[claim.key]}, set())
-    posterior = judged[claim.key].posterior
-    return better is not None and posterior.of(better[1]) > CLEARLY * posterior.of(claim)
+    was likelier then: neither has the name."""
+    better, posterior = _likelier(search, {claim.key: judged[claim.key]}, set()), judged[claim.key].posterior
+    return better is not None and posterior.of(better[1]) > LIKELIER * posterior.of(claim)
 
 
 def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:

@@ -128,9 +128,9 @@ def judge(
 
 
 def _behind(claim: Claim, refit: Refitted, gain: float) -> float:
-    """How far a rival that was fitted to its end is behind the ``claim`` in misfit. Each freedom that either has more
-    costs as much as it might have told (Schwarz 1978), of which a refit counts 2: a spall that ends at the tip makes
-    all that a missing tip makes, and has edges, a wall and a depth to make it with."""
+    """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative). Each
+    freedom that either has more costs as much as it might have told (Schwarz 1978), of which a refit counts 2: a spall
+    that ends at the tip makes all that a missing tip makes, and has edges, a wall and a depth to make it with."""
     price = max(2.0, math.log(max(gain, 1.0))) - 2.0
     more = len(refit.claim.values) - len(claim.values)
     return refit.behind + more * price

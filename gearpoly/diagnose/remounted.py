@@ -55,7 +55,7 @@ def remounted(model: Model, linear: Linear, *, deflection: float) -> Remounted |
 
 def _differences(model: Model, linear: Linear, deflection: float) -> Iterator[Remounted]:
     samples = [one.samples for one in model.observed]
-    # A wave of its own in each recording, found so near to once per turn, is what is looked for, and no other cause.
+    # A foreign wave that lies near once per turn would hold what is looked for here.
     waves = [linear.layout.foreign.start + column for wave in model.strangers for column in wave]
     linear = linear.without(waves)
     for flank in ("drive", "coast"):

@@ -18,8 +18,9 @@ from gearpoly.units import FloatArray
 
 Status = Literal["nothing_missing", "explained", "partly_explained", "unexplained"]
 
-HALF = 0.5
-"""Probability above which the likeliest of look-alikes heads them alone."""
+LIKELIER_THAN_NOT = 0.5
+"""Probability above which the likeliest of look-alikes stands for them alone: it is then likelier than all others
+together."""
 
 
 def _said(claim: Claim, tooth: int | None) -> str:
@@ -73,7 +74,7 @@ class Finding:
         """The finding as a sentence, or one for each claim; it names no tooth where the numbering is open. Where it is
         no likelier than its rivals together, it is one of them."""
         said = " ".join(_said(claim, self.tooth) for claim in self.claims)
-        if self.rivals and self.probability <= HALF:
+        if self.rivals and self.probability <= LIKELIER_THAN_NOT:
             return f"One of {1 + len(self.rivals)} that look alike here, of which none is likelier than not: {said}"
         return said
 

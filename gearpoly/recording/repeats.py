@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from gearpoly.recording.deeds import Deed, note
-from gearpoly.recording.unwrapping import TURN
+from gearpoly.recording.unwrapping import without_turns
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 TOGETHER_LEAST = 1.0 / 3.0
@@ -28,10 +28,9 @@ STANDING = 2.0
 """Longest repeat within the recording, in so many of which a repeat at its ends is a pair that stands still there."""
 
 AT_REST, GOES_ON = 10.0, 3.0
-"""A repeat of so many usual ones, after which every shaft goes on by at most so many of its usual steps, is a pair that
-stands still: one that had turned on meanwhile would have gone ten of them. Left out, a stand of 7 s was taken for 7 s
-of turning, and 20 um of transmission error for 8855. Judgements: counts that come every third or fourth sample repeat
-twice and three times."""
+"""Usual repeats in one, and usual steps by which every shaft goes on after it at most, where a pair stands still: one
+that had turned on meanwhile would have gone ten steps. Left out, a stop of 7.4 s was taken for so long a turning, and
+8855 um rms were told of 3.0. Judgements: of counts every third or fourth sample repeats differ by a third."""
 
 
 def new_readings(
@@ -40,8 +39,8 @@ def new_readings(
     """The samples (k,) among ``keep`` (m,) whose readings are new, and their numbers (k,) when repeats are not counted,
     so that only drop-outs leave gaps; what was left out is put into ``done``.
 
-    ``readings`` (n,) by shaft, without drop-outs at ``keep``. A pair that stands still at either end of the recording
-    repeats its readings rightly.
+    ``readings`` (n,) in rad by shaft, without drop-outs at ``keep``. A pair that stands still, at either end of the
+    recording or in between, repeats its readings rightly.
     """
     held = {shaft: values[keep] for shaft, values in readings.items() if values is not None and keep.size}
     moved = {shaft: np.concatenate([[True], values[1:] != values[:-1]]) for shaft, values in held.items()}
@@ -58,8 +57,7 @@ def new_readings(
         turns[0] if turns[0] > longest else 0, turns[-1] + 1 if keep.size - turns[-1] > longest else keep.size
     )
     still = np.zeros(keep.size, dtype=np.bool_)
-    for begin, end in zip(turns[:-1][rests], turns[1:][rests], strict=True):
-        still[begin:end] = True
+    still[turns[0] : turns[-1]] = np.repeat(rests, runs)
     stale = {shaft: int(np.count_nonzero(~(one | still)[inside])) for shaft, one in moved.items()}
     if not any(stale.values()):
         return keep, keep
@@ -83,12 +81,7 @@ def _at_rest(turns: IntArray, held: Mapping[str, FloatArray]) -> BoolArray:
     runs = np.diff(turns)
     rests: BoolArray = runs > AT_REST * np.median(runs)
     for values in held.values():
-        step = np.abs(_reduced(values[turns[1:]] - values[turns[:-1]]))
+        step = np.abs(without_turns(values[turns[1:]] - values[turns[:-1]]))
         usual = np.median(step[step > 0.0]) if np.any(step > 0.0) else 0.0
         rests = rests & (step <= GOES_ON * usual)
     return rests
-
-
-def _reduced(step: FloatArray) -> FloatArray:
-    """Steps (k,) in rad, whole turns taken off."""
-    return step - TURN * np.rint(step / TURN)

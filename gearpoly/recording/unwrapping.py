@@ -104,9 +104,14 @@ def thinned(values: FloatArray) -> FloatArray:
 
 def _speed(step: FloatArray, pause: FloatArray) -> float:
     """The usual speed in rad per unit of position; of the travel, not of the time, so that standing still is not it."""
-    reduced = step - TURN * np.rint(step / TURN)
-    speed = np.divide(reduced, pause, out=np.zeros_like(reduced), where=pause > 0.0)
-    return weighted_median(speed, np.abs(reduced))
+    least = without_turns(step)
+    speed = np.divide(least, pause, out=np.zeros_like(least), where=pause > 0.0)
+    return weighted_median(speed, np.abs(least))
+
+
+def without_turns(step: FloatArray) -> FloatArray:
+    """Steps (k,) in rad less the whole turns in them: half a turn at most, either way."""
+    return step - TURN * np.rint(step / TURN)
 
 
 def weighted_median(values: FloatArray, weights: FloatArray) -> float:
