@@ -42,6 +42,9 @@ MOST, OTHER = 0.75, 0.35
 none, below which that is the right order: of 400 sheets of other gears, each in every order and of either sign, the
 nearest came to 0.38 with 18 teeth, 0.49 with 25, and below 0.35 in 1 of 150 with 12."""
 
+QUIET = 1e-9
+"""um. Steps that are all nothing are like no others."""
+
 ROUNDS = 1
 """Rounds of simulating and fitting: to first order about the sheet its teeth are told to a tenth of their steps."""
 
@@ -87,9 +90,24 @@ class Teeth:
         half = min(0.5, (z - WRONG_TEETH - 1.0) / (z - 1.0))
         off = self.within(self.off, half)
         least = FAR * float(ndtri(0.5 * (1.0 + half))) * math.sqrt(2.0 * self.uncertainty**2 + doubt)
-        if off < max(least, OWN * self.within(self.whole, half)):
+        if off < max(least, OWN * self.within(self.whole, half)) or self.recognised:
             return False
         return self.within(_without_wave(self.off), half) > least
+
+    @property
+    def recognised(self) -> bool:
+        """Whether the steps are more like those of the sheet as it is than in any other order, of either sign: by
+        chance 1 of 4 z sheets of another gear is. A shaft may have waves of its own beside them, however large."""
+        steps = self.steps @ self.whole
+        unit = [sheet / max(float(np.linalg.norm(sheet)), QUIET) for sheet in self._others()]
+        as_it_is = self.steps @ self.sheet
+        alike = float(steps @ as_it_is) / max(float(np.linalg.norm(as_it_is)), QUIET)
+        return alike > max(float(steps @ one) for one in unit)
+
+    def _others(self) -> Iterator[FloatArray]:
+        """Steps (z,) of the sheet in every other order and of either sign."""
+        for first, back, sign in other_orders(self.off.size):
+            yield self.steps @ (sign * self.sheet[order_of(self.off.size, first, back=back)])
 
 
 def _without_wave(values: FloatArray) -> FloatArray:
@@ -218,12 +236,18 @@ def _left_out(teeth: Teeth, what: str) -> Reread:
 def _orders(teeth: Teeth) -> Iterator[Ordered]:
     """How near the steps of ``teeth`` lie to those of their sheet in every other order and of either sign."""
     z = teeth.off.size
+    for first, back, sign in other_orders(z):
+        sheet = sign * teeth.sheet[order_of(z, first, back=back)]
+        yield teeth.within(teeth.whole - sheet, MOST), first, back, sign
+
+
+def other_orders(z: int) -> Iterator[tuple[int, bool, float]]:
+    """Every order of ``z`` teeth but their own: the number of tooth 0, whether they count back, and the sign."""
     for sign in (1.0, -1.0):
         for back in (False, True):
             for first in range(z):
                 if first or back or sign < 0.0:
-                    sheet = sign * teeth.sheet[order_of(z, first, back=back)]
-                    yield teeth.within(teeth.whole - sheet, MOST), first, back, sign
+                    yield first, back, sign
 
 
 def order_of(z: int, first: int, *, back: bool) -> IntArray:
