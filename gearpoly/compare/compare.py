@@ -21,6 +21,7 @@ from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.remarks import remarks, scale_remarks
+from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
@@ -51,7 +52,6 @@ LEAST_SAMPLES = 64
 
 COMPLIANCE_DOUBT = 0.10
 """Relative one-sigma doubt about a declared compliance: what a beam, a finite-element tooth and ISO 6336 differ by."""
-
 
 Step = Callable[[str], None]
 """Called with what is done next."""
@@ -100,7 +100,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     z_1, z_2 = pair.driving.gear.z, pair.driven.gear.z
     step("cleaning the recordings")
     recordings = [corrected(r, *assembled.encoders, ratio=pair.ratio, r_b2=pair.r_b2) for r in recordings]
-    recordings = [turned(recording, z_1=z_1, z_2=z_2)[0] for recording in recordings]
+    recordings = [turned(one, z_1=z_1, z_2=z_2)[0] for one in with_flanks(recordings, file, pair)]
     recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
     cleaned = clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2)

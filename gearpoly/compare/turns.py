@@ -8,7 +8,7 @@ import numpy as np
 
 from gearpoly.errors import GearpolyError, JammedError
 from gearpoly.mesh.pair import GearPair
-from gearpoly.mesh.transmission import both_flanks
+from gearpoly.mesh.transmission import Backlash, both_flanks
 
 PER_MESH = 2
 """Places per pitch at which the lost motion is looked at: it changes with the turns of the gears and from tooth to
@@ -22,9 +22,8 @@ and still every turn of either gear."""
 def jam_remarks(pair: GearPair) -> Iterator[str]:
     """Where and by how much the teeth of a declared ``pair`` overlap on their other flank, and what can be said all the
     same; nothing where they turn."""
-    size = min(PER_MESH * pair.meshes_per_cycle, PLACES)
     try:
-        both_flanks(pair, np.linspace(0.0, pair.cycle, size, endpoint=False), fast=True)
+        backlash(pair)
     except JammedError as jam:
         yield (
             f"as declared, {jam}. Each flank is compared by itself all the same: what one recorded flank shows of "
@@ -32,3 +31,9 @@ def jam_remarks(pair: GearPair) -> Iterator[str]:
         )
     except GearpolyError:
         return  # where the other flank cannot be reached at all, those who simulate it say so
+
+
+def backlash(pair: GearPair) -> Backlash:
+    """Backlash of a ``pair`` without load over a hunting cycle. Raises what ``both_flanks`` does."""
+    size = min(PER_MESH * pair.meshes_per_cycle, PLACES)
+    return both_flanks(pair, np.linspace(0.0, pair.cycle, size, endpoint=False), fast=True)

@@ -97,7 +97,8 @@ def swells(linear: Linear, model: Model, k: int) -> bool:
     if claim.physics.slow or (claim.physics.fixed_amplitudes and model.scope.run_ups):
         return False
     mine = linear.layout.claims[k]
-    foreign = list(range(linear.layout.foreign.start, linear.layout.foreign.stop))
+    # Steps between recordings, and wandering, stay: a claim that swells would stand for them.
+    foreign = [linear.layout.foreign.start + column for wave in model.strangers for column in wave]
     bare = linear.system.without(foreign)
     gain = linear.system.without([*foreign, *linear.layout.places(k)]).misfit - bare.misfit
     columns = []

@@ -38,9 +38,11 @@ Found = list[tuple[int, Entry]]
 
 
 def foreign(comparison: Comparison, model: Model, entries: Found) -> list[FloatArray]:
-    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: the ``entries``, then the wandering of
-    recordings of which nobody knows better."""
-    waves = foreign_waves(comparison, entries)
+    """Columns (n_k, q) of unit size that no gear pair and no encoder makes: the ``entries``, how far recordings stand
+    apart that came back on the same flank, then the wandering of those of which nobody knows better."""
+    waves = [
+        np.concatenate(each, axis=1) for each in zip(foreign_waves(comparison, entries), _come_back(model), strict=True)
+    ]
     slow = [
         slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
         for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
@@ -53,6 +55,17 @@ def foreign(comparison: Comparison, model: Model, entries: Found) -> list[FloatA
         at += own.shape[1]
         out.append(np.concatenate((wave, mine), axis=1))
     return out
+
+
+def _come_back(model: Model) -> list[FloatArray]:
+    """Steps (n_k, 1) of unit size between runs forth and back that one flank carries: encoders read another angle
+    coming back, and what hangs on the shafts does, so that means of both senses do not compare; (n_k, 0) where no
+    flank ran both ways."""
+    runs = [one.samples for one in model.observed]
+    both = {(one.flank, one.backward) for one in runs if one.counted}
+    if not any((flank, False) in both and (flank, True) in both for flank in ("drive", "coast")):
+        return [np.zeros((one.size, 0)) for one in runs]
+    return [np.full((one.size, 1), 1.0 if one.backward and one.counted else 0.0) for one in runs]
 
 
 def foreign_waves(comparison: Comparison, entries: Found) -> list[FloatArray]:

@@ -37,6 +37,9 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 SHORT = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""
 
+FLANKS = "flanks of the runs: "
+"""How the word begins of what tells them."""
+
 NAMED = 4
 """Runs that a message names; the rest is counted."""
 
@@ -207,19 +210,38 @@ def _piece(
 
 def _with_flanks(recording: Recording, pieces: list[Recording]) -> tuple[Recording, ...]:
     """The pieces with their flanks, and what is to be said of them."""
-    flanks, why = _flanks(recording.flank, pieces)
+    flanks, why, by_lost_motion = _flanks(recording.flank, pieces)
     out = []
     for k, (piece, flank) in enumerate(zip(pieces, flanks, strict=True)):
         torque = piece.torque_samples_nm
         if torque is not None and _torque(piece) < 0.0:
             torque = -torque
+        assert piece.run is not None  # pieces are runs
+        run = replace(piece.run, in_file=recording.flank) if by_lost_motion else piece.run
         # Of the file as a whole it is enough to speak once.
-        remarks = (f"{says(piece)}, {flank} flank", *((f"flanks of the runs: {why}", *recording.remarks) * (k == 0)))
-        out.append(replace(piece, flank=flank, torque_samples_nm=torque, remarks=remarks))
+        remarks = (_on(piece, flank), *((FLANKS + why, *recording.remarks) * (k == 0)))
+        out.append(replace(piece, flank=flank, torque_samples_nm=torque, remarks=remarks, run=run))
     if len(out) >= REVERSALS_LIMIT and out[-1].run is not None:
         said = f"more than {REVERSALS_LIMIT} reversals: nothing after row {out[-1].run.rows[1]} is read"
         out[0] = replace(out[0], remarks=(*out[0].remarks, said))
     return tuple(out)
+
+
+def carried_by_one(runs: Sequence[Recording], why: str) -> list[Recording]:
+    """The runs of one file on the flank that it states for all of them, ``why`` beside it."""
+    out = []
+    for one in runs:
+        assert one.run is not None  # runs of a file have one
+        flank = one.run.in_file or one.flank
+        remarks = [FLANKS + why if says.startswith(FLANKS) else says for says in one.remarks]
+        remarks = [_on(one, flank) if says == _on(one, one.flank) else says for says in remarks]
+        out.append(replace(one, flank=flank, remarks=tuple(remarks)))
+    return out
+
+
+def _on(one: Recording, flank: Flank) -> str:
+    """What a run is, and on which flank."""
+    return f"{says(one)}, {flank} flank"
 
 
 def _torque(one: Recording) -> float:
@@ -242,23 +264,24 @@ def says(one: Recording) -> str:
     )
 
 
-def _flanks(stated: Flank, pieces: list[Recording]) -> tuple[list[Flank], str]:
-    """The flank of every piece, and how it is known."""
+def _flanks(stated: Flank, pieces: list[Recording]) -> tuple[list[Flank], str, bool]:
+    """The flank of every piece, how it is known, and whether by a lost motion that only says that they change."""
     senses = [-1 if one.backward else 1 for one in pieces]
     torque = [_torque(one) for one in pieces]
     if min(torque) < 0.0 < max(torque) and len({s * t > 0.0 for s, t in zip(senses, torque, strict=True)}) == 1:
-        return ["drive" if t > 0.0 else "coast" for t in torque], "the recorded torque changes its sign"
+        return ["drive" if t > 0.0 else "coast" for t in torque], "the recorded torque changes its sign", False
     found = sorted((one for _, _, one in lost_motions(pieces)), key=lambda one: one.mean)
     if not found:
         main = 1 if sum(s * one.run.turns for s, one in zip(senses, pieces, strict=True) if one.run) >= 0.0 else -1
         why = "those one way as stated, the others taken to be braked too, since no two runs hold the same angles"
         other: Flank = "coast" if stated == "drive" else "drive"
-        return [stated if s == main else other for s in senses], why
+        return [stated if s == main else other for s in senses], why, False
     one = found[len(found) // 2]
     if not one.seen:
-        return [stated] * len(pieces), f"one flank carries both ways, with {one.says} between them"
+        return [stated] * len(pieces), f"one flank carries both ways, with {one.says} between them", False
     forth: tuple[Flank, Flank] = ("drive", "coast") if one.mean > 0.0 else ("coast", "drive")
-    return [forth[0] if s > 0 else forth[1] for s in senses], f"lost motion of {_size(one).says} between both ways"
+    why = f"lost motion of {_size(one).says} between both ways"
+    return [forth[0] if s > 0 else forth[1] for s in senses], why, True
 
 
 def _size(one: LostMotion) -> LostMotion:
