@@ -15,6 +15,7 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.mesh.shafts import runs_up as speeds_of
 from gearpoly.physics.encoder_interpolation import HIGHEST
 from gearpoly.units import FloatArray
 
@@ -28,6 +29,10 @@ ONE_WAVE = 0.5
 LARGER, LITTLE = 1.5, 0.25
 """How much more an order above half the sampling rate must explain than any wave, for waves to be its images; and the
 part of a wave's power that may be left of an image without it."""
+
+SWELLS = 0.5
+"""Orders of a shaft beside the mesh's within which a run-up spreads what it takes through a resonance: a swing that
+lasts two turns or more."""
 
 FREE = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
@@ -142,8 +147,9 @@ def _all_foreign(comparison: Comparison) -> Found:
     orders: list[float] = []
     z_1, z_2 = (gear.z for gear in comparison.gears)
     turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
+    runs_up = any(speeds_of(one.theta_1, one.time_s) is not None for one in comparison.aligned)
     for entry in comparison.located.entries:
-        if not is_foreign(entry):
+        if not is_foreign(entry) or (runs_up and swells_by(entry, z_1, z_2)):
             continue
         if entry.kind == "time":
             out += [(k, entry) for k in entry.recordings]
@@ -165,6 +171,15 @@ def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
             found.setdefault(-1 if entry.together else id(entry), []).extend((at, at + 1))
         at += _width(entry)
     return tuple(tuple(one) for one in found.values())
+
+
+def swells_by(entry: Entry, z_1: int, z_2: int) -> bool:
+    """Whether a wave is what the mesh has beside one of its orders where it swells and fades again: a run-up takes it
+    through a resonance, and the pair makes it all the same."""
+    if entry.kind != "shaft_order" or entry.order is None:
+        return False
+    z = z_1 if entry.gear == "driving" else z_2
+    return entry.order > SWELLS and abs(math.remainder(entry.order, z)) < SWELLS
 
 
 def _width(entry: Entry) -> int:
