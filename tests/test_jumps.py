@@ -14,7 +14,7 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.jump_search import JumpSearch
-from gearpoly.compare.jumps import Jump, Left, rise, weigh_steps
+from gearpoly.compare.jumps import Jump, Left, rise, size_of, weigh_steps
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -430,3 +430,22 @@ def test_what_jumps_up_and_down_is_so_many_jumps() -> None:
     assert times.size < 2 or np.min(np.diff(times)) > 1.0
     told = [at for k, at in enumerate(places) if any(matches(one, data, at, 3.0 * (-1.0) ** k) for one in ones)]
     assert len(told) >= 5
+
+
+@pytest.mark.parametrize("size", [0.5, 4.0, 12.0])
+def test_a_sharp_step_has_its_size_however_its_first_innovation_was_cut(size: float) -> None:
+    """In slow noise (0.95 of a sample goes on into the next) a step is told by its first sample alone: 4 and 12 um in
+    innovations of 0.7 um are cut at 4.5 of those while steps are looked for."""
+    left, _, _ = some_left(2000)
+    slow = replace(left.noise, ar=np.array([0.95]), innovation=0.7)
+    values = np.random.default_rng(2).normal(size=2000) + rise(2000, 900, width=1, noise=slow) * size
+    one = Left(
+        white=np.zeros((2000, 0)), stepped=np.zeros((2000, 0)), beta=np.zeros(0), covariance=np.zeros((0, 0)),
+        rest=values, noise=slow,
+    )  # fmt: skip
+    steps = weigh_steps(one, low=20, high=1980, barred=np.zeros(2000, dtype=np.bool_))
+    _, cut, _ = steps.at(900)
+    amplitude, std = size_of(one, 900, amplitude=cut)
+    assert abs(amplitude - size) < 3.0 * std
+    if size > 1.0:
+        assert cut < 0.9 * size

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
+from gearpoly.compare.jumps import size_of
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
 from gearpoly.units import UM, FloatArray
@@ -24,7 +25,8 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         found = search.standing(k, solution, jump)
         if found is None:
             continue
-        gain, amplitude, std = found.steps.at(found.at)
+        gain, amplitude, _ = found.steps.at(found.at)
+        amplitude, std = size_of(found.left, found.at, amplitude=amplitude)
         # Beside teeth that hardly came twice a jump and they may cancel: none is larger than all that was recorded.
         too_large = abs(amplitude) > float(np.ptp(search.states[k].data.residual))
         if too_large or _comes_round(search, solution, k, found.at, amplitude):
