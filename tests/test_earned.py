@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,15 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.infer.prior import LINE_COUNTS, ONCE_PER_TURN, same_place, share_of_causes
+from gearpoly.infer.prior import (
+    LINE_COUNTS,
+    ONCE_PER_TURN,
+    TURNS_WITH_IT,
+    of_another_part,
+    same_place,
+    share_of_causes,
+    unknown_share,
+)
 from gearpoly.infer.unknown import KNOTS, harmonics_of, mesh_std
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -20,7 +29,7 @@ from gearpoly.recording.recording import Recording
 from gearpoly.report.diagnosis_report import verdict_json
 from gearpoly.units import UM
 from tests.at_hand import SHIPPED
-from tests.physics_cases import Condition, claim_of, recorded, rough
+from tests.physics_cases import Condition, claim_of, recorded, rough, scope_of
 
 TO = 0.011
 """What is below 0.01 is left out of the verdict."""
@@ -45,13 +54,13 @@ def test_probabilities_of_a_name_its_look_alikes_and_the_unknown_add_up_to_one()
     assert 0.0 < one["unknown_probability"] < ONCE_PER_TURN / 0.4
 
 
-def with_wave(order: float, size_um: float, *, seed: int = 2) -> dict[str, Any]:
-    """The verdict on a pair as declared whose rig adds a wave per turn of the driving shaft."""
+def with_waves(*waves: tuple[float, float], seed: int = 2) -> dict[str, Any]:
+    """The verdict on a pair as declared whose rig adds waves per turn of the driving shaft, each an order and um."""
     file, path = rough(points=300), Path("pair.toml")
     (one,) = recorded(file, (Condition(torque_nm=20.0),), np.random.default_rng(seed), per_mesh=24)
     assert one.driving_angle_rad is not None and one.driven_angle_rad is not None
     r_b2 = 0.5 * 16 * file.driven.module_mm * math.cos(math.radians(20.0))
-    wave = size_um * UM / r_b2 * np.cos(order * one.driving_angle_rad + 0.7)
+    wave = sum(size * UM / r_b2 * np.cos(order * one.driving_angle_rad + 0.7) for order, size in waves)
     changed = Recording(**{**vars(one), "driven_angle_rad": one.driven_angle_rad + wave})
     return verdict_json(diagnose(file, [changed], path=path))
 
@@ -59,13 +68,42 @@ def with_wave(order: float, size_um: float, *, seed: int = 2) -> dict[str, Any]:
 @pytest.mark.slow
 def test_a_wave_five_times_per_turn_is_located_and_not_named() -> None:
     """Worms, couplings and poles of a motor make whole low orders; an encoder may, and is told as one of them."""
-    found = with_wave(5.0, 1.5)
+    found = with_waves((5.0, 1.5))
     assert not found["missing"]
     (one,) = [e for e in found["unexplained"] if e["kind"] == "shaft_order" and e.get("order") == 5]
     assert one["amplitude_um"] == pytest.approx(1.5, rel=0.1)
     assert one["probability"] > 0.99
     named = {cause["physics"]: cause["probability"] for cause in one["could_be"]}
     assert 0.05 < named["encoder_interpolation"] < 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wheel", [True, False])
+def test_once_per_turn_has_no_name_where_another_wheel_turns_with_the_shaft(wheel: bool) -> None:
+    """A line at order 17 beside 12 teeth is another wheel's, which may be off its axis as the gear may be. Without it
+    the gear or its encoder is named."""
+    found = with_waves((1.0, 6.0), *([(17.0, 0.8)] if wheel else []))
+    if not wheel:
+        assert {one["gear"] for one in found["missing"]} == {"driving"}
+        return
+    assert not found["missing"]
+    once = [e for e in found["unexplained"] if e["kind"] == "shaft_order" and e.get("order") == 1]
+    assert [e["gear"] for e in once] == ["driving"]
+    assert {cause["physics"] for cause in once[0]["could_be"]} >= {"eccentricity", "encoder_eccentricity"}
+    assert sum(cause["probability"] for cause in once[0]["could_be"]) == pytest.approx(0.5, abs=0.1)
+
+
+def test_what_shows_another_part_is_no_wave_of_the_pair() -> None:
+    """Of 12 teeth: half a wave per tooth and less may be pitch, 12 and three beside it are the mesh, above 24 comes a
+    cutting machine, and encoders have 60 lines."""
+    scope = scope_of(rough(points=120))
+    ones = [claim("undulation", gear=0, order=order) for order in (2, 6, 7, 9, 12, 15, 16, 20, 21, 25, 60)]
+    assert [one.place.order for one in ones if of_another_part(one, scope)] == [7, 16, 20]
+    assert not of_another_part(claim("tooth_pitch", gear=0, tooth=7), scope)
+    once = claim("eccentricity", gear=0)
+    assert unknown_share(once, scope) == ONCE_PER_TURN
+    assert unknown_share(once, replace(scope, others_turn=(True, False))) == TURNS_WITH_IT
+    assert unknown_share(once, replace(scope, others_turn=(False, True))) == ONCE_PER_TURN
 
 
 @pytest.mark.slow

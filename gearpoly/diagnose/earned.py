@@ -13,11 +13,11 @@ from gearpoly.diagnose.in_stead import give_way, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import leave
+from gearpoly.diagnose.unnamed import EVEN, leave
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import CERTAIN
-from gearpoly.infer.prior import order_of
+from gearpoly.infer.prior import of_another_part, order_of
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
@@ -38,6 +38,10 @@ def earned(
     fitted: dict[Key, tuple[Refitted, ...]] = {}
     plain: dict[Key, Judged] = {}
     while True:
+        others = _others_turn(search, gone)
+        if others != search.model.scope.others_turn:
+            search.model.scope = replace(search.model.scope, others_turn=others)
+            plain.clear()
         named = _named(search, gone)
         if search.over:
             # What was not weighed to its end has no name.
@@ -92,6 +96,15 @@ def earned(
         gone.append(_unearned(search, least, judged[least.key]))
         _give_up(search, least, effect)
         plain.clear()
+
+
+def _others_turn(search: Search, gone: Sequence[Unearned]) -> tuple[bool, bool]:
+    """Whether a wave that is likelier of no cause of the catalogue than of any shows another part to turn with either
+    shaft: it may be off its axis as well."""
+    seen = [one.claim for one in gone if one.posterior is not None and one.posterior.unknown > EVEN]
+    seen = [claim for claim in seen if of_another_part(claim, search.model.scope)]
+    first, second = (any((claim.place.gear or 0) == gear for claim in seen) for gear in (0, 1))
+    return first, second
 
 
 def _unweighed(search: Search, claim: Claim, judged: Judged | None) -> Unearned:

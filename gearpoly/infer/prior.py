@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import logsumexp
 
+from gearpoly.keys.also_turns import SIDE_BANDS
 from gearpoly.physics.base import Claim, Scope
 
 SCALES = 2.0 ** np.arange(-3, 7)
@@ -39,7 +40,8 @@ ONCE_PER_TURN = 0.02
 the two is off its axis nearly always. What else sits on that shaft (a coupling out of line, a bearing) seldom shows."""
 
 TURNS_WITH_IT = 0.5
-"""The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with."""
+"""The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with: a worm,
+or what makes a whole order that no tooth of the pair makes, as another wheel does."""
 
 LOW_ORDERS, LOW = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
@@ -154,13 +156,23 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
     place, kind, order = claim.place, kind_of(claim), order_of(claim)
     if kind == "wave" and order == 1:
         worm = place.gear == 1 and scope.file.worm is not None
-        return TURNS_WITH_IT if worm else ONCE_PER_TURN
+        return TURNS_WITH_IT if worm or scope.others_turn[place.gear or 0] else ONCE_PER_TURN
     if kind == "wave":
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
         if read and order in LINE_COUNTS:
             return LINES
         return LOW_ORDERS if order is not None and order <= LOW * scope.gears[place.gear or 0].z else TURNS_WITH_IT
     return {"slow": SLOW, "tooth": ONE_TOOTH, "means": BETWEEN_RECORDINGS, "mesh": EVERY_MESH}[kind]
+
+
+def of_another_part(claim: Claim, scope: Scope) -> bool:
+    """Whether a wave of which the cause is unknown shows that something else turns with its shaft: a whole order above
+    half a wave per tooth that is no mesh harmonic, nor a side band of one, and so low that other wheels make it."""
+    order, gear = order_of(claim), claim.place.gear or 0
+    z = scope.gears[gear].z
+    if order is None or kind_of(claim) != "wave" or order in LINE_COUNTS:
+        return False
+    return 0.5 * z < order <= LOW * z and abs(math.remainder(order, z)) > SIDE_BANDS
 
 
 def order_of(claim: Claim) -> int | None:

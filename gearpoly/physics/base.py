@@ -53,6 +53,9 @@ class Scope:
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
 
+    others_turn: tuple[bool, bool] = (False, False)
+    """Whether a line is seen of something else that turns with the driving and the driven shaft."""
+
     stepped: bool = False
     """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
     then told from an encoder's or a flank's."""
