@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.unstated import SEEN, _step, grade_of, like_its_mate
+from gearpoly.diagnose.unstated import SEEN, _step, between, grade_of, like_its_mate, without_waves
+from gearpoly.gear.chain import closed_chain
 from gearpoly.infer.unknown import plainest_first
 
 Z = 40
@@ -34,6 +35,27 @@ def test_an_eccentricity_or_one_tooth_off_its_place_says_nothing_of_the_others()
     off[7] += 30.0
     assert seen(fine + 40.0 * np.cos(angle + 0.3)) == 0.0
     assert seen(off) == 0.0
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("z", [18, 36])
+def test_a_pitch_wave_says_nothing_of_the_other_teeth(order: int, z: int) -> None:
+    """40 um of one order beside teeth that deviate by 3 um: the median step is that of the teeth alone, to what half of
+    so few tell of it."""
+    rng = np.random.default_rng(order)
+    own = rng.normal(0.0, 3.0, z)
+    wave = 40.0 * np.cos(2.0 * np.pi * order * np.arange(z) / z + 0.4)
+    known = 1e-6 * np.eye(z)
+    assert _step(own + wave, known) == pytest.approx(_step(own, known), rel=0.35)
+
+
+def test_random_teeth_have_no_wave_that_stands_out() -> None:
+    """By Fisher's test 1 in 1000 gears has one. Steps of drawn gears are not quite white, and 5 in 1000 were counted:
+    of 200 more than 4 come in 1 of 250 such trials."""
+    rng = np.random.default_rng(1)
+    steps = between(36)
+    drawn = [steps @ closed_chain(36, f=6.0, F=20.0, rng=rng) for _ in range(200)]
+    assert sum(not np.allclose(without_waves(one), one, atol=1e-9) for one in drawn) <= 4
 
 
 def test_what_is_hardly_more_than_its_doubt_counts_as_nothing() -> None:

@@ -68,8 +68,8 @@ PHYSICS = Physics(
     write=_write,
     report=_report,
     says=lambda place, v: (
-        f"The {own_of(place)}'s pitch waves {math.hypot(v[0], v[1]):.1f} um, {place.order} times per turn, beyond its "
-        "inspection."
+        f"The {own_of(place)}'s pitch waves {math.hypot(v[0], v[1]):.1f} um, {place.order} times per turn, beyond what "
+        "its inspection or grade says."
     ),
     equation="p_k = A cos(2 pi n k/z - phi), a staircase in x",
 )
