@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_toeplitz
 
 from gearpoly.compare.noise import estimate_noise, pooled_level
+from gearpoly.compare.noise_spectrum import _orders
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid, Repeating
 from tests.residuals import noise, samples
+
+
+def test_every_order_of_the_autoregressive_model_solves_its_equations() -> None:
+    """Of noise that rises towards slow lines by a factor of 1e4, against a solver of each order by itself."""
+    power = 1.0 / (1e-4 + np.linspace(0.0, 1.0, 513)) + 3.0 * np.exp(
+        -(((np.linspace(0.0, 1.0, 513) - 0.3) / 0.02) ** 2)
+    )
+    covariance = np.fft.irfft(power)
+    orders = list(_orders(covariance, 24))
+    assert [ar.size for ar, _ in orders] == list(range(25))
+    for order, (ar, left) in enumerate(orders[1:], start=1):
+        expected = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
+        np.testing.assert_allclose(ar, expected, rtol=1e-7, atol=1e-10)
+        assert left == pytest.approx(float(covariance[0] - expected @ covariance[1 : order + 1]), rel=1e-8)
 
 
 def test_transform_is_the_sum_it_stands_for() -> None:

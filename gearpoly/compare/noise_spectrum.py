@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
-from scipy.linalg import solve_toeplitz
 
 from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import FloatArray, IntArray
@@ -85,15 +85,23 @@ def ar_model(frequency: FloatArray, density: FloatArray, *, nyquist: float, samp
     even = np.interp(np.linspace(0.0, nyquist, 4097), frequency, density)
     covariance = np.fft.irfft(even)
     best: tuple[float, FloatArray, float] | None = None
-    for order in range(min(AR_ORDER, samples // 20) + 1):
-        if order == 0:
-            ar, left = np.empty(0), float(covariance[0])
-        else:
-            ar = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
-            left = float(covariance[0] - ar @ covariance[1 : order + 1])
+    for order, (ar, left) in enumerate(_orders(covariance, min(AR_ORDER, samples // 20))):
         # Hannan and Quinn's criterion: a longer memory has to pay for its coefficient, and white noise stays white.
         price = samples * math.log(max(left, 1e-300)) + 2.0 * math.log(math.log(samples)) * order
         if best is None or price < best[0] - 1e-9:
             best = (price, ar, math.sqrt(max(left, 1e-300)))
     assert best is not None
     return best[1], best[2]
+
+
+def _orders(covariance: FloatArray, most: int) -> Iterator[tuple[FloatArray, float]]:
+    """Coefficients (p,) of each order p from 0 to ``most`` of a ``covariance`` (most + 1 or more,), and the variance
+    that they leave, each from the order before (Levinson 1947, Durbin 1960)."""
+    ar, left = np.empty(0), float(covariance[0])
+    yield ar, left
+    for order in range(1, most + 1):
+        # What is left may be rounded away where one line is all.
+        reflected = float(covariance[order] - ar @ covariance[order - 1 : 0 : -1]) / max(left, 1e-300)
+        ar = np.append(ar - reflected * ar[::-1], reflected)
+        left *= 1.0 - reflected**2
+        yield ar, left
