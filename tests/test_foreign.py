@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from gearpoly.diagnose.foreign import _images, faded, found_alone
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.foreign import _images, faded, found_alone, swells_by
 from gearpoly.diagnose.system import System
 from gearpoly.units import FloatArray
 
@@ -77,3 +78,22 @@ def test_a_wave_is_no_image_of_what_would_be_its_own_image() -> None:
     """At order 70 itself, samples that come so unevenly show less of it anywhere else."""
     beside, waves = at_turns(lambda theta: np.cos(70.0 * theta), [70.0, 33.3])
     assert not _images(beside, waves)
+
+
+def test_lines_beside_the_mesh_are_its_own_swelling_in_a_run_up() -> None:
+    """Of 18 on 25 teeth: what stands within half an order of a mesh order, of either shaft; not a low order, however
+    near to nothing, and nothing that is no wave of a shaft."""
+
+    def swells(order: float, gear: Literal["driving", "driven"] = "driving") -> bool:
+        return swells_by(Entry(kind="shaft_order", gear=gear, order=order, p_value=0.0, recordings=(0,)), 18, 25)
+
+    assert [swells(order) for order in (17.99, 18.01, 35.86, 17.4, 0.3, 27.0)] == [
+        True,
+        True,
+        True,
+        False,
+        False,
+        False,
+    ]
+    assert swells(24.98, "driven") and not swells(18.01, "driven")
+    assert not swells_by(Entry(kind="time", hz=18.0, p_value=0.0, recordings=(0,)), 18, 25)
