@@ -25,8 +25,8 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         found = search.standing(k, solution, jump)
         if found is None:
             continue
-        gain, amplitude, _ = found.steps.at(found.at)
-        amplitude, std = size_of(found.left, found.at, amplitude=amplitude)
+        gain, _, _ = found.steps.at(found.at)
+        amplitude, std = size_of(found.left, found.at)
         # Beside teeth that hardly came twice a jump and they may cancel: none is larger than all that was recorded.
         too_large = abs(amplitude) > float(np.ptp(search.states[k].data.residual))
         if too_large or _comes_round(search, solution, k, found.at, amplitude):

@@ -233,8 +233,8 @@ def carried_by_one(runs: Sequence[Recording], why: str) -> list[Recording]:
     for one in runs:
         assert one.run is not None  # runs of a file have one
         flank = one.run.in_file or one.flank
-        remarks = [FLANKS + why if says.startswith(FLANKS) else says for says in one.remarks]
-        remarks = [_on(one, flank) if says == _on(one, one.flank) else says for says in remarks]
+        remarks = [FLANKS + why if said.startswith(FLANKS) else said for said in one.remarks]
+        remarks = [_on(one, flank) if said == _on(one, one.flank) else said for said in remarks]
         out.append(replace(one, flank=flank, remarks=tuple(remarks)))
     return out
 

@@ -110,7 +110,6 @@ def test_a_wave_of_an_order_has_no_name_where_many_are_of_none(physics: str) -> 
     assert found.named(Cause(physics=physics)) is None, found.told
 
 
-@pytest.mark.xfail(strict=False, reason="pits of two teeth are named of nine foreign waves in one hunting cycle")
 def test_many_waves_of_other_parts_are_no_damage() -> None:
     """Where every pair of teeth meets once, nothing repeats that a pit would repeat."""
     found = among_strangers()

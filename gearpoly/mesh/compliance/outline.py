@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GeometryError
-from gearpoly.units import FloatArray, IntArray, read_only
+from gearpoly.units import FloatArray, read_only
 
 ROOT_CIRCLE_TOLERANCE = 1e-9
 """Relative distance from the root radius within which a vertex counts as root land.
@@ -77,40 +76,16 @@ class ToothSection:
         return float(self.radius[-1])
 
 
-def between(at: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Values (z, q) at places ``at`` (z, q) of z polylines ``x`` rising, ``y``, both (z, n), each on its own row; the
-    end values beyond their ends. For all rows at once: one by one they take ten times as long."""
-    z, n = x.shape
-    apart = float(max(np.max(x), np.max(at)) - min(np.min(x), np.min(at))) + 1.0
-    row = np.arange(z)[:, None]
-    place = np.searchsorted((x + apart * row).ravel(), (at + apart * row).ravel(), side="right").reshape(at.shape)
-    return _drawn(at, x, y, (row, np.clip(place - 1 - n * row, 0, n - 2)))
-
-
-def at_radius(r: FloatArray, radius: FloatArray, values: FloatArray) -> FloatArray:
-    """Values (z, k) at radii ``r`` (k,) of polylines over one ``radius`` (n,), ``values`` (z, n)."""
-    place = np.clip(np.searchsorted(radius, r, side="right") - 1, 0, radius.size - 2)
-    return _drawn(r, radius[None, :], values, (np.s_[:], place))
-
-
-def _drawn(at: FloatArray, x: FloatArray, y: FloatArray, before: tuple[Any, IntArray]) -> FloatArray:
-    """Straight from the vertex ``before`` to the next."""
-    rows, low = before
-    x_low, y_low = x[rows, low], y[rows, low]
-    part = (at - x_low) / np.maximum(x[rows, low + 1] - x_low, np.finfo(np.float64).tiny)
-    return np.asarray(y_low + np.clip(part, 0.0, 1.0) * (y[rows, low + 1] - y_low))
-
-
 def _thickness(
     x_drive: FloatArray, y_drive: FloatArray, x_coast: FloatArray, y_coast: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Thickness (z, 2 n) on the union of both sides' vertices, all (z, n): there the difference has its kinks."""
-    low = np.maximum(x_drive[:, :1], x_coast[:, :1])
+    """Thickness on the union of both sides' vertices: there the difference has its kinks."""
+    low = max(x_drive[0], x_coast[0])
     # One tip corner may stand higher by the index deviation's tilt; the beam ends where both sides
     # still exist.
-    high = np.minimum(x_drive[:, -1:], x_coast[:, -1:])
-    x = np.sort(np.clip(np.concatenate((x_drive, x_coast), axis=1), low, high), axis=1)
-    return x, between(x, x_drive, y_drive) - between(x, x_coast, y_coast)
+    high = min(x_drive[-1], x_coast[-1])
+    x = np.sort(np.clip(np.concatenate((x_drive, x_coast)), low, high))
+    return x, np.interp(x, x_drive, y_drive) - np.interp(x, x_coast, y_coast)
 
 
 def _check_outline(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> None:
@@ -128,17 +103,19 @@ def _check_outline(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> 
 
 def _sides(
     radius: FloatArray, drive: FloatArray, coast: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """x and y (z, n) of both sides of every tooth in its own frame, checked to run up the tooth."""
-    x_d, x_c = radius * np.cos(drive), radius * np.cos(coast)
-    back = (np.diff(x_d, axis=1) <= 0.0).any(axis=1) | (np.diff(x_c, axis=1) <= 0.0).any(axis=1)
-    if back.any():
-        raise GeometryError(
-            f"tooth {int(np.argmax(back))}: its outline turns back on itself along the centre line, "
-            "so it is no beam; "
-            "check the order of the points (root to tip) and the undercut"
-        )
-    return x_d, radius * np.sin(drive), x_c, -radius * np.sin(coast)
+) -> list[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
+    """Per tooth x and y of both sides in its own frame, checked to run up the tooth."""
+    sides = []
+    for tooth, (psi_d, psi_c) in enumerate(zip(drive, coast, strict=True)):
+        x_d, x_c = radius * np.cos(psi_d), radius * np.cos(psi_c)
+        if (np.diff(x_d) <= 0.0).any() or (np.diff(x_c) <= 0.0).any():
+            raise GeometryError(
+                f"tooth {tooth}: its outline turns back on itself along the centre line, "
+                "so it is no beam; "
+                "check the order of the points (root to tip) and the undercut"
+            )
+        sides.append((x_d, radius * np.sin(psi_d), x_c, -radius * np.sin(psi_c)))
+    return sides
 
 
 def tooth_section(
@@ -187,11 +164,12 @@ def tooth_section(
     # The last vertex on the root circle; a land's radii may waver by rounding.
     foot = int(np.argmax(grid > r_f * (1.0 + ROOT_CIRCLE_TOLERANCE))) - 1
     grid, psi_d, psi_c = grid[foot:], psi_d[:, foot:], psi_c[:, foot:]
-    at_reference = [at_radius(np.array([reference_radius]), grid, side)[:, 0] for side in (psi_d, psi_c)]
+    at_reference = [np.array([np.interp(reference_radius, grid, row) for row in side]) for side in (psi_d, psi_c)]
     centre = 0.5 * (at_reference[0] + at_reference[1])
     psi_d, psi_c = psi_d - centre[:, None], centre[:, None] - psi_c
 
-    x, h = _thickness(*_sides(grid, psi_d, psi_c))
+    tables = [_thickness(*side) for side in _sides(grid, psi_d, psi_c)]
+    x, h = np.array([t[0] for t in tables]), np.array([t[1] for t in tables])
     if (h <= 0.0).any():
         tooth, at = np.unravel_index(int(np.argmin(h)), h.shape)
         raise GeometryError(
