@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -70,6 +71,7 @@ def _involute_psi(gear: Gear, r: float) -> float:
     return gear.psi_b - (xi - math.atan(xi))
 
 
+@lru_cache(maxsize=64)
 def form_point(gear: Gear) -> tuple[float, float, bool]:
     """Where fillet and involute meet: the fillet's normal direction gamma in rad, the roll length l_form in mm, and
     undercut or not.
@@ -112,10 +114,12 @@ def form_point(gear: Gear) -> tuple[float, float, bool]:
     return gamma, l_form, l_tangent < 0.0
 
 
+@lru_cache(maxsize=64)
 def draw_root(gear: Gear, *, chord_error: float = FILLET_CHORD_ERROR) -> Root:
     """The root of ``gear`` as points that stay within ``chord_error`` (mm) of the true trochoid and of the root circle.
 
-    Raises ``GeometryError`` where the root pinches the tooth to nothing.
+    Kept, since deviations of the flanks leave it as it is. Raises ``GeometryError`` where the root pinches the tooth
+    to nothing.
     """
     gamma_form, l_form, undercut = form_point(gear)
     # 4000 steps resolve the curvature of every fillet to 1e-3, which only sets the density of points.
