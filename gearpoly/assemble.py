@@ -130,8 +130,9 @@ def root_remarks(file: PairFile) -> list[str]:
     ]
 
 
-def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
+def assemble(file: PairFile, *, path: Path | str, seed: int, coarse: float = 0.0) -> Assembled:
     """Both gears of ``file`` (read from ``path``) drawn and mounted; ``seed`` decides what the file leaves to chance.
+    Chords may stand ``coarse`` mm off their flanks where the file asks for finer ones.
 
     Raises ``InputFileError`` naming file and section for a gear that cannot be cut, limits that no gear keeps, or
     gears that cannot reach each other.
@@ -154,6 +155,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int) -> Assembled:
                 gear=gear,
                 l_start=active_start(gear, mate, l_form=l_form),
                 l_form=l_form,
+                coarse=coarse,
             )
             if section.inspection is not None:
                 shapes, origin, limit = (
@@ -231,12 +233,14 @@ class _Making:
     gear: Gear
     l_start: float
     l_form: float
+    coarse: float
 
     @property
     def points(self) -> int:
         if self.section.points_per_flank is not None:
             return self.section.points_per_flank
-        return points_for(self.gear, l_form=self.l_form, chord_error=self.section.chord_error_um * UM)
+        chord_error = max(self.section.chord_error_um * UM, self.coarse)
+        return points_for(self.gear, l_form=self.l_form, chord_error=chord_error)
 
 
 def stated_limits(section: GearSection, gear: Gear, *, a: float) -> Limits:

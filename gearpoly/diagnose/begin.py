@@ -89,7 +89,8 @@ def before_claims(
 ) -> tuple[Model, list[FloatArray]]:
     """The working state before any physics is claimed, and the columns of what no pair makes."""
     entries = foreign_entries(comparison)
-    model = replace(prepare(file, comparison, path=path), method=method, strangers=strangers(entries), budget=budget)
+    drawn = method.for_noise(comparison.located.noises)
+    model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
     model.observed = beside_jumps(model.observed, jumps(comparison))
     return model, foreign(comparison, model, entries)
 

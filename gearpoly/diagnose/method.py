@@ -17,20 +17,33 @@ from gearpoly.physics.base import Physics
 from gearpoly.physics.samples import Samples
 from gearpoly.scene import Scene, stage
 from gearpoly.threads import each
+from gearpoly.units import UM
 
 FEW = 64.0
 """Part of a declared eccentricity from which its first-order effect is drawn: 60 um become 1 um, whose second order is
 4000 times smaller, and whose first is still 10^6 times what contacts are known to."""
 
 
+CHORDS, COARSEST = 0.05, 0.01 * UM
+"""By what a chord may stand off its flank where a diagnosis draws it: this part of the noise's innovations, and so many
+mm at most. Its ripple in the transmission error is 0.42 of that (four pairs of module 2, rms), which is 0.02 of the
+noise: 2 in misfit of 5000 samples. Points become 2.4 times fewer, and a diagnosis takes a sixth less time."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Method:
     """Options of a diagnosis: physics struck from the catalogue (``without``), whether the noise is whitened, whether
-    eccentricity goes through the exact kernel or only by its first order."""
+    eccentricity goes through the exact kernel or only by its first order. Chords may stand ``coarse`` mm off the flanks
+    that are simulated."""
 
     without: frozenset[str] = frozenset()
     whiten: bool = True
     exact: bool = True
+    coarse: float = 0.0
+
+    def for_noise(self, noises: Sequence[Noise]) -> Method:
+        """The same with chords as coarse as the noise of the recordings allows."""
+        return replace(self, coarse=min(COARSEST, CHORDS * min(noise.innovation for noise in noises)))
 
     @property
     def physics(self) -> list[Physics]:
@@ -45,13 +58,15 @@ class Method:
         """All recordings of a pair file simulated."""
         eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
         if self.exact or not eccentric:
-            assembled = assemble(file, path=path, seed=0)
+            assembled = assemble(file, path=path, seed=0, coarse=self.coarse)
             if assembled.shafts.frequency is not None:
                 # Recordings under the same load share the curve that swings.
                 conditions = dict.fromkeys(replace(one.condition, speed=None, varies=0.0) for one in samples)
                 each(lambda condition: assembled.under(condition).cycle_te, list(conditions))
             return each(lambda one: stage(assembled, one), samples)
-        none, few = (assemble(_eccentric(file, part), path=path, seed=0) for part in (0.0, 1.0 / FEW))
+        none, few = (
+            assemble(_eccentric(file, part), path=path, seed=0, coarse=self.coarse) for part in (0.0, 1.0 / FEW)
+        )
         out = []
         for one in samples:
             plain = stage(none, one)

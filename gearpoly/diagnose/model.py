@@ -152,7 +152,7 @@ class Model:
 
     def assembled(self, file: PairFile | None = None) -> Assembled:
         """The pair of ``file``, or of the present state."""
-        return assemble(self.file() if file is None else file, path=self.path, seed=0)
+        return assemble(self.file() if file is None else file, path=self.path, seed=0, coarse=self.method.coarse)
 
     def samples(self) -> list[Samples]:
         """The samples of all recordings by the present zeros."""

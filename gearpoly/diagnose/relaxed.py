@@ -114,8 +114,10 @@ class _Tries:
 
 
 def _ends_better(fit: Fit, built: FloatArray, shift: float, *, better: float) -> bool:
+    there = fit.linear.system.misfit
+
     def from_there() -> None:
         fit.model.built, fit.model.shift = built, shift
-        fit.settle()
+        fit.settle(below=there - better)
 
     return fit.tried(from_there, better=better)

@@ -40,9 +40,9 @@ TRIALS = 4
 
 
 class Way:
-    """The way that a fit has come: the next ``step`` (m,), 0 for what is not in the simulation; the ``fall`` in misfit
-    that the linear system promises for it, and the fall that is not worth a step, ``enough``. Misfits are in sigmas
-    squared. Whoever walks keeps the state of the last ``go``, from which ``again`` leads on."""
+    """The way that a fit has come: the next ``step`` (m,), 0 for what is not in the simulation; the ``misfit`` there,
+    the ``fall`` in it that the linear system promises for the step, and the fall that is not worth one, ``enough``.
+    Misfits are in sigmas squared. Whoever walks keeps the state of the last ``go``, from which ``again`` leads on."""
 
     def __init__(self) -> None:
         self._at: FloatArray | None = None
@@ -50,7 +50,7 @@ class Way:
         self._system: System | None = None
         self._start = np.zeros(0)
         self._inside = np.zeros(0, dtype=np.bool_)
-        self._misfit = math.inf
+        self.misfit = math.inf
         self._gained = math.inf
         self._promise = 0.0
         self._damping = 0.0
@@ -61,7 +61,7 @@ class Way:
 
     def overshot(self, system: System, present: FloatArray) -> bool:
         """Whether the last step ended at a larger misfit than it began with, by the same noise."""
-        self._gained = self._misfit - system.misfit_at(present)
+        self._gained = self.misfit - system.misfit_at(present)
         return self._gained < -self.enough
 
     @property
@@ -83,7 +83,7 @@ class Way:
         What is not in the simulation starts where the last solution had it.
         """
         first = self._at is None
-        self._misfit, self._trials = system.misfit_at(present), 0
+        self.misfit, self._trials = system.misfit_at(present), 0
         self.enough = NEGLIGIBLE + HALF_DONE * system.beyond
         self._inside = ~np.isnan(present)
         self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
@@ -120,4 +120,4 @@ class Way:
         self._at = self._start + whole
         self.step = np.where(self._inside, whole, 0.0)
         # What is not in the simulation is fitted at both ends.
-        self._promise = self._misfit - system.misfit_at(np.where(self._inside, self._at, np.nan))
+        self._promise = self.misfit - system.misfit_at(np.where(self._inside, self._at, np.nan))
