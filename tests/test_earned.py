@@ -21,6 +21,7 @@ from gearpoly.infer.prior import (
     unknown_share,
 )
 from gearpoly.infer.unknown import KNOTS, harmonics_of, mesh_std
+from gearpoly.keys.sections import AlsoTurns
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -104,6 +105,10 @@ def test_what_shows_another_part_is_no_wave_of_the_pair() -> None:
     assert unknown_share(once, scope) == ONCE_PER_TURN
     assert unknown_share(once, replace(scope, others_turn=(True, False))) == TURNS_WITH_IT
     assert unknown_share(once, replace(scope, others_turn=(False, True))) == ONCE_PER_TURN
+    wheel = AlsoTurns(name="wheel beside it", turns_per_driving=1.0, teeth=31)
+    beside = replace(scope, file=scope.file.model_copy(update={"also_turns": [wheel]}))
+    assert unknown_share(once, beside) == TURNS_WITH_IT
+    assert unknown_share(claim("eccentricity", gear=1), beside) == ONCE_PER_TURN
 
 
 @pytest.mark.slow

@@ -41,7 +41,8 @@ the two is off its axis nearly always. What else sits on that shaft (a coupling 
 
 TURNS_WITH_IT = 0.5
 """The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with: a worm,
-or what makes a whole order that no tooth of the pair makes, as another wheel does."""
+a part of the drive that the pair file states, or what makes a whole order that no tooth of the pair makes, as another
+wheel does."""
 
 LOW_ORDERS, LOW = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
@@ -155,8 +156,9 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
     """Share of the causes at the place of a ``claim`` that the catalogue does not hold."""
     place, kind, order = claim.place, kind_of(claim), order_of(claim)
     if kind == "wave" and order == 1:
-        worm = place.gear == 1 and scope.file.worm is not None
-        return TURNS_WITH_IT if worm or scope.others_turn[place.gear or 0] else ONCE_PER_TURN
+        gear = place.gear or 0
+        stated = (gear == 1 and scope.file.worm is not None) or scope.others_at(gear, 1)
+        return TURNS_WITH_IT if stated or scope.others_turn[gear] else ONCE_PER_TURN
     if kind == "wave":
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
         if read and order in LINE_COUNTS:
