@@ -33,9 +33,9 @@ SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
 
-CERTIFIED = 12
-"""Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so fifty
-times and more, so that as many as of a user's fifty simulations are seen."""
+CERTIFIED = 5
+"""Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so some 600
+times, so that as many as of a user's fifty simulations are seen."""
 
 TAKEN_OVER = 0.1
 """Modules. How far the next pair lags at most behind one that lets go: 0.075 where 3 mm are missing of a tooth of an

@@ -89,7 +89,7 @@ class Fit:
             laws=laws,
             trial=trial is not None,
         )
-        fit.settle(PASSES if trial is None else trial)
+        fit.settle(PASSES if trial is None else trial, fresh=True)
         return fit
 
     @property
@@ -97,34 +97,28 @@ class Fit:
         """Whether no more is to be looked for, and what stands is to be told."""
         return self.model.budget.over
 
-    def settle(self, passes: int = PASSES, *, below: float = math.inf) -> None:
+    def settle(self, passes: int = PASSES, *, below: float = math.inf, fresh: bool = False) -> None:
         """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most, and once where time is
-        over; given up where it will not end with a misfit ``below`` this, by the noise that it began with."""
+        over; given up where it will not end with a misfit ``below`` this, by the noise that it began with. ``fresh``:
+        the present state is simulated and linearised already."""
         begun_by = self.noises
         way, moved, good = Way(), math.inf, self.kept()
         for turn in range(passes):
             if turn and self.over:
                 break
-            try:
-                self.scenes = self.model.scenes()
-            except GearpolyError:
-                # A step to gears that cannot run went too far; those that it began from could.
-                if turn == 0:
-                    raise
-                self.restore(good)
-                if not way.again():
-                    break
-                moved = self.take(self.linear, way.step)
-                continue
-            if turn == 0:
-                if self.laws is None and not self.trial:
-                    # Teeth may have begun to bend.
-                    self.laws = law_modes(self.scenes, law_changes(self.scenes))
-                self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
-            else:
-                # Teeth and reliefs have changed, and the slope of the curve with them.
-                self.nuisance = self.nuisance.sloping(self.scenes)
-            self.linear = self.linearised()
+            if turn or not fresh:
+                try:
+                    self.scenes = self.model.scenes()
+                except GearpolyError:
+                    # A step to gears that cannot run went too far; those that it began from could.
+                    if turn == 0:
+                        raise
+                    self.restore(good)
+                    if not way.again():
+                        break
+                    moved = self.take(self.linear, way.step)
+                    continue
+                self._linearise(begins=turn == 0)
             if way.overshot(self.linear.system, self.present()):
                 self.restore(good)
                 if not way.again():
@@ -144,6 +138,18 @@ class Fit:
             if moved < SETTLED or way.rests:
                 break
         self.measure()
+
+    def _linearise(self, *, begins: bool) -> None:
+        """Linearise about scenes that are new; where a fit ``begins``, other things may be open than before."""
+        if begins:
+            if self.laws is None and not self.trial:
+                # Teeth may have begun to bend.
+                self.laws = law_modes(self.scenes, law_changes(self.scenes))
+            self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
+        else:
+            # Teeth and reliefs have changed, and the slope of the curve with them.
+            self.nuisance = self.nuisance.sloping(self.scenes)
+        self.linear = self.linearised()
 
     def join(self, claims: Sequence[Claim], *, instead: Sequence[int] = ()) -> None:
         """Make ``claims``, in the place of the claims of the numbers ``instead``, and let everything that was fitted
