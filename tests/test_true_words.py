@@ -22,12 +22,13 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.set_up import GearKnown
-from gearpoly.diagnose.verdict import BuiltGear
+from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import print_comparison
-from gearpoly.report.diagnosis_report import grade_words
+from gearpoly.report.diagnosis_report import grade_words, sentence
 from gearpoly.units import DEG, UM
+from tests.made_diagnosis import made_comparison, made_diagnosis
 from tests.residuals import noise, residual, samples, tooth_signal
 
 INSPECTED = (GearKnown(z=18, uncertainty=0.2 * UM), GearKnown(z=25, uncertainty=0.2 * UM))
@@ -49,16 +50,29 @@ def test_gears_that_nobody_inspected_are_not_told_inspected(tmp_path: Path) -> N
     assert "12 teeth (limits only, not inspected) on 16 teeth (inspected)" in out.getvalue()
 
 
-def built(grade: int | None) -> BuiltGear:
-    return BuiltGear(flanks=(), thickness=None, grade_needed=grade, grade_edition=2013, exceeded=())
+def built(grade: int | None, *, estimated: bool = True) -> BuiltGear:
+    return BuiltGear(
+        flanks=(), thickness=None, grade_needed=grade, grade_edition=2013, exceeded=(), estimated=estimated
+    )
 
 
-def test_a_grade_is_told_of_what_it_was_judged_by_and_of_no_ideal_gear() -> None:
-    words = grade_words(built(1), ideal=False)
+def test_a_grade_is_told_of_what_it_was_judged_by_and_of_no_gear_whose_teeth_were_not_estimated() -> None:
+    words = grade_words(built(1))
     assert "grade 1 (2013) by single pitch, cumulative pitch and profile slope" in words
     assert "profile form is not judged" in words
-    assert "no ISO 1328-1 grade (2013)" in grade_words(built(None), ideal=False)
-    assert "grade 1" not in grade_words(built(1), ideal=True)
+    assert "no ISO 1328-1 grade (2013)" in grade_words(built(None))
+    assert "grade 1" not in grade_words(built(1, estimated=False))
+
+
+@pytest.mark.parametrize("status", ["nothing_missing", "explained", "partly_explained", "unexplained"])
+def test_a_search_that_time_stopped_says_nothing_of_what_it_did_not_ask(status: Status) -> None:
+    whole, stopped = (
+        sentence(replace(made_diagnosis(*made_comparison()), status=status, stopped=after)) for after in (False, True)
+    )
+    assert "time given" in stopped
+    assert "time" not in whole
+    for never_asked in ("Nothing is missing", "no sure cause", "agree"):
+        assert never_asked not in stopped
 
 
 @pytest.mark.parametrize(

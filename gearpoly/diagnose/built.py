@@ -39,6 +39,7 @@ def _built(search: Search, file: PairFile, gear: int) -> BuiltGear:
         grade_needed=grade_needed(section, figures),
         grade_edition=section.grade_edition,
         exceeded=tuple(broken),
+        estimated=search.model.as_built.gears[gear].graded or section.inspection is not None,
     )
 
 

@@ -167,6 +167,7 @@ def diagnose(
             *_of_the_file(unearned),
         ),
         unseen=unseen,
+        stopped=stopped,
         seconds=watch.seconds(),
     )
 

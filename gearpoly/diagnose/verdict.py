@@ -109,13 +109,14 @@ class BuiltGear:
     ``grade_needed`` (None: worse than all) is the finest ISO 1328-1 grade that does not surely exclude the gear as it
     runs: with the pitch, pitch waves and slopes that are claimed, since a gear with one tooth 20 um off its place does
     not run as grade 5, whatever its other teeth are. ``exceeded`` are limits of the pair file that it breaks, counted
-    in the same way."""
+    in the same way. ``estimated``: its teeth were open to the fit, each by itself."""
 
     flanks: tuple[BuiltFlank, ...]
     thickness: tuple[float, float] | None
     grade_needed: int | None
     grade_edition: int
     exceeded: tuple[Exceeded, ...] = ()
+    estimated: bool = True
 
     @property
     def first(self) -> BuiltFlank:
@@ -154,4 +155,5 @@ class Diagnosis:
     not_excluded: tuple[str, ...]
     remarks: tuple[str, ...]
     unseen: Checked | None = None
+    stopped: bool = False
     seconds: tuple[tuple[str, float], ...] = field(default=())

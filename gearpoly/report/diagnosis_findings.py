@@ -11,7 +11,7 @@ from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
-from gearpoly.report.diagnosis_report import STATUS, how_sure
+from gearpoly.report.diagnosis_report import how_sure, sentence
 from gearpoly.report.diagnosis_sky import finding_words
 from gearpoly.report.diagnosis_words import capital, large, number, parameter, physics_words, typeset
 from gearpoly.units import UM
@@ -49,7 +49,7 @@ def verdict(diagnosis: Diagnosis) -> Shown:
         "status": diagnosis.status,
         "sign": sign,
         "word": word,
-        "sentence": STATUS[diagnosis.status],
+        "sentence": sentence(diagnosis),
         "unexplained": len(diagnosis.unexplained),
         "figures": [
             ("repeatable mismatch before", f"{number(before, 3)} µm"),

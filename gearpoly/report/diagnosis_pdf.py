@@ -18,7 +18,7 @@ from gearpoly.errors import MissingExtraError
 from gearpoly.files.output import written_aside
 from gearpoly.report.compare_report import entry_words
 from gearpoly.report.diagnosis_figures import WIDTH, figures
-from gearpoly.report.diagnosis_report import STATUS, grade_words, how_sure
+from gearpoly.report.diagnosis_report import grade_words, how_sure, sentence
 from gearpoly.report.diagnosis_tables import parted
 from gearpoly.report.diagnosis_words import capital, number, parameter, typeset
 from gearpoly.units import NM, RPM, UM
@@ -116,7 +116,7 @@ class _Report:
         out = [
             self._said(diagnosis.comparison.name, self.title),
             self._said(f"{z_1} teeth drive {z_2}, module {pair.driving.gear.m:g} mm"),
-            self._said(STATUS[diagnosis.status], self.head),
+            self._said(sentence(diagnosis), self.head),
         ]
         out += [self._said(f"{k}. {one.says}") for k, one in enumerate(diagnosis.findings, 1)]
         rows = [("on data that the fit never saw", "rms µm", "repeatable µm", "rms / noise")]
@@ -178,8 +178,8 @@ class _Report:
     def _gears(self) -> list[Any]:
         comparison = self.diagnosis.comparison
         out = [self._said("Gears and recordings", self.head)]
-        for name, gear, known in zip(("driving", "driven"), self.diagnosis.built, comparison.gears, strict=True):
-            out.append(self._said(f"The {name} gear {grade_words(gear, ideal=known.ideal)}."))
+        for name, gear in zip(("driving", "driven"), self.diagnosis.built, strict=True):
+            out.append(self._said(f"The {name} gear {grade_words(gear)}."))
         rows = [("recording", "flank", "torque N·m", "speed rpm", "samples", "noise µm")]
         for k, (one, noise) in enumerate(zip(comparison.aligned, self.diagnosis.noise_by_recording, strict=True)):
             speed = None if one.speed is None else one.speed / RPM

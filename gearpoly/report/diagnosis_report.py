@@ -24,9 +24,17 @@ from gearpoly.units import UM
 STATUS = {
     "nothing_missing": "Nothing is missing: recordings and simulation agree to the noise.",
     "explained": "The mismatch is explained.",
-    "partly_explained": "The mismatch is explained in part; something is left that no physics of the catalogue makes.",
-    "unexplained": "There is a mismatch that no physics of the catalogue makes. It is located below, and not named.",
+    "partly_explained": "The mismatch is explained in part; what is left has no sure cause. It is located below.",
+    "unexplained": "There is a mismatch that has no sure cause. It is located below, and not named.",
 }
+
+STOPPED = {
+    "nothing_missing": "Nothing was found in the time given, and more may be missing.",
+    "explained": "The mismatch is explained as far as the time given went.",
+    "partly_explained": "The mismatch is explained in part; of the rest no cause was found in the time given.",
+    "unexplained": "There is a mismatch of which no cause was found in the time given. It is located below.",
+}
+"""The same of a search that time has stopped: it says nothing of what it did not ask."""
 
 WHOLE = ("order", "recording")
 """Parameters that are whole numbers."""
@@ -158,10 +166,15 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
     return out
 
 
-def grade_words(gear: BuiltGear, *, ideal: bool) -> str:
-    """What the recordings say of a gear's grade, as what follows "the driving gear"; of one that was declared
-    ``ideal`` single teeth were not open, and nothing is said."""
-    if ideal:
+def sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    return (STOPPED if diagnosis.stopped else STATUS)[diagnosis.status]
+
+
+def grade_words(gear: BuiltGear) -> str:
+    """What the recordings say of a gear's grade, as what follows "the driving gear"; nothing of one whose teeth were
+    not estimated."""
+    if not gear.estimated:
         return "is declared without deviations: its teeth were not estimated one by one, and no grade is told"
     grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
     return (
@@ -181,7 +194,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     """Print where, what, how sure, what else, before and after, what next, and what could not be excluded."""
     comparison = diagnosis.comparison
     console.print(comparison.name, style="bold", highlight=False)
-    console.print(STATUS[diagnosis.status], style="bold", highlight=False, soft_wrap=True)
+    console.print(sentence(diagnosis), style="bold", highlight=False, soft_wrap=True)
     for number, one in enumerate(diagnosis.findings, 1):
         _print_finding(console, number, one, diagnosis)
     if diagnosis.unexplained:
@@ -203,9 +216,8 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
         f"noise {diagnosis.noise / UM:.3f} um; unseen by the fit: {diagnosis.held_out_by}", style="dim", highlight=False
     )
     for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
-        ideal = comparison.gears[("driving", "driven").index(name)].ideal
-        console.print(f"the {name} gear {grade_words(gear, ideal=ideal)}", highlight=False, soft_wrap=True)
-        for side in () if ideal else gear.flanks:
+        console.print(f"the {name} gear {grade_words(gear)}", highlight=False, soft_wrap=True)
+        for side in gear.flanks if gear.estimated else ():
             pitch, slope = (f"{low:.1f} to {high:.1f} um" for low, high in _ranges(side))
             words = f"   as built, {side.flank} flanks: pitch (index deviation) {pitch}, profile slope {slope}"
             console.print(words, style="dim", highlight=False, soft_wrap=True)

@@ -74,9 +74,9 @@ def _entry_row(one: Entry, sky: Sky | None) -> list[str]:
 def as_built(diagnosis: Diagnosis) -> Shown:
     """Which grades the gears fit as they run, and their teeth in numbers."""
     gears = []
-    for k, (name, gear) in enumerate(zip(("driving", "driven"), diagnosis.built, strict=True)):
+    for name, gear in zip(("driving", "driven"), diagnosis.built, strict=True):
         thick = "" if gear.thickness is None else f"; mean tooth thickness deviation ({measured(*gear.thickness)}) µm"
-        words = grade_words(gear, ideal=diagnosis.comparison.gears[k].ideal) + thick
+        words = grade_words(gear) + thick
         gears.append({"name": name, "words": words, **_teeth(gear)})
     scale = diagnosis.compliance_scale
     return {"gears": gears, "compliance": None if scale is None else measured(*scale)}
