@@ -12,6 +12,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.map_text import map_text
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
+from gearpoly.units import FloatArray
 from tests.made_texts import DEGREE, GERMAN, chart, run, same, table, written
 
 RUN = run(600)
@@ -209,3 +210,27 @@ def test_a_row_whose_unit_changes_is_told(tmp_path: Path) -> None:
     lines[300] = lines[300].replace("deg", "mrad", 1)
     with pytest.raises(InputFileError, match=r"line 302: .*as in the other rows, `0 s,0 deg,0 deg`"):
         read_recording(written(tmp_path, "\n".join(["Time,Input angle,Output angle", *lines]) + "\n"))
+
+
+def degrees_with_colons(angles: FloatArray, *, width: int) -> list[str]:
+    whole = np.round(np.mod(angles, 360.0) * 360_000.0).astype(int) % 129_600_000
+    return [f"{n // 360_000:0{width}d}:{n // 6000 % 60:02d}:{n % 6000 / 100:05.2f}" for n in whole]
+
+
+@pytest.mark.parametrize(("separator", "width", "clock"), [(";", 1, True), (",", 3, False), ("\t", 3, True)])
+def test_degrees_with_colons_are_no_times_of_day(tmp_path: Path, separator: str, width: int, clock: bool) -> None:
+    """Three digits, or more than a day has hours: beside real times of day, which stay times."""
+    seconds = 0.02 * np.arange(1500)
+    driving, driven = 36.0 * seconds, 27.0 * seconds
+    times = [f"12:{int(t) // 60:02d}:{t % 60:05.2f}" if clock else f"{t:.2f}" for t in seconds]
+    rows = zip(times, *(degrees_with_colons(one, width=width) for one in (driving, driven)), strict=True)
+    heads = separator.join(("Time" if clock else "Time [s]", "Input angle", "Output angle"))
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join((heads, *map(separator.join, rows))) + "\n", encoding="utf-8")
+    found = read_recording(path)
+    assert found.time_s is not None and found.driving_angle_rad is not None and found.driven_angle_rad is not None
+    assert found.time_s[-1] - found.time_s[0] == pytest.approx(seconds[-1], abs=1e-9)
+    # 0.01 arcsec, rounded, is half of it; angles begin at 0 and go on past a turn.
+    half = np.radians(0.005 / 3600.0) * 1.01
+    assert np.max(np.abs(np.unwrap(found.driving_angle_rad) - np.radians(driving))) < half
+    assert np.max(np.abs(np.unwrap(found.driven_angle_rad) - np.radians(driven))) < half

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,6 +36,12 @@ _DMS = re.compile(
     rf"(?P<sign>[+\-\u2212]?)(?P<d>\d{{1,4}})\s*[°º]\s*(?P<m>\d{{1,2}}(?:[.,]\d+)?)\s*['\u2032\u2019](?:\s*{_SECONDS})?"
 )
 """Degrees, minutes, and seconds where minutes are whole; a quote in a quoted cell is doubled."""
+
+_COLONS = re.compile(r"(?P<sign>[+\-\u2212]?)(?P<d>\d{1,3}):(?P<m>[0-5]\d):(?P<s>[0-5]\d(?:[.,]\d+)?|60(?:[.,]0+)?)")
+"""The same with colons, as a time of day may stand too; some round seconds up to 60."""
+
+DAY_H, TURN_DEG = 24, 360
+"""Hours that no time of day reaches, and degrees that no angle of a shaft read with minutes does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +69,12 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
         degrees = frozenset(k for k, cell in enumerate(split(last, mark)) if _DMS.fullmatch(cell))
         lines = TextLines(_DMS.sub(_decimal, lines.joined(0, len(lines))).encode("utf-8"), "utf-8")
         sample = lines[:SAMPLE_LINES]
+    elif any(_COLONS.search(line) for line in sample[-LEAST_ROWS:]):
+        mark = separator or _likely(sample)
+        degrees = _of_degrees([split(line, mark) for line in (*sample[-LEAST_ROWS:], *lines[-SAMPLE_LINES:])])
+        if degrees:
+            lines = TextLines("\n".join(_with_degrees(lines, mark, degrees)).encode("utf-8"), "utf-8")
+            sample = lines[:SAMPLE_LINES]
     if sum(map(bool, map(_LETTER.search, sample))) <= HEAD_LINES:
         return Rewritten(lines=lines, degrees=degrees)
     plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
@@ -78,6 +90,32 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
     if words:
         lines = _without_words(lines, mark, words)
     return Rewritten(lines=lines, words=words, degrees=degrees)
+
+
+def _of_degrees(rows: Sequence[Sequence[str]]) -> frozenset[int]:
+    """Columns (from 0) of which every cell is degrees, minutes and seconds parted by colons, and not all may be times
+    of day: three digits, a sign, or more than a day has hours, but less than a turn."""
+    out = set()
+    held = [row for row in rows if any(map(_COLONS.fullmatch, row))]
+    for k in range(max(map(len, held), default=0)):
+        cells = [row[k] for row in held if k < len(row) and row[k]]
+        found = [one for one in map(_COLONS.fullmatch, cells) if one is not None]
+        if len(found) < len(cells) or any(int(one["d"]) >= TURN_DEG for one in found):
+            continue
+        if any(one["sign"] or len(one["d"]) > 2 or int(one["d"]) >= DAY_H for one in found):
+            out.add(k)
+    return frozenset(out)
+
+
+def _with_degrees(lines: TextLines, separator: str, degrees: frozenset[int]) -> Iterator[str]:
+    """The lines with the cells of these columns in decimal degrees."""
+    for line in lines:
+        if ":" in line:
+            cells = split(line, separator)
+            if all(k < len(cells) and (_COLONS.fullmatch(cells[k]) or not cells[k]) for k in degrees):
+                there = [_COLONS.sub(_decimal, cell) if k in degrees else cell for k, cell in enumerate(cells)]
+                line = separator.join(_one(cell, separator) for cell in there)
+        yield line
 
 
 def _plain_rows(sample: Sequence[str], separator: str) -> int:
