@@ -205,7 +205,7 @@ def gone(pid: int) -> bool:
 
 
 def test_a_worker_that_dies_ends_the_others_and_is_told_by_its_job() -> None:
-    with pytest.raises(GearpolyError, match="a worker process died at killed or long .* what is finished is kept"):
+    with pytest.raises(GearpolyError, match=r"a worker process died at killed or long .* what is finished is kept"):
         pool.each(die, ["killed", "long"], workers=2, what="cases", name=str)
     assert not active_children()
 
