@@ -237,7 +237,7 @@ def test_a_jump_in_one_of_three_recordings() -> None:
 
 
 def test_a_jump_beside_a_wave_and_a_tooth() -> None:
-    data = made(6, cycles=2.0)
+    data = made(6, cycles=1.0)
     values = 3.0 * np.cos(2.0 * np.pi * data.u / 18) - 3.0 * (np.rint(data.u).astype(int) % 25 == 7)
     entries = found(jumped(plus(data, values), (0.4, 2.0)))
     assert matches(only_jumps(entries)[0], data, 0.4, 2.0)
@@ -258,13 +258,13 @@ def test_a_jump_beside_a_wave_and_a_tooth() -> None:
 )
 def test_warming_up_is_no_jump(tau: float, size: float) -> None:
     """A drift that settles with a time constant of ``tau`` of the record, whose steep beginning no cubic follows."""
-    data = made(7, cycles=2.0)
+    data = made(7, cycles=1.0)
     assert not only_jumps(found(plus(data, size * (1.0 - np.exp(-along(data) / tau)))))
 
 
 @pytest.mark.parametrize("tau", [pytest.param(1.0, marks=pytest.mark.slow), 0.4])
 def test_a_jump_while_it_warms_up(tau: float) -> None:
-    data = made(9, cycles=2.0)
+    data = made(9, cycles=1.0)
     entries = found(jumped(plus(data, 5.0 * (1.0 - np.exp(-along(data) / tau))), (0.6, 1.5)))
     assert sorted(e.label for e in entries) == ["drift", "jump"]
     assert matches(only_jumps(entries)[0], data, 0.6, 1.5)
