@@ -16,7 +16,7 @@ from gearpoly.mesh import radial, radial_search
 from gearpoly.mesh.bodies import Body
 from gearpoly.mesh.contact import Closings
 
-MOST = 300_000_000
+MOST = 100_000_000
 """Bytes that are kept; the longest unused go first. A simulated hunting cycle of 18 and 25 teeth has some 3 million."""
 
 _HONEST = (radial_search.search, radial_search.blocks, radial.describe)
