@@ -11,6 +11,8 @@ import pytest
 
 from gearpoly import cli
 from gearpoly.__main__ import main
+from gearpoly.mesh import transmission
+from tests import remembered
 from tests.chromium import Chromium
 from tests.made_command import PAIR, Command, Ran, commands
 
@@ -27,6 +29,13 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.freeze()
         gc.set_threshold(5_000, 10, 10)
         gc.enable()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _searched_once() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(transmission, "closing_rotations_fast", remembered.closing_rotations)
+        yield
 
 
 @pytest.fixture

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from gearpoly.assemble import Assembled
 from gearpoly.compare.compare import lay_beside
 from gearpoly.compare.template import make_template
 from gearpoly.errors import InputFileError
@@ -15,10 +17,21 @@ from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Flank, Recording
 from gearpoly.units import DEG, NM, UM
-from tests.made_recordings import HALF_1, HALF_2, RIG, TURN, Rig, errors, flat_pair, inspected, off_deg, record, te_of
+from tests import made_recordings
+from tests.made_recordings import HALF_1, HALF_2, RIG, TURN, Rig, errors, flat_pair, inspected, off_deg, te_of
 
 NEEDED = 0.02
 """deg. What alignment has to reach."""
+
+
+def teeth() -> np.random.Generator:
+    """Draws one and the same pair for all tests, whose simulation is found once."""
+    return np.random.default_rng(1)
+
+
+def record(made: Assembled, rig: Rig, rng: np.random.Generator, *, per_mesh: int = 8, **how: Any) -> Recording:
+    """3600 samples of a hunting cycle, half as many as recordings of other tests."""
+    return made_recordings.record(made, rig, rng, per_mesh=per_mesh, **how)
 
 
 # The simulated curve.
@@ -27,7 +40,7 @@ NEEDED = 0.02
 @pytest.mark.parametrize(("flank", "torque"), [("drive", 0.0), ("coast", 0.0), ("drive", 80.0)])
 def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, torque: float) -> None:
     side: Flank = "coast" if flank == "coast" else "drive"
-    _, _, made = inspected(tmp_path, np.random.default_rng(1), bends=torque > 0.0)
+    _, _, made = inspected(tmp_path, teeth(), bends=torque > 0.0)
     template = make_template(made, Condition(flank=side, torque=torque * NM))
     assert template.error <= 0.021 * UM  # what it was asked for, and the rounding of its last halving
     theta_2 = np.random.default_rng(2).uniform(-3.0, 2.0, 2000) * made.pair.cycle
@@ -40,7 +53,7 @@ def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, tor
 
 
 def test_template_says_which_pairs_carry(tmp_path: Path) -> None:
-    _, _, made = inspected(tmp_path, np.random.default_rng(3), bends=True)
+    _, _, made = inspected(tmp_path, teeth(), bends=True)
     template = make_template(made, Condition(flank="drive", torque=100.0 * NM))
     share = template.sharing.share
     assert share is not None
@@ -68,7 +81,7 @@ def test_template_says_which_pairs_carry(tmp_path: Path) -> None:
 )
 def test_zeros_and_numberings_are_found_from_nothing(tmp_path: Path, rig: Rig, wrapped: bool) -> None:
     rng = np.random.default_rng(4)
-    file, path, made = inspected(tmp_path, rng, gauge=0.2)
+    file, path, made = inspected(tmp_path, teeth(), gauge=0.2)
     beside = lay_beside(file, [record(made, rig, rng, wrapped=wrapped)], path=path)
     found = beside.alignment
     assert found.phased
@@ -87,7 +100,7 @@ def test_zeros_and_numberings_are_found_from_nothing(tmp_path: Path, rig: Rig, w
 @pytest.mark.parametrize("wrong", [(0.95, 0.95), (-0.95, 0.95), (0.3, -0.9)], ids=["both late", "apart", "mixed"])
 def test_zeros_wrong_by_half_a_tooth_are_refined(tmp_path: Path, wrong: tuple[float, float]) -> None:
     rng = np.random.default_rng(5)
-    file, path, made = inspected(tmp_path, rng, gauge=0.2)
+    file, path, made = inspected(tmp_path, teeth(), gauge=0.2)
     stated = (RIG.zero_1 + wrong[0] * HALF_1, RIG.zero_2 + wrong[1] * HALF_2)
     beside = lay_beside(file, [record(made, RIG, rng, stated=stated)], path=path)
     assert all(beside.alignment.numbered)
@@ -98,8 +111,8 @@ def test_zeros_wrong_by_half_a_tooth_are_refined(tmp_path: Path, wrong: tuple[fl
 def test_aligned_angles_are_the_true_ones(tmp_path: Path) -> None:
     """Teeth are told by both rotations, so both have to be right by whole turns too, not only the zeros."""
     rng = np.random.default_rng(6)
-    file, path, made = inspected(tmp_path, rng)
-    recording = record(made, RIG, rng)
+    file, path, made = inspected(tmp_path, teeth())
+    recording = record(made, RIG, rng, per_mesh=16)
     one = lay_beside(file, [recording], path=path).aligned[0]
     assert recording.driven_angle_rad is not None
     late = np.remainder(one.theta_2 - (recording.driven_angle_rad - RIG.zero_2) + 1.0, TURN) - 1.0
@@ -116,9 +129,9 @@ def test_aligned_angles_are_the_true_ones(tmp_path: Path) -> None:
 
 def test_a_stated_zero_off_by_three_teeth_is_told(tmp_path: Path) -> None:
     rng = np.random.default_rng(7)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     stated = (RIG.zero_1 + 3.0 * TURN / 18, RIG.zero_2 + 3.0 * TURN / 25)
-    beside = lay_beside(file, [record(made, RIG, rng, stated=stated)], path=path)
+    beside = lay_beside(file, [record(made, RIG, rng, per_mesh=16, stated=stated)], path=path)
     wrong = beside.alignment.contradicted
     assert wrong is not None
     assert abs(off_deg(wrong.driven, RIG.zero_2)) < NEEDED
@@ -129,7 +142,7 @@ def test_a_stated_zero_off_by_three_teeth_is_told(tmp_path: Path) -> None:
 def test_recordings_shorter_than_a_hunting_cycle(tmp_path: Path, cycles: float) -> None:
     """Three and seven driving turns of the 25 after which the teeth meet again."""
     rng = np.random.default_rng(8)
-    file, path, made = inspected(tmp_path, rng, gauge=0.2)
+    file, path, made = inspected(tmp_path, teeth(), gauge=0.2)
     beside = lay_beside(file, [record(made, RIG, rng, cycles=cycles)], path=path)
     found = beside.alignment
     error_1, error_2 = errors(beside, RIG)
@@ -141,7 +154,7 @@ def test_recordings_shorter_than_a_hunting_cycle(tmp_path: Path, cycles: float) 
 
 def test_a_slow_drift_does_not_move_the_zero(tmp_path: Path) -> None:
     rng = np.random.default_rng(9)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     beside = lay_beside(file, [record(made, RIG, rng, drift_um=8.0)], path=path)
     assert abs(errors(beside, RIG)[1]) < NEEDED
 
@@ -150,7 +163,7 @@ def test_an_undeclared_eccentricity_does_not_move_the_zero(tmp_path: Path) -> No
     """12 um that the file does not know of, larger than all that it knows."""
     rng = np.random.default_rng(10)
     hidden = "[driving.eccentricity]\namplitude_um = 12.0\nangle_deg = 130.0"
-    file, path, made = inspected(tmp_path, rng, hidden=hidden)
+    file, path, made = inspected(tmp_path, teeth(), hidden=hidden)
     beside = lay_beside(file, [record(made, RIG, rng)], path=path)
     found = beside.alignment
     assert found.numbering == "curves"
@@ -164,7 +177,7 @@ def test_an_undeclared_eccentricity_does_not_move_the_zero(tmp_path: Path) -> No
 @pytest.mark.parametrize("only", ["driven", "driving"])
 def test_te_with_one_angle_is_enough(tmp_path: Path, only: str) -> None:
     rng = np.random.default_rng(11)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     beside = lay_beside(file, [record(made, RIG, rng, only=only)], path=path)
     zeros = beside.alignment.zeros
     assert beside.alignment.numbering == "curves"
@@ -183,7 +196,7 @@ def test_te_with_one_angle_is_enough(tmp_path: Path, only: str) -> None:
 def test_a_set_of_three_torques_shares_its_zeros(tmp_path: Path) -> None:
     """Each recording begins at a turn of its own; mean TE tells which."""
     rng = np.random.default_rng(12)
-    file, path, made = inspected(tmp_path, rng, bends=True, gauge=0.2)
+    file, path, made = inspected(tmp_path, teeth(), bends=True, gauge=0.2)
     recordings = [record(made, RIG, rng, cycles=0.6, torque_nm=torque) for torque in (5.0, 60.0, 120.0)]
     beside = lay_beside(file, recordings, path=path)
     assert beside.alignment.numbering == "curves"
@@ -196,7 +209,7 @@ def test_a_set_of_three_torques_shares_its_zeros(tmp_path: Path) -> None:
 
 def test_drive_and_coast_share_their_zeros(tmp_path: Path) -> None:
     rng = np.random.default_rng(13)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     recordings = [record(made, RIG, rng, flank=flank) for flank in ("drive", "coast")]
     beside = lay_beside(file, recordings, path=path)
     assert np.max(np.abs(errors(beside, RIG))) < NEEDED
@@ -209,7 +222,7 @@ def test_drive_and_coast_share_their_zeros(tmp_path: Path) -> None:
 
 def test_rough_zeros_of_a_set_are_one_zero(tmp_path: Path) -> None:
     rng = np.random.default_rng(14)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     rough = [(RIG.zero_1 + 0.3 * HALF_1, RIG.zero_2), (RIG.zero_1 - 0.3 * HALF_1, None), (None, None)]
     recordings = [record(made, RIG, rng, cycles=0.5, stated=stated) for stated in rough]
     beside = lay_beside(file, recordings, path=path)
@@ -219,7 +232,7 @@ def test_rough_zeros_of_a_set_are_one_zero(tmp_path: Path) -> None:
 
 def test_zeros_more_than_half_a_tooth_apart_contradict_each_other(tmp_path: Path) -> None:
     rng = np.random.default_rng(15)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     near = [record(made, RIG, rng, cycles=0.1, stated=(None, zero)) for zero in (0.01, TURN - 0.01)]
     lay_beside(file, near, path=path)  # 1.1 deg apart, across the encoder's own zero
     far = [record(made, RIG, rng, cycles=0.1, stated=(None, zero)) for zero in (1.0, 1.0 + 1.1 * HALF_2)]
@@ -232,7 +245,7 @@ def test_zeros_more_than_half_a_tooth_apart_contradict_each_other(tmp_path: Path
 
 def test_a_flat_curve_says_nothing_and_the_stated_zeros_stay(tmp_path: Path) -> None:
     rng = np.random.default_rng(16)
-    _, _, made = inspected(tmp_path, rng)
+    _, _, made = inspected(tmp_path, teeth())
     path = flat_pair(tmp_path)
     rough = (RIG.zero_1 + 0.2 * HALF_1, RIG.zero_2 - 0.2 * HALF_2)
     for stated in (rough, (None, None)):
@@ -251,7 +264,7 @@ def test_a_flat_curve_says_nothing_and_the_stated_zeros_stay(tmp_path: Path) -> 
 
 def test_an_encoder_does_not_count_both_ways_in_one_set(tmp_path: Path) -> None:
     rng = np.random.default_rng(25)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     other = Rig(zero_1=RIG.zero_1, zero_2=RIG.zero_2, direction_2=-1)
     recordings = [record(made, rig, rng, cycles=0.1) for rig in (RIG, other)]
     with pytest.raises(InputFileError, match=r"driven_direction: -1, but 1 in .* compare one by one"):
@@ -280,7 +293,7 @@ def test_stated_errors_cover_the_truth(tmp_path: Path) -> None:
 def test_both_angles_and_te_need_no_whole_turns(tmp_path: Path) -> None:
     """A rig that computed TE itself has its own zero of TE; two such recordings are laid one by one."""
     rng = np.random.default_rng(19)
-    file, path, made = inspected(tmp_path, rng)
+    file, path, made = inspected(tmp_path, teeth())
     recordings: list[Recording] = [record(made, RIG, rng, cycles=0.5, only="driven") for _ in range(2)]
     beside = lay_beside(file, recordings, path=path)
     assert abs(off_deg(beside.alignment.zeros.driven, RIG.zero_2)) < NEEDED

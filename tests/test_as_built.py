@@ -9,7 +9,10 @@ from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built, o
 from gearpoly.gear.chain import closed_chain
 
 
-@pytest.mark.parametrize(("z", "single", "cumulative"), [(17, 6.5, 19.0), (25, 6.0, 17.0), (45, 5.0, 15.0)])
+@pytest.mark.parametrize(
+    ("z", "single", "cumulative"),
+    [(17, 6.5, 19.0), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((25, 6.0, 17.0), (45, 5.0, 15.0)))],
+)
 def test_waves_of_a_graded_gear_are_those_of_gears_drawn_within_its_limits(
     z: int, single: float, cumulative: float
 ) -> None:

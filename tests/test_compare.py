@@ -131,7 +131,7 @@ def test_zeros_agree_with_where_the_truth_has_its_tooth(case: str) -> None:
 def test_a_torque_that_nobody_stated_is_told(stated: float | None, tmp_path: Path) -> None:
     """The pair file's own is taken for it: half of three torques would otherwise look like softer teeth."""
     rng = np.random.default_rng(3)
-    file, path, made = inspected(tmp_path, rng, bends=True)
+    file, path, made = inspected(tmp_path, rng, z_1=11, z_2=13, bends=True)
     file = file.model_copy(update={"pair": file.pair.model_copy(update={"torque_nm": 20.0})})
     one = record(made, Rig(zero_1=0.4, zero_2=1.2), rng, cycles=2.0, per_mesh=8, torque_nm=20.0)
     beside = lay_beside(file, [replace(one, torque_nm=stated)], path=path)
@@ -254,7 +254,7 @@ def test_two_hundred_healthy_recordings_raise_nothing(tmp_path: Path, z: tuple[i
 def test_a_hidden_runout_is_one_entry(tmp_path: Path) -> None:
     """20 um off its axis: the ends of contact wander too, which is no other fault."""
     hidden = "[driving.eccentricity]\namplitude_um = 20.0\nangle_deg = 100.0"
-    entries = healthy(3, tmp_path, z=(18, 25), cycles=2, hidden=hidden).located.entries
+    entries = healthy(3, tmp_path, z=(18, 25), cycles=1, hidden=hidden).located.entries
     assert [(e.kind, e.gear, e.order) for e in entries] == [("shaft_order", "driving", 1.0)]
     assert entries[0].amplitude_um == pytest.approx(20.0, abs=4.0 * (entries[0].std_um or 0.0))
 

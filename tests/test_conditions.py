@@ -78,7 +78,7 @@ def bulging(without_load: float, folder: Path) -> Search:
     for crowning, torque in ((CROWNING, 20.0), (without_load, 0.0)):
         assert true.driving.inspection is not None
         sheet = true.driving.inspection.model_copy(update={"profile_crowning_um": crowning})
-        made += recorded(on_gear(true, 0, inspection=sheet), (Condition(torque_nm=torque),), rng)
+        made += recorded(on_gear(true, 0, inspection=sheet), (Condition(torque_nm=torque),), rng, per_mesh=10)
     path = folder / "pair.toml"
     model = prepare(true, compare(true, made, path=path), path=path)
     nothing: list[FloatArray] = [np.zeros((one.samples.size, 0)) for one in model.observed]

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
+from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.recording.recording import Recording
 from tests import made_process
 from tests.made_command import Command
@@ -58,10 +59,8 @@ def begun(*arguments: object, stderr: int = subprocess.PIPE) -> subprocess.Popen
 
 @pytest.fixture(scope="module")
 def said(bench: Path) -> tuple[str, str]:
-    """What a diagnosis prints and says on standard error while it writes all that it can."""
-    targets = {"json": "v.json", "html": "v.html", "fitted": "fit.toml", "figures": "pictures"}
-    if find_spec("reportlab") is not None:
-        targets["pdf"] = "report.pdf"
+    """What a diagnosis prints and says on standard error while it writes all that takes no pictures."""
+    targets = {"json": "v.json", "html": "v.html", "fitted": "fit.toml"}
     run = begun(bench / "pair.toml", bench / "rec.csv", *(w for k, v in targets.items() for w in (f"--{k}", bench / v)))
     out, err = run.communicate(timeout=300)
     assert run.returncode == 0, err
@@ -257,21 +256,41 @@ def test_the_fitted_file_simulates_and_compares_to_the_noise(
     assert (bench / "v.html").read_text().startswith("<!")
 
 
-def test_the_command_writes_a_report_and_pictures(
-    bench: Path, said: tuple[str, str], gearpoly_command: Command
-) -> None:
+@pytest.mark.slow
+@pytest.mark.skipif(find_spec("reportlab") is None, reason="reportlab is not installed")
+def test_the_command_writes_a_report_and_pictures(bench: Path, gearpoly_command: Command) -> None:
     report, pictures = bench / "report.pdf", bench / "pictures"
-    assert f"wrote {pictures}: every picture" in said[1] and (pictures / "fit.svg").is_file()
-    if find_spec("reportlab") is not None:
-        assert f"wrote {report}: the report for paper" in said[1] and report.read_bytes().startswith(b"%PDF")
+    ran = gearpoly_command(
+        "diagnose", bench / "pair.toml", bench / "rec.csv", "--figures", pictures, "--pdf", report
+    )  # fmt: skip
+    assert f"wrote {pictures}: every picture" in ran.err and (pictures / "fit.svg").is_file()
+    assert f"wrote {report}: the report for paper" in ran.err and report.read_bytes().startswith(b"%PDF")
+
+
+def test_a_folder_for_pictures_is_no_file(bench: Path, gearpoly_command: Command) -> None:
     ran = gearpoly_command("diagnose", bench / "pair.toml", bench / "rec.csv", "--figures", bench / "rec.csv")
     assert ran.code == 2 and "this is a file; want the name of a folder" in ran.err
 
 
-def test_only_the_verdict_goes_to_standard_output(bench: Path, printed: str, gearpoly_command: Command) -> None:
-    """The same recording gives the same verdict to the last digit, whichever way it goes out, here in this process."""
-    ran = gearpoly_command("diagnose", bench / "pair.toml", bench / "rec.csv", "--json", "-")
+def test_only_the_verdict_goes_to_standard_output(
+    bench: Path, printed: str, gearpoly_command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same recording gives the same verdict to the last digit, whichever way it goes out, here in this process.
+    What draws the report and the pictures, whose pages tests/test_diagnosis_on_paper.py sees, is asked for both."""
+    drawn: list[tuple[str, Path]] = []
+
+    def noted(diagnosis: Diagnosis, target: Path) -> None:
+        drawn.append((diagnosis.status, target))
+
+    monkeypatch.setattr("gearpoly.report.diagnosis_pdf.check_extra", lambda: None)
+    monkeypatch.setattr("gearpoly.report.diagnosis_pdf.write_pdf", noted)
+    monkeypatch.setattr("gearpoly.report.diagnosis_figures.write_figures", noted)
+    paper = ("--pdf", bench / "report.pdf", "--figures", bench / "pictures")
+    ran = gearpoly_command("diagnose", bench / "pair.toml", bench / "rec.csv", "--json", "-", *paper)
     assert ran.code == 0, ran.err
+    assert drawn == [("explained", bench / "report.pdf"), ("explained", bench / "pictures")]
+    assert f"wrote {bench / 'report.pdf'}: the report for paper" in ran.err
+    assert f"wrote {bench / 'pictures'}: every picture" in ran.err
     assert verdict_of(ran.out).status == "explained"
     assert ran.out.rstrip("\n") == (bench / "v.json").read_text().rstrip("\n")
 

@@ -68,6 +68,7 @@ def test_graded_gears_keep_every_limit(z: int, which: Which) -> None:
             assert np.unique(numbers).size == numbers.size
 
 
+@pytest.mark.slow
 def test_a_thousand_teeth() -> None:
     gear, limits = graded(1000)
     inspect(gear, limits, draw_deviations(gear, limits, rng=streams(1)[0]), "driving")
@@ -118,7 +119,8 @@ def test_independent_thickness(which: Which) -> None:
     assert abs(np.corrcoef(E_s[:, :-1].ravel(), E_s[:, 1:].ravel())[0, 1]) < 0.1
 
 
-def test_independent_thickness_is_that_of_drawing_teeth_again() -> None:
+@pytest.mark.parametrize("gears", [200, pytest.param(600, marks=pytest.mark.slow)])
+def test_independent_thickness_is_that_of_drawing_teeth_again(gears: int) -> None:
     gear, limits = graded(8, grade=8)
     narrow = limits_for(
         gear,
@@ -126,7 +128,7 @@ def test_independent_thickness_is_that_of_drawing_teeth_again() -> None:
     )
     rng, cosine, k = np.random.default_rng(5), math.cos(gear.alpha), gear.k_span
     ours, naive = [], []
-    for seed in range(600):
+    for seed in range(gears):
         drawn = draw_deviations(gear, narrow, rng=streams(seed)[0], thickness_errors="independent")
         ours.append(drawn.E_s[3])
         first = (3 - (k - 1)) % 8
@@ -159,10 +161,11 @@ def chains_by_chance(z: int, f: float, F: float, count: int, rng: np.random.Gene
     ("z", "F"),
     [(6, 1.2), pytest.param(9, 1.7, marks=pytest.mark.slow), pytest.param(12, 1.5, marks=pytest.mark.slow), (12, 2.4)],
 )
-def test_chains_are_those_of_chance(z: int, F: float) -> None:
+@pytest.mark.parametrize("chains", [400, pytest.param(1200, marks=pytest.mark.slow)])
+def test_chains_are_those_of_chance(z: int, F: float, chains: int) -> None:
     rng = np.random.default_rng(20)
-    ours = np.array([closed_chain(z, f=1.0, F=F, rng=rng) for _ in range(1200)])
-    chance = chains_by_chance(z, 1.0, F, 1200, rng)
+    ours = np.array([closed_chain(z, f=1.0, F=F, rng=rng) for _ in range(chains)])
+    chance = chains_by_chance(z, 1.0, F, chains, rng)
     for number in (
         lambda c: np.ptp(c, axis=1),
         lambda c: c[:, 1],
@@ -174,20 +177,22 @@ def test_chains_are_those_of_chance(z: int, F: float) -> None:
         assert ks_2samp(number(ours), number(chance)).pvalue > UNLIKELY
 
 
-def test_the_two_ways_to_draw_a_chain_agree_where_they_meet() -> None:
+@pytest.mark.parametrize("chains", [150, pytest.param(500, marks=pytest.mark.slow)])
+def test_the_two_ways_to_draw_a_chain_agree_where_they_meet(chains: int) -> None:
     # At F = f sqrt(z/3) the sampler changes its way; the range must not jump there.
     z, edge, rng = 27, 3.0, np.random.default_rng(3)
     below, above = (
-        [np.ptp(closed_chain(z, f=1.0, F=F, rng=rng)) / F for _ in range(500)]
+        [np.ptp(closed_chain(z, f=1.0, F=F, rng=rng)) / F for _ in range(chains)]
         for F in (edge * (1.0 - 1e-6), edge * (1.0 + 1e-6))
     )
     assert ks_2samp(below, above).pvalue > UNLIKELY
 
 
-def test_no_tooth_is_special_but_the_first_is_zero() -> None:
+@pytest.mark.parametrize("count", [200, pytest.param(600, marks=pytest.mark.slow)])
+def test_no_tooth_is_special_but_the_first_is_zero(count: int) -> None:
     # The chain closes, so steps from any tooth follow one law, also the closing one.
     rng = np.random.default_rng(8)
-    chains = np.array([closed_chain(40, f=1.0, F=2.5, rng=rng) for _ in range(600)])
+    chains = np.array([closed_chain(40, f=1.0, F=2.5, rng=rng) for _ in range(count)])
     steps = np.roll(chains, -1, axis=1) - chains
     assert np.all(chains[:, 0] == 0.0)
     assert ks_2samp(steps[:, 5], steps[:, -1]).pvalue > UNLIKELY

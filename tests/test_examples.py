@@ -15,8 +15,11 @@ from matplotlib import image
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.name != "first_run.py")
-SLOW = {"diagnose_recording", "compare_recording", "guide_log", "which_recording"}
-"""What a quicker test of the API or of guide logs shows as well."""
+SLOW = {
+    "diagnose_recording", "compare_recording", "guide_log", "which_recording", "grade_and_chance", "own_recording",
+    "tolerance_study",
+}  # fmt: skip
+"""What a quicker test of the API, of drawn gears or of guide logs shows as well."""
 
 
 def test_there_are_ten_and_each_asserts_a_number() -> None:

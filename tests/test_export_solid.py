@@ -42,7 +42,11 @@ def bodies(target: Path) -> dict[str, trimesh.Trimesh]:
 
 @pytest.mark.parametrize(
     ("z_1", "z_2", "x", "ending"),
-    [(8, 13, 0.5, ".stl"), (8, 13, 0.5, ".3mf"), (18, 25, 0.0, ".3mf"), (17, 80, 0.0, ".stl")],
+    [
+        (8, 13, 0.5, ".stl"),
+        (18, 25, 0.0, ".3mf"),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((8, 13, 0.5, ".3mf"), (17, 80, 0.0, ".stl"))),
+    ],
 )
 def test_solids_are_watertight_and_have_the_polygons_volume(
     tmp_path: Path, z_1: int, z_2: int, x: float, ending: str
@@ -60,7 +64,7 @@ def test_solids_are_watertight_and_have_the_polygons_volume(
         assert (low + high) / 2.0 == pytest.approx(10.0, abs=4e-6) and high - low == pytest.approx(b, abs=4e-6)
 
 
-@pytest.mark.parametrize(("ending", "K"), [(".stl", 1.0), (".3mf", 5.0)])
+@pytest.mark.parametrize(("ending", "K"), [pytest.param(".stl", 1.0, marks=pytest.mark.slow), (".3mf", 5.0)])
 def test_a_slice_lies_within_the_stated_chord_error(tmp_path: Path, ending: str, K: float) -> None:
     pair = made(18, 25)
     target = tmp_path / f"pair{ending}"

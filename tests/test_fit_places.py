@@ -230,7 +230,7 @@ def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> Non
     """Without load a tooth touches here and there only, and where it does not, nothing moves when it moves. Begun once
     more with all alike, a fit that stopped among leaning teeth ends as low as one that never saw them, and stays."""
     true, known = made_gears(np.random.default_rng(7))
-    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=4.0)
+    (one,) = recorded(true, (UNLOADED,), np.random.default_rng(3), cycles=2.0)
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, [one], path=path), path=path)
     fit = from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)

@@ -72,7 +72,15 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Fit:
 
 @pytest.mark.parametrize("rival", [GAP, SLOPE, WEAR, RUB], ids=lambda one: one.physics.name)
 @pytest.mark.parametrize(
-    "made", [TWICE, FULL_COAST, NextRecording(flank="drive", torque=LIGHT)], ids=lambda one: one.says
+    "made",
+    [
+        TWICE,
+        *(
+            pytest.param(one, marks=pytest.mark.slow)
+            for one in (FULL_COAST, NextRecording(flank="drive", torque=LIGHT))
+        ),
+    ],
+    ids=lambda one: one.says,
 )
 def test_doubt_about_laws_takes_from_what_another_load_would_tell_of_crowning(
     loaded: Fit, rival: Claim, made: NextRecording

@@ -68,7 +68,7 @@ def followed(flank: Flank) -> tuple[Assembled, Template]:
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])
-@pytest.mark.parametrize("level", [-0.5, -0.2, 0.3, 0.5])
+@pytest.mark.parametrize("level", [-0.5, *(pytest.param(one, marks=pytest.mark.slow) for one in (-0.2, 0.5)), 0.3])
 def test_a_template_is_followed_from_its_mean_torque_to_others(flank: Flank, level: float) -> None:
     """As if made under that torque: at both ends of the parabola to 0.01 of what changes, between them to 0.04 and 0.08
     where second pairs come to carry; as a part of the deflection it would be 0.10 to 0.22."""

@@ -29,7 +29,7 @@ def entries(*data: AlignedResidual) -> tuple[Entry, ...]:
 
 
 def made(seed: int, kind: str = "white") -> AlignedResidual:
-    return healthy(np.random.default_rng(seed), z_1=18, z_2=25, cycles=2, kind=kind)
+    return healthy(np.random.default_rng(seed), z_1=18, z_2=25, cycles=1, kind=kind)
 
 
 def with_power(data: AlignedResidual, x: np.ndarray, frequency: float, power: float, phase: float) -> AlignedResidual:

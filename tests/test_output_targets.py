@@ -12,6 +12,7 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.output import check_targets, write_text
+from tests.made_command import Command
 
 PAIR = Path(__file__).resolve().parents[1] / "data" / "pairs" / "ideal_18_25.toml"
 
@@ -68,10 +69,10 @@ def test_standard_output_that_fails_is_one_message() -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_plan_names_the_file_that_lacks_a_face_width(tmp_path: Path) -> None:
+def test_plan_names_the_file_that_lacks_a_face_width(tmp_path: Path, gearpoly_command: Command) -> None:
     pair = tmp_path / "bare.toml"
     pair.write_text("[driving]\nteeth = 18\nmodule_mm = 2\n[driven]\nteeth = 25\nmodule_mm = 2\n")
-    done = run("plan", str(pair))
-    assert done.returncode == 2
-    assert str(pair) in done.stderr
-    assert "face_width_mm" in done.stderr
+    done = gearpoly_command("plan", pair)
+    assert done.code == 2
+    assert str(pair) in done.err
+    assert "face_width_mm" in done.err

@@ -176,7 +176,7 @@ def pairs(draw: st.DrawFn) -> PairFile:
     return PairFile.model_validate({**raw, "driving": gear(), "driven": gear()})
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(pair=pairs())
 def test_dumped_pair_reads_back_equal(pair: PairFile) -> None:
     with tempfile.TemporaryDirectory() as folder:

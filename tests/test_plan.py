@@ -12,32 +12,46 @@ from gearpoly.diagnose.plan import LookAlike, Plan, plan
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.report.plan_report import json_text
+from tests.made_command import Command
 
 GEAR = "teeth = {z}\nmodule_mm = 2.0\nface_width_mm = 20.0\npoints_per_flank = 300\n"
 KNOWN = "tooth_thickness_um = -60.0\nuncertainty_um = 0.0\n"
 
 
-def made(
-    folder: Path, *, z: tuple[int, int] = (18, 25), torque: float = 25.0, more: str = "speed_rpm = 30.0\n"
-) -> Plan:
-    """The plan of a pair whose teeth are all known."""
+RIGID = "[model]\ntooth_deflection = false\n"
+
+
+def written(folder: Path, *, z: tuple[int, int] = (18, 25), more: str = "speed_rpm = 30.0\n") -> Path:
+    """A pair whose teeth are all known."""
     path = folder / "pair.toml"
     gears = "".join(
         f"[{name}]\n{GEAR.format(z=n)}[{name}.inspection]\n{KNOWN}"
         for name, n in zip(("driving", "driven"), z, strict=True)
     )
     path.write_text(f"[pair]\ntorque_nm = 25.0\n{more}{gears}")
+    return path
+
+
+def made(path: Path) -> Plan:
     return plan(read_pair(path), path=path)
 
 
 @pytest.fixture(scope="module")
 def known(tmp_path_factory: pytest.TempPathFactory) -> Plan:
-    return made(tmp_path_factory.mktemp("known"))
+    return made(written(tmp_path_factory.mktemp("known")))
 
 
 @pytest.fixture(scope="module")
 def rigid(tmp_path_factory: pytest.TempPathFactory) -> Plan:
-    return made(tmp_path_factory.mktemp("rigid"), z=(12, 16), more="[model]\ntooth_deflection = false\n")
+    return made(written(tmp_path_factory.mktemp("rigid"), z=(12, 16), more=RIGID))
+
+
+def test_the_command_prints_the_plan(rigid: Plan, tmp_path: Path, gearpoly_command: Command) -> None:
+    path = written(tmp_path, z=(12, 16), more=RIGID)
+    ran = gearpoly_command("plan", path, "--json", tmp_path / "plan.json")
+    assert ran.code == 0, ran.err
+    assert json.loads((tmp_path / "plan.json").read_text(encoding="utf-8")) == json.loads(json_text(rigid))
+    assert rigid.first.says.rstrip(".") in " ".join(ran.out.split())
 
 
 def alike(one: Plan, a: str, b: str) -> LookAlike:

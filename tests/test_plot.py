@@ -67,7 +67,14 @@ def test_gap_curves_are_the_gaps(pair: api.Pair) -> None:
     assert "deg" in lower.get_xlabel() and "um" in upper.get_ylabel()
 
 
-@pytest.mark.parametrize(("what", "ending"), [("mesh", "png"), ("deviations", "svg"), ("gaps", "pdf")])
+@pytest.mark.parametrize(
+    ("what", "ending"),
+    [
+        pytest.param("mesh", "png", marks=pytest.mark.slow),
+        ("deviations", "svg"),
+        ("gaps", "pdf"),
+    ],
+)
 def test_command_writes_each_picture(tmp_path: Path, what: str, ending: str) -> None:
     target = tmp_path / f"picture.{ending}"
     command = ["plot", str(GRADED), "--to", str(target), "--what", what, "--at", "33", "--flank", "coast"]

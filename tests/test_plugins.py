@@ -340,7 +340,14 @@ def test_damaged_metadata_are_told_if_they_name_a_group_of_gearpoly(here: Path) 
 
 
 @pytest.mark.parametrize(
-    "words", [("simulate", "pair.toml"), ("read", "rec.csv"), ("export", "pair.toml", "--to", "p.svg")]
+    "words",
+    [
+        ("simulate", "pair.toml"),
+        *(
+            pytest.param(one, marks=pytest.mark.slow)
+            for one in (("read", "rec.csv"), ("export", "pair.toml", "--to", "p.svg"))
+        ),
+    ],
 )
 def test_a_broken_package_ends_a_command_with_one_message(
     words: tuple[str, ...], tmp_path: Path, pair_file: Path

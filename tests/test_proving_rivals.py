@@ -80,7 +80,10 @@ def test_eccentricity_and_a_wave_of_pitch_differ_by_the_stairs(gear: int) -> Non
     assert loaded < 1.2 * one  # torque does not help
 
 
-@pytest.mark.parametrize(("physics", "size"), [("profile_slope", 3.0), ("profile_slope", -3.0), ("wear", 3.0)])
+@pytest.mark.parametrize(
+    ("physics", "size"),
+    [("profile_slope", 3.0), pytest.param("profile_slope", -3.0, marks=pytest.mark.slow), ("wear", 3.0)],
+)
 def test_slope_or_wear_of_one_gear_or_of_the_other(physics: str, size: float) -> None:
     """Only the difference of both gears shows: 0, but for the corners and the second order."""
     found = separability(limit_of(FREE, bends=False), on(physics, size))

@@ -103,13 +103,13 @@ def test_mat5_of_zeros_that_pack_to_nothing(tmp_path: Path, inside: str) -> None
 
 def test_a_line_without_end(tmp_path: Path) -> None:
     file = tmp_path / "rec.csv"
-    file.write_text(",".join(ANGLES) + "\n" + "0," * 3_000_000, encoding="ascii")
+    file.write_text(",".join(ANGLES) + "\n" + "0," * 1_200_000, encoding="ascii")
     assert "no line end from byte 1048576" in refusal(file).found
     assert "1048576 bytes" in refusal(file).wish
     file.write_bytes(
-        b"\r".join([b",".join(name.encode() for name in ANGLES), *(b"%d,%d" % (i, i) for i in range(300_000))])
+        b"\r".join([b",".join(name.encode() for name in ANGLES), *(b"%d,%d" % (i, i) for i in range(100_000))])
     )
-    assert read_recording(file).size == 300_000  # lines of old computers end
+    assert read_recording(file).size == 100_000  # lines of old computers end
 
 
 def test_a_header_without_end(tmp_path: Path) -> None:

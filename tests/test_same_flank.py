@@ -27,9 +27,9 @@ def pair(folder: Path) -> tuple[PairFile, Path, Assembled]:
 
 
 def forth_and_back(made: Assembled, hysteresis: float, *, hangs: bool = True, eccentric: float = 0.0) -> Recording:
-    """Six driven turns either way; the driving encoder reads ``hysteresis`` (rad) more going forth than back, and the
-    driven gear is off its axis by so many mm."""
-    turned = motion((6.0, -6.0))
+    """Four driven turns either way, more than a hunting cycle; the driving encoder reads ``hysteresis`` (rad) more
+    going forth than back, and the driven gear is off its axis by so many mm."""
+    turned = motion((4.0, -4.0))
     one = recorded(made, turned, np.random.default_rng(7), hangs=hangs)
     assert one.driving_angle_rad is not None and one.driven_angle_rad is not None
     once = eccentric / made.pair.r_b2 * np.cos(turned.driven)

@@ -121,7 +121,7 @@ def test_the_seed_decides_what_the_grade_leaves_open(gearpoly_command: Command, 
     assert texts[0] != texts[2]
 
 
-@pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
+@pytest.mark.parametrize("ending", [".png", *(pytest.param(one, marks=pytest.mark.slow) for one in (".svg", ".pdf"))])
 def test_a_picture(gearpoly_command: Command, pair_file: Path, tmp_path: Path, ending: str) -> None:
     target = tmp_path / f"run{ending}"
     ran = gearpoly_command("simulate", pair_file, "--plot", target, "--turns", "0.1", "--points-per-mesh", "8")

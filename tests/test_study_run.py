@@ -108,12 +108,16 @@ def test_other_things_are_left_alone(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
 
 
+PAIRS = 12
+ROWS = 3 * PAIRS
+"""Of three grades."""
+
 LONG = 'turns = 2.0\npositions_per_mesh = 40\noutputs = ["te_pp_um", "backlash_least_um"]\n' + GRADES
 
 
 def _long(folder: Path) -> Path:
     """Rows of 15 ms, so that a kill lands among them."""
-    path = write_study(folder, LONG, pairs=20)
+    path = write_study(folder, LONG, pairs=PAIRS)
     path.write_text(path.read_text().replace("positions_per_mesh = 5\n", ""))
     return path
 
@@ -130,13 +134,13 @@ def test_kill_9_loses_and_doubles_nothing(tmp_path: Path, workers: str) -> None:
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     kept = {path.name: path.stat().st_mtime_ns for path in rows.glob("[0-9]*.parquet")}
-    assert 5 <= len(kept) < 60
+    assert 5 <= len(kept) < ROWS
     (rows / ".gearpoly-cut.parquet").write_bytes(b"what a killed writer leaves")
     again = _run(path, out)
     # Nothing that was there was made again, nothing is missing, nothing is there twice.
     assert all((rows / name).stat().st_mtime_ns == when for name, when in kept.items())
-    assert again.made == 60 - len(kept)
-    assert again.store.column("index").tolist() == list(range(60))
+    assert again.made == ROWS - len(kept)
+    assert again.store.column("index").tolist() == list(range(ROWS))
     assert not list(rows.glob(".gearpoly-*"))
     undisturbed = _run(path, tmp_path / "undisturbed")
     assert _csv(again, tmp_path / "a.csv") == _csv(undisturbed, tmp_path / "b.csv")
@@ -149,7 +153,7 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
     plan = engine.plan_study(read_study(path))
     seen: list[int] = []
     killed = False
-    for rows in in_processes(plan, iter([(k, k + 1) for k in range(60)]), workers=2):
+    for rows in in_processes(plan, iter([(k, k + 1) for k in range(ROWS)]), workers=2):
         seen += [row.index for row in rows]
         if len(seen) == 10 and not killed:
             killed = True
@@ -159,7 +163,7 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
             workers = [int(line.split()[0]) for line in children.stdout.splitlines() if "spawn_main" in line]
             assert len(workers) == 2
             os.kill(workers[0], signal.SIGKILL)
-    assert sorted(seen) == list(range(60))
+    assert sorted(seen) == list(range(ROWS))
 
 
 def test_only_one_run_writes_at_a_time(tmp_path: Path) -> None:
