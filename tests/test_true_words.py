@@ -22,11 +22,12 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.set_up import GearKnown
+from gearpoly.diagnose.limits import Exceeded, Limit
 from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import print_comparison
-from gearpoly.report.diagnosis_report import grade_words, sentence
+from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence
 from gearpoly.units import DEG, UM
 from tests.made_diagnosis import made_comparison, made_diagnosis
 from tests.residuals import noise, residual, samples, tooth_signal
@@ -178,3 +179,24 @@ def test_a_jump_that_stays_is_one() -> None:
     values = noise(rng, u.size, "white", 0.3 * UM) + np.where(u > u[u.size // 2], 5.0 * UM, 0.0)
     (jump,) = moments(locate([residual(u, t, values, z_1=18, z_2=25)], gears=INSPECTED).where)
     assert jump.amplitude_um == pytest.approx(5.0, abs=0.2)
+
+
+def test_a_gear_that_breaks_its_limits_does_not_agree() -> None:
+    """Nothing was left out, but the teeth that make the mismatch are no good ones."""
+    diagnosis = replace(made_diagnosis(*made_comparison()), status="nothing_missing", findings=(), unexplained=())
+    whole = tuple(replace(gear, exceeded=()) for gear in diagnosis.built)
+    assert "agree to the noise" in sentence(replace(diagnosis, built=whole))
+    limit = Limit(kind="single pitch", low=-8.0, high=8.0, grade=6)
+    broken = Exceeded(limit=limit, value=15.8, std=0.9, by=7.8, teeth=(7, 8), flank="drive")
+    said = sentence(replace(diagnosis, built=(replace(whole[0], exceeded=(broken,)), whole[1])))
+    assert "limits" in said
+    assert "agree" not in said
+
+
+def test_the_terminal_tells_where_the_whole_mismatch_lies_unless_it_is_explained() -> None:
+    """What teeth as built take is in no list of what is left, and was the largest line of a plastic pair."""
+    diagnosis = made_diagnosis(*made_comparison())
+    for status, shown in (("unexplained", True), ("explained", False)):
+        out = io.StringIO()
+        print_diagnosis(Console(file=out, width=200), replace(diagnosis, status=status))
+        assert ("most of it first:" in out.getvalue()) is shown

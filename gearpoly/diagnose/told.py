@@ -13,6 +13,7 @@ from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import FILE_RIGHT
 from gearpoly.physics.base import Claim
@@ -33,14 +34,15 @@ GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries of which nobody has asked yet, each with the probability that it is there at all and what may be
-    behind it."""
+    behind it; without those that are likelier not there."""
     found = zip(entries, causes(search, comparison, entries), strict=True)
-    return tuple(
+    told = (
         one
         if posterior is None
         else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search, posterior))
         for one, posterior in found
     )
+    return tuple(one for one in told if one.probability is None or one.probability >= EVEN)
 
 
 def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:

@@ -166,9 +166,21 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
     return out
 
 
+BEYOND = (
+    "No physics of the catalogue is missing: teeth that deviate make the mismatch, and by more than their limits allow."
+)
+"""The same where nothing is missing and a gear breaks its limits: then they do not agree."""
+
+FOREMOST = 4
+"""Places that the terminal tells of the whole mismatch; page and JSON have all."""
+
+
 def sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
-    return (STOPPED if diagnosis.stopped else STATUS)[diagnosis.status]
+    if diagnosis.stopped:
+        return STOPPED[diagnosis.status]
+    broken = any(gear.exceeded for gear in diagnosis.built)
+    return BEYOND if broken and diagnosis.status == "nothing_missing" else STATUS[diagnosis.status]
 
 
 def grade_words(gear: BuiltGear) -> str:
@@ -190,6 +202,18 @@ def _exceeded_json(one: Exceeded) -> dict[str, Any]:
     return out if one.flank is None else out | {"flank": one.flank}
 
 
+def _print_where(console: Console, diagnosis: Diagnosis) -> None:
+    """Print where most of the whole mismatch lies, unless it is explained: teeth as built may make it, which no list of
+    what is left tells."""
+    where = [one for one in diagnosis.comparison.located.where if one.companion_of is None]
+    if diagnosis.status == "explained" or not where:
+        return
+    console.print("\nwhere recordings and declared simulation differ, most of it first:", style="bold", highlight=False)
+    for entry in where[:FOREMOST]:
+        words = entry_words(entry, sky_of(diagnosis.comparison))
+        console.print(f"  {words}", highlight=False, soft_wrap=True)
+
+
 def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     """Print where, what, how sure, what else, before and after, what next, and what could not be excluded."""
     comparison = diagnosis.comparison
@@ -197,6 +221,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     console.print(sentence(diagnosis), style="bold", highlight=False, soft_wrap=True)
     for number, one in enumerate(diagnosis.findings, 1):
         _print_finding(console, number, one, diagnosis)
+    _print_where(console, diagnosis)
     if diagnosis.unexplained:
         console.print("\nlocated, and not explained:", style="bold", highlight=False)
         for entry in diagnosis.unexplained:
