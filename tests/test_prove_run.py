@@ -11,7 +11,6 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +38,7 @@ from gearpoly.proving.grounds import GROUNDS
 from gearpoly.proving.rig import BenchError
 from gearpoly.study import progress
 from tests import made_process
-from tests.made_jobs import die, nap, refuse
+from tests.made_jobs import nap, refuse
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, stuck, write_cases
 
 
@@ -204,15 +203,10 @@ def gone(pid: int) -> bool:
     return not status.exists() or "State:\tZ" in status.read_text()
 
 
-def test_a_worker_that_dies_ends_the_others_and_is_told_by_its_job() -> None:
-    with pytest.raises(GearpolyError, match=r"a worker process died at killed or long .* what is finished is kept"):
-        pool.each(die, ["killed", "long"], workers=2, what="cases", name=str)
-    assert not active_children()
-
-
-@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="looks for processes in /proc")
-@pytest.mark.parametrize("how", ["a worker is killed", "the command is interrupted"])
+@pytest.mark.parametrize(
+    "how", ["a worker is killed", pytest.param("the command is interrupted", marks=pytest.mark.slow)]
+)
 def test_workers_that_die_leave_what_is_finished(
     begun: subprocess.Popen[str], bench: Path, tmp_path: Path, how: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

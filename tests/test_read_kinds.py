@@ -255,13 +255,17 @@ def test_files_of_other_programs_are_called_by_their_names(tmp_path: Path, head:
     assert what in caught.value.found and cure in caught.value.wish
 
 
-def test_angles_in_minutes_and_seconds_with_colons_are_told_what_to_write(tmp_path: Path) -> None:
+def test_angles_in_minutes_and_seconds_with_colons_are_degrees(tmp_path: Path) -> None:
+    """More than a day has hours, so no times of day; rounded to a thousandth of a second of arc."""
+
     def cell(angle: float) -> str:
-        return f"{int(angle)}:{int(angle * 60 % 60):02d}:{angle * 3600 % 60:06.3f}"
+        whole = round(angle * 3_600_000.0)
+        return f"{whole // 3_600_000}:{whole // 60_000 % 60:02d}:{whole % 60_000 / 1000.0:06.3f}"
 
     text = "".join(f"{t:.3f},{cell(a)},{cell(b)}\n" for t, a, b in zip(TIME_S, DRIVING, DRIVEN, strict=True))
-    with pytest.raises(InputFileError, match="degrees, minutes and seconds are read as 100°48'00\""):
-        read_recording(written(tmp_path, ANGLES + text))
+    found = read_recording(written(tmp_path, ANGLES + text))
+    assert sum("degrees with minutes, taken as decimal degrees" in one for one in found.remarks) == 2
+    holds(found, half=0.5e-3 / 3600.0 * 1.01)
 
 
 def test_two_tables_of_labview_are_two_recordings(tmp_path: Path) -> None:
