@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache, partial
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import lru_cache
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+TICK_S = 1.0
+"""Seconds after which a wait is begun anew: one without an end misses an interrupt that comes as it begins."""
 
 _at = threading.local()
 
@@ -20,7 +23,21 @@ def each(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     listed = list(items)
     if len(listed) < 2 or _threads() < 2 or getattr(_at, "work", False):
         return [work(item) for item in listed]
-    return list(_pool().map(partial(_marked, work), listed))
+    futures = [_pool().submit(_marked, work, item) for item in listed]
+    try:
+        return [_waited_for(future) for future in futures]
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def _waited_for(future: Future[Result]) -> Result:
+    while True:
+        try:
+            return future.result(timeout=TICK_S)
+        except TimeoutError:
+            if future.done():  # an error of the work itself, or done since
+                return future.result()
 
 
 def _marked(work: Callable[[Item], Result], item: Item) -> Result:
