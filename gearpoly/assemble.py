@@ -130,9 +130,9 @@ def root_remarks(file: PairFile) -> list[str]:
     ]
 
 
-def assemble(file: PairFile, *, path: Path | str, seed: int, coarse: float = 0.0) -> Assembled:
+def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float = 0.0) -> Assembled:
     """Both gears of ``file`` (read from ``path``) drawn and mounted; ``seed`` decides what the file leaves to chance.
-    Chords may stand ``coarse`` mm off their flanks where the file asks for finer ones.
+    Chords may stand ``chord_error`` mm off their flanks where the file states none and its default is finer.
 
     Raises ``InputFileError`` naming file and section for a gear that cannot be cut, limits that no gear keeps, or
     gears that cannot reach each other.
@@ -155,7 +155,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, coarse: float = 0.0
                 gear=gear,
                 l_start=active_start(gear, mate, l_form=l_form),
                 l_form=l_form,
-                coarse=coarse,
+                chord_error=chord_error,
             )
             if section.inspection is not None:
                 shapes, origin, limit = (
@@ -233,13 +233,15 @@ class _Making:
     gear: Gear
     l_start: float
     l_form: float
-    coarse: float
+    chord_error: float
 
     @property
     def points(self) -> int:
         if self.section.points_per_flank is not None:
             return self.section.points_per_flank
-        chord_error = max(self.section.chord_error_um * UM, self.coarse)
+        chord_error = self.section.chord_error_um * UM
+        if "chord_error_um" not in self.section.model_fields_set:
+            chord_error = max(chord_error, self.chord_error)
         return points_for(self.gear, l_form=self.l_form, chord_error=chord_error)
 
 

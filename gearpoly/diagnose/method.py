@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import assemble
+from gearpoly.assemble import Assembled, assemble
 from gearpoly.compare.noise import Noise
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.keys.edit import changed, on_gear
@@ -24,7 +24,7 @@ FEW = 64.0
 4000 times smaller, and whose first is still 10^6 times what contacts are known to."""
 
 
-CHORDS, COARSEST = 0.05, 0.01 * UM
+CHORDS, MOST_CHORD = 0.05, 0.01 * UM
 """By what a chord may stand off its flank where a diagnosis draws it: this part of the noise's innovations, and so many
 mm at most. Its ripple in the transmission error is 0.42 of that (four pairs of module 2, rms), which is 0.02 of the
 noise: 2 in misfit of 5000 samples. Points become 2.4 times fewer, and a diagnosis takes a sixth less time."""
@@ -33,17 +33,17 @@ noise: 2 in misfit of 5000 samples. Points become 2.4 times fewer, and a diagnos
 @dataclass(frozen=True, kw_only=True)
 class Method:
     """Options of a diagnosis: physics struck from the catalogue (``without``), whether the noise is whitened, whether
-    eccentricity goes through the exact kernel or only by its first order. Chords may stand ``coarse`` mm off the flanks
-    that are simulated."""
+    eccentricity goes through the exact kernel or only by its first order. Chords may stand ``chord_error`` mm off the
+    flanks that are simulated."""
 
     without: frozenset[str] = frozenset()
     whiten: bool = True
     exact: bool = True
-    coarse: float = 0.0
+    chord_error: float = 0.0
 
     def for_noise(self, noises: Sequence[Noise]) -> Method:
         """The same with chords as coarse as the noise of the recordings allows."""
-        return replace(self, coarse=min(COARSEST, CHORDS * min(noise.innovation for noise in noises)))
+        return replace(self, chord_error=min(MOST_CHORD, CHORDS * min(noise.innovation for noise in noises)))
 
     @property
     def physics(self) -> list[Physics]:
@@ -54,19 +54,21 @@ class Method:
         """The noise as the fit is to see it."""
         return noise if self.whiten else replace(noise, ar=np.empty(0), innovation=noise.level)
 
+    def assembled(self, file: PairFile, *, path: Path) -> Assembled:
+        """The pair of ``file`` (read from ``path``), as fine as the noise asks. Raises what ``assemble`` does."""
+        return assemble(file, path=path, seed=0, chord_error=self.chord_error)
+
     def scenes(self, file: PairFile, samples: Sequence[Samples], *, path: Path) -> list[Scene]:
         """All recordings of a pair file simulated."""
         eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
         if self.exact or not eccentric:
-            assembled = assemble(file, path=path, seed=0, coarse=self.coarse)
+            assembled = self.assembled(file, path=path)
             if assembled.shafts.frequency is not None:
                 # Recordings under the same load share the curve that swings.
                 conditions = dict.fromkeys(replace(one.condition, speed=None, varies=0.0) for one in samples)
                 each(lambda condition: assembled.under(condition).cycle_te, list(conditions))
             return each(lambda one: stage(assembled, one), samples)
-        none, few = (
-            assemble(_eccentric(file, part), path=path, seed=0, coarse=self.coarse) for part in (0.0, 1.0 / FEW)
-        )
+        none, few = (self.assembled(_eccentric(file, part), path=path) for part in (0.0, 1.0 / FEW))
         out = []
         for one in samples:
             plain = stage(none, one)

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, assemble
+from gearpoly.assemble import Assembled
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.budget import Budget
@@ -152,7 +152,7 @@ class Model:
 
     def assembled(self, file: PairFile | None = None) -> Assembled:
         """The pair of ``file``, or of the present state."""
-        return assemble(self.file() if file is None else file, path=self.path, seed=0, coarse=self.method.coarse)
+        return self.method.assembled(self.file() if file is None else file, path=self.path)
 
     def samples(self) -> list[Samples]:
         """The samples of all recordings by the present zeros."""

@@ -36,6 +36,14 @@ STOPPED = {
 }
 """The same of a search that time has stopped: it says nothing of what it did not ask."""
 
+BEYOND = (
+    "No physics of the catalogue is missing: teeth that deviate make the mismatch, and by more than their limits allow."
+)
+"""The same where nothing is missing and a gear breaks its limits: then they do not agree."""
+
+SHOWN = 4
+"""Places that the terminal tells of the whole mismatch; page and JSON have all."""
+
 WHOLE = ("order", "recording")
 """Parameters that are whole numbers."""
 
@@ -166,15 +174,6 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
     return out
 
 
-BEYOND = (
-    "No physics of the catalogue is missing: teeth that deviate make the mismatch, and by more than their limits allow."
-)
-"""The same where nothing is missing and a gear breaks its limits: then they do not agree."""
-
-FOREMOST = 4
-"""Places that the terminal tells of the whole mismatch; page and JSON have all."""
-
-
 def sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
     if diagnosis.stopped:
@@ -209,7 +208,7 @@ def _print_where(console: Console, diagnosis: Diagnosis) -> None:
     if diagnosis.status == "explained" or not where:
         return
     console.print("\nwhere recordings and declared simulation differ, most of it first:", style="bold", highlight=False)
-    for entry in where[:FOREMOST]:
+    for entry in where[:SHOWN]:
         words = entry_words(entry, sky_of(diagnosis.comparison))
         console.print(f"  {words}", highlight=False, soft_wrap=True)
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from gearpoly.recording.quantities import ANGLE
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.cut import is_data, split
 from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
@@ -21,6 +22,7 @@ from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
+from gearpoly.recording.words import quantity_of
 
 LEAST_ROWS = 8
 """Rows from which words among numbers are a column; a head may hold a name beside a number in fewer lines."""
@@ -71,7 +73,8 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
         sample = lines[:SAMPLE_LINES]
     elif any(_COLONS.search(line) for line in sample[-LEAST_ROWS:]):
         mark = separator or _likely(sample)
-        degrees = _of_degrees([split(line, mark) for line in (*sample[-LEAST_ROWS:], *lines[-SAMPLE_LINES:])])
+        heads = [split(line, mark) for line in sample if not _COLONS.search(line)]
+        degrees = _of_degrees([split(line, mark) for line in (*sample[-LEAST_ROWS:], *lines[-SAMPLE_LINES:])], heads)
         if degrees:
             lines = TextLines("\n".join(_with_degrees(lines, mark, degrees)).encode("utf-8"), "utf-8")
             sample = lines[:SAMPLE_LINES]
@@ -92,9 +95,9 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
     return Rewritten(lines=lines, words=words, degrees=degrees)
 
 
-def _of_degrees(rows: Sequence[Sequence[str]]) -> frozenset[int]:
-    """Columns (from 0) of which every cell is degrees, minutes and seconds parted by colons, and not all may be times
-    of day: three digits, a sign, or more than a day has hours, but less than a turn."""
+def _of_degrees(rows: Sequence[Sequence[str]], heads: Sequence[Sequence[str]]) -> frozenset[int]:
+    """Columns (from 0) of which every cell is degrees, minutes and seconds parted by colons, where ``heads`` name
+    an angle or not all may be times of day: three digits, a sign, or more than a day has hours, but below a turn."""
     out = set()
     held = [row for row in rows if any(map(_COLONS.fullmatch, row))]
     for k in range(max(map(len, held), default=0)):
@@ -102,7 +105,8 @@ def _of_degrees(rows: Sequence[Sequence[str]]) -> frozenset[int]:
         found = [one for one in map(_COLONS.fullmatch, cells) if one is not None]
         if len(found) < len(cells) or any(int(one["d"]) >= TURN_DEG for one in found):
             continue
-        if any(one["sign"] or len(one["d"]) > 2 or int(one["d"]) >= DAY_H for one in found):
+        named = any(k < len(head) and quantity_of(head[k]) == ANGLE for head in heads)
+        if named or any(one["sign"] or len(one["d"]) > 2 or int(one["d"]) >= DAY_H for one in found):
             out.add(k)
     return frozenset(out)
 
