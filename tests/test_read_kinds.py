@@ -281,6 +281,14 @@ def test_degrees_with_colons_below_a_day_s_hours_are_those_of_columns_that_name_
     assert np.ptp(read.driven_angle_rad) == pytest.approx(14.4 * DEGREE, abs=1e-8)
 
 
+def test_a_torn_angle_among_degrees_with_colons_is_told_where_it_stands(tmp_path: Path) -> None:
+    columns = zip(TIME_S, DRIVING, DRIVEN, strict=True)
+    rows = [f"{t:.3f},{with_colons(a)},{with_colons(b)}" for t, a, b in columns]
+    rows[700] = f"{TIME_S[700]:.3f},12?34:56.000,{with_colons(DRIVEN[700])}"
+    with pytest.raises(InputFileError, match=r'line 702, column Input angle: "12\?34:56.000"; want a finite number'):
+        read_recording(written(tmp_path, "\n".join(("t [s],Input angle,Output angle", *rows)) + "\n"))
+
+
 def test_two_tables_of_labview_are_two_recordings(tmp_path: Path) -> None:
     head = (
         "Channels\t2\nSamples\t1200\t1200\nY_Unit_Label\tdeg\tdeg\nX_Dimension\tTime\tTime\nX0\t0,0\t0,0\n"

@@ -96,14 +96,14 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
 
 
 def _of_degrees(rows: Sequence[Sequence[str]], heads: Sequence[Sequence[str]]) -> frozenset[int]:
-    """Columns (from 0) of which every cell is degrees, minutes and seconds parted by colons, where ``heads`` name
+    """Columns (from 0) of which most cells are degrees, minutes and seconds parted by colons, where ``heads`` name
     an angle or not all may be times of day: three digits, a sign, or more than a day has hours, but below a turn."""
     out = set()
     held = [row for row in rows if any(map(_COLONS.fullmatch, row))]
     for k in range(max(map(len, held), default=0)):
         cells = [row[k] for row in held if k < len(row) and row[k]]
         found = [one for one in map(_COLONS.fullmatch, cells) if one is not None]
-        if len(found) < len(cells) or any(int(one["d"]) >= TURN_DEG for one in found):
+        if 2 * len(found) <= len(cells) or any(int(one["d"]) >= TURN_DEG for one in found):
             continue
         named = any(k < len(head) and quantity_of(head[k]) == ANGLE for head in heads)
         if named or any(one["sign"] or len(one["d"]) > 2 or int(one["d"]) >= DAY_H for one in found):
@@ -115,10 +115,13 @@ def _with_degrees(lines: TextLines, separator: str, degrees: frozenset[int]) -> 
     """The lines with the cells of these columns in decimal degrees."""
     for line in lines:
         if ":" in line:
-            cells = split(line, separator)
-            if all(k < len(cells) and (_COLONS.fullmatch(cells[k]) or not cells[k]) for k in degrees):
-                there = [_COLONS.sub(_decimal, cell) if k in degrees else cell for k, cell in enumerate(cells)]
-                line = separator.join(_one(cell, separator) for cell in there)
+            cells = list(split(line, separator))
+            # A bad cell stays as it is, and is told where it stands.
+            found = {k: one for k in degrees if k < len(cells) and (one := _COLONS.fullmatch(cells[k])) is not None}
+            for k, one in found.items():
+                cells[k] = _decimal(one)
+            if found:
+                line = separator.join(_one(cell, separator) for cell in cells)
         yield line
 
 
