@@ -11,6 +11,7 @@ import numpy as np
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.noise import pooled_level
+from gearpoly.diagnose.as_recorded import as_recorded
 from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
@@ -121,7 +122,8 @@ def diagnose(
     scaled = scale_finding(comparison, after)
     findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
     watch.stage("leftovers")("looking for what is left")
-    left_over = (*unexplained(search, comparison), *slow_or_sudden(search, looked_at))
+    left_over = as_recorded(search, comparison, unexplained(search, comparison))
+    left_over = (*left_over, *slow_or_sudden(search, looked_at))
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
