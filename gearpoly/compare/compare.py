@@ -28,6 +28,7 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.stated import refuse_apart, refuse_twins
 from gearpoly.compare.template import Template, templates_of
+from gearpoly.compare.turned_over import parted
 from gearpoly.compare.turns import jam_remarks
 from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
 from gearpoly.errors import InputFileError
@@ -103,7 +104,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     recordings = [turned(one, z_1=z_1, z_2=z_2)[0] for one in with_flanks(recordings, file, pair)]
     recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
-    cleaned = clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2)
+    cleaned = parted(clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2), file, pair)
     for one in cleaned:
         if one.size < LEAST_SAMPLES:
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"

@@ -136,7 +136,7 @@ class LineSearch:
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
         apart = self.orders.told_apart(self.span)
-        self.searched = apart & (self.orders.frequency > SLOWEST / self.span)
+        self.searched = apart & self.orders.told_by(u) & (self.orders.frequency > SLOWEST / self.span)
         self._snaps = self.known[apart]
 
     @cached_property

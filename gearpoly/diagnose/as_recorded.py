@@ -24,8 +24,7 @@ from gearpoly.units import UM, FloatArray
 MADE = 0.5
 """Part of what a fit leaves at an order that the recordings have there, below which the fit made it: teeth that took
 one order leave its images at sums with and differences from the numbers of teeth. Of 15 um of order 8 of 19 teeth they
-left 4.4 um of order 11, of which the recording had 0.3. A wave of the drive that teeth hide by more than half would have
-to come against them by chance."""
+left 4.4 um of order 11, of which the recording had 0.3. Teeth hide more than half of another wave by chance only."""
 
 CLOSE = 1.0
 """Independent lines below which two orders are too near each other for two sizes."""

@@ -46,26 +46,26 @@ def arms(entries: Sequence[Entry]) -> list[Arm]:
         Arm(
             key="struck",
             text="control: the true physics struck from the catalogue",
-            how={k: How(without=entries[k].physics) for k in some(large)},
+            how={k: How(without=entries[k].physics, hurried=True) for k in some(large)},
         ),
         Arm(
             key="known_wrong",
             text="control: Young's modulus, declared eccentricities and reliefs wrong by 5 %",
-            how=dict.fromkeys(coloured + singles, How(wrong=True)),
+            how=dict.fromkeys(coloured + singles, How(wrong=True, hurried=True)),
         ),
         Arm(
             key="no_whitening",
             text="ablation: noise taken for white",
-            how=dict.fromkeys(coloured + singles, How(whiten=False)),
+            how=dict.fromkeys(coloured + singles, How(whiten=False, hurried=True)),
         ),
         Arm(
             key="no_exact",
             text="ablation: large eccentricities to first order only",
-            how=dict.fromkeys(coloured + hidden, How(exact=False)),
+            how=dict.fromkeys(coloured + hidden, How(exact=False, hurried=True)),
         ),
         Arm(
             key="one_torque",
             text="ablation: recordings of the highest torque only",
-            how=dict.fromkeys(load, How(one_torque=True)),
+            how=dict.fromkeys(load, How(one_torque=True, hurried=True)),
         ),
     ]

@@ -132,8 +132,8 @@ def _prove(
     say(f"truths sealed: sha256 {sealed} over {len(hashes)} truths, each in {out / 'truths.sha256'}")
     say(f"thresholds: sha256 {limits.sha256}")
     code = code_under_proof(diagnoser)
-    plain = _jobs(cases, Arm(key=PLAIN, text="", how=dict.fromkeys(cases, How())), code, diagnoser, out, quick=quick)
-    others = {arm.key: _jobs(cases, arm, code, diagnoser, out, quick=quick) for arm in extra}
+    plain = _jobs(cases, Arm(key=PLAIN, text="", how=dict.fromkeys(cases, How(hurried=quick))), code, diagnoser, out)
+    others = {arm.key: _jobs(cases, arm, code, diagnoser, out) for arm in extra}
     every = [*plain, *(job for jobs in others.values() for job in jobs)]
     left = [job for job in every if not job.done()]
     if len(left) < len(every):
@@ -162,14 +162,12 @@ def code_under_proof(diagnoser: Diagnoser) -> str:
     return f"{sources[:32]}-{diagnoser.__module__}.{diagnoser.__qualname__}-{numpy.__version__}-{scipy.__version__}"
 
 
-def _jobs(
-    cases: dict[int, CaseFiles], arm: Arm, code: str, diagnoser: Diagnoser, out: Path, *, quick: bool
-) -> list[Diagnosing]:
+def _jobs(cases: dict[int, CaseFiles], arm: Arm, code: str, diagnoser: Diagnoser, out: Path) -> list[Diagnosing]:
     place = out / "verdicts" / arm.key
     made_folder(place)
     return [
         Diagnosing(
-            case=cases[k], how=how, code=code, diagnoser=diagnoser, target=place / f"{cases[k].name}.json", quick=quick
+            case=cases[k], how=how, code=code, diagnoser=diagnoser, target=place / f"{cases[k].name}.json"
         ) for k, how in sorted(arm.how.items())
     ]  # fmt: skip
 

@@ -19,13 +19,9 @@ from gearpoly.files.output import write_text
 from gearpoly.prove.cases import CaseFiles, digest, truth_hash
 from gearpoly.prove.diagnoser import Diagnoser, How
 
-LONGEST = 60.0
-"""Processor seconds after which a diagnosis counts as one without an answer: nobody waits longer for a verdict, and 250
-cases end within 90 minutes on two cores if two thirds of them take 40 s."""
-
-HURRIED = 45.0
-"""The same on a quick ground, which is to be done in four minutes whatever happens, and for a diagnosis that is to do
-without a part of its method: claim after claim of coloured noise takes long, and the first say enough."""
+LONGEST, HURRIED = 120.0, 60.0
+"""Processor seconds after which a diagnosis counts as one without an answer, and the same of one that is to be quick:
+nobody waits longer for a verdict than two minutes."""
 
 
 class TooLongError(Exception):
@@ -90,15 +86,13 @@ def write(job: CaseToWrite) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosing:
-    """A case to be diagnosed, in the way ``how``, by code of this hash, with the result at ``target``; ``quick``: with
-    less time."""
+    """A case to be diagnosed, in the way ``how``, by code of this hash, with the result at ``target``."""
 
     case: CaseFiles
     how: How
     code: str
     diagnoser: Diagnoser
     target: Path
-    quick: bool = False
 
     def key(self) -> str:
         """What the result depends on: the files given, the way and the code."""
@@ -117,7 +111,7 @@ def diagnose(job: Diagnosing) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            with limited(HURRIED if job.quick or job.how != How() else LONGEST):
+            with limited(HURRIED if job.how.hurried else LONGEST):
                 verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
         except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
             last = traceback.extract_tb(caught.__traceback__)[-1]
