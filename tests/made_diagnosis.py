@@ -104,7 +104,7 @@ def built(z: int, grade: int | None) -> BuiltGear:
             )
             for flank in flanks
         ),
-        thickness=(-58.6, 0.4), grade_needed=grade, grade_edition=2013,
+        thickness=(-58.6, 0.4), grade_needed=grade, grade_edition=2013, grade_kept=grade,
     )  # fmt: skip
 
 

@@ -155,6 +155,7 @@ class Built(Strict):
     profile_slope_um: list[float]
     profile_slope_std_um: list[Size]
     grade_needed: Annotated[int, Field(ge=1, le=11)] | None
+    grade_kept: Annotated[int, Field(ge=1, le=11)] | None
     grade_edition: Literal[1995, 2013]
     exceeds: list[dict[str, object]]
 
@@ -234,7 +235,7 @@ def test_the_terminal_says_where_what_how_sure_what_else_and_what_next(bench: Pa
     assert "or else, " in printed
     assert f"to decide: {one.would_separate.says}" in printed
     assert f"{one.heldout_rms_um.without:.4f} um rms without, {one.heldout_rms_um.with_:.4f} with" in printed
-    for row in ("declared simulation", "with as-built teeth", "with what was missing", "driving gear as it runs fits"):
+    for row in ("declared simulation", "with as-built teeth", "with what was missing", "driving gear as it runs"):
         assert row in printed
     assert "as built, drive flanks: pitch" in printed
     # What stands in brackets is said too.

@@ -51,18 +51,27 @@ def test_gears_that_nobody_inspected_are_not_told_inspected(tmp_path: Path) -> N
     assert "12 teeth (limits only, not inspected) on 16 teeth (inspected)" in out.getvalue()
 
 
-def built(grade: int | None, *, estimated: bool = True) -> BuiltGear:
+def built(grade: int | None, *, kept: int | None = None, estimated: bool = True) -> BuiltGear:
     return BuiltGear(
-        flanks=(), thickness=None, grade_needed=grade, grade_edition=2013, exceeded=(), estimated=estimated
-    )
+        flanks=(), thickness=None, grade_needed=grade, grade_edition=2013, grade_kept=kept, exceeded=(),
+        estimated=estimated,
+    )  # fmt: skip
 
 
 def test_a_grade_is_told_of_what_it_was_judged_by_and_of_no_gear_whose_teeth_were_not_estimated() -> None:
-    words = grade_words(built(1))
-    assert "grade 1 (2013) by single pitch, cumulative pitch and profile slope" in words
+    words = grade_words(built(1, kept=1))
+    assert "fits ISO 1328-1 grade 1 (2013) by single pitch, cumulative pitch and profile slope" in words
     assert "profile form is not judged" in words
     assert "no ISO 1328-1 grade (2013)" in grade_words(built(None))
     assert "grade 1" not in grade_words(built(1, estimated=False))
+
+
+def test_a_grade_that_errors_leave_open_is_not_said_to_fit() -> None:
+    """Of two gears whose steps need grades 3 to 5 it was said that they fit grade 1, which was not surely exceeded."""
+    words = grade_words(built(1, kept=5))
+    assert "fits" not in words
+    assert "needs ISO 1328-1 grade 1 (2013) or a coarser one, and surely keeps grade 5" in words
+    assert "keeps" not in grade_words(built(9))
 
 
 @pytest.mark.parametrize("status", ["nothing_missing", "explained", "partly_explained", "unexplained"])

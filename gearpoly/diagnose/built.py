@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from gearpoly.diagnose.limits import exceeded, figures_of, grade_needed, limits_of
+from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, limits_of
 from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
@@ -37,6 +37,7 @@ def _built(search: Search, file: PairFile, gear: int) -> BuiltGear:
         flanks=tuple(_flank(one) for one in plain),
         thickness=mean,
         grade_needed=grade_needed(section, figures),
+        grade_kept=grade_kept(section, figures),
         grade_edition=section.grade_edition,
         exceeded=tuple(broken),
         estimated=search.model.as_built.gears[gear].graded or section.inspection is not None,

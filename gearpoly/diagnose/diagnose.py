@@ -264,10 +264,8 @@ def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear])
         needed = built[gear].grade_needed
         out += [one.says(name) for one in built[gear].exceeded]
         if any(one.limit.grade is not None for one in built[gear].exceeded):
-            shown = "no grade" if needed is None else f"grade {needed}"
-            out.append(
-                f"by pitch and slope the {name} gear as it runs fits {shown}, not its declared grade {section.grade}"
-            )
+            shown = "fits no grade" if needed is None else f"needs grade {needed} or a coarser one"
+            out.append(f"by pitch and slope the {name} gear as it runs {shown}, not its declared grade {section.grade}")
     return tuple(out)
 
 

@@ -174,3 +174,19 @@ def grade_needed(section: GearSection, figures: Sequence[Figures]) -> int | None
         if bounds and not any(exceeded(figures, bound) for bound in bounds):
             return grade
     return None
+
+
+def grade_kept(section: GearSection, figures: Sequence[Figures]) -> int | None:
+    """The finest ISO 1328-1 grade of which every limit of single pitch, cumulative pitch and profile slope is kept,
+    whatever the errors of the figures are; None where there is none, or none is defined for such a gear."""
+    for grade in GRADES[section.grade_edition]:
+        bounds = _graded(section, grade)
+        if bounds and all(_surely_within(figures, bound) for bound in bounds):
+            return grade
+    return None
+
+
+def _surely_within(figures: Sequence[Figures], limit: Limit) -> bool:
+    mine = [one for one in figures if one.kind == limit.kind]
+    sure = allowance(max(1, sum(one.values.size for one in mine)))
+    return all(bool(np.all(np.abs(one.values) + sure * one.std <= limit.high)) for one in mine)

@@ -15,7 +15,7 @@ from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.infer.posterior import Posterior
-from gearpoly.infer.prior import FILE_RIGHT
+from gearpoly.infer.prior import FILE_RIGHT, UNEARNED
 from gearpoly.physics.base import Claim
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
@@ -48,8 +48,9 @@ def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) 
 def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
     """The physics that may be behind a place, each with its probability: as far as the pair file is right. It is
     doubted too where a place would have its name by its chance alone, and has none: unseen data, time or number spoke
-    against it."""
+    against it. No cause that did not earn its name is told as likelier than such causes are."""
     model, right = search.model, FILE_RIGHT if search.doubted or found.named else 1.0
+    right = min(right, UNEARNED / max((chance for _, chance in found.told), default=1.0))
     return tuple(
         Cause(
             physics=claim.physics.name,

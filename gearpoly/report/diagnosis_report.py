@@ -169,7 +169,7 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
         }
     if gear.thickness is not None:
         out |= {"tooth_thickness_um": gear.thickness[0], "tooth_thickness_std_um": gear.thickness[1]}
-    out |= {"grade_needed": gear.grade_needed, "grade_edition": gear.grade_edition}
+    out |= {"grade_needed": gear.grade_needed, "grade_kept": gear.grade_kept, "grade_edition": gear.grade_edition}
     out["exceeds"] = [_exceeded_json(one) for one in gear.exceeded]
     return out
 
@@ -187,11 +187,14 @@ def grade_words(gear: BuiltGear) -> str:
     not estimated."""
     if not gear.estimated:
         return "is declared without deviations: its teeth were not estimated one by one, and no grade is told"
-    grade = "no ISO 1328-1 grade" if gear.grade_needed is None else f"ISO 1328-1 grade {gear.grade_needed}"
-    return (
-        f"as it runs fits {grade} ({gear.grade_edition}) by single pitch, cumulative pitch and profile slope, as far "
-        "as their errors tell; profile form is not judged"
-    )
+    by, edition = "by single pitch, cumulative pitch and profile slope", gear.grade_edition
+    unjudged = "profile form is not judged"
+    if gear.grade_needed is None:
+        return f"as it runs fits no ISO 1328-1 grade ({edition}) {by}; {unjudged}"
+    if gear.grade_needed == gear.grade_kept:
+        return f"as it runs fits ISO 1328-1 grade {gear.grade_kept} ({edition}) {by}; {unjudged}"
+    kept = "" if gear.grade_kept is None else f", and surely keeps grade {gear.grade_kept}"
+    return f"as it runs needs ISO 1328-1 grade {gear.grade_needed} ({edition}) or a coarser one{kept}, {by}; {unjudged}"
 
 
 def _exceeded_json(one: Exceeded) -> dict[str, Any]:
