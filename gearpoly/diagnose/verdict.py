@@ -109,7 +109,8 @@ class BuiltGear:
     ``grade_needed`` (None: worse than all) is the finest ISO 1328-1 grade that does not surely exclude the gear as it
     runs: with the pitch, pitch waves and slopes that are claimed, since a gear with one tooth 20 um off its place does
     not run as grade 5, whatever its other teeth are. ``grade_kept`` (None: none) is the finest that it keeps whatever
-    the errors are. ``exceeded`` are limits of the pair file that it breaks, counted in the same way. ``estimated``: its teeth were open to the fit, each by itself."""
+    the errors are. ``exceeded`` are limits of the pair file that it breaks, counted in the same way.
+    ``estimated``: its teeth were open to the fit, each by itself."""
 
     flanks: tuple[BuiltFlank, ...]
     thickness: tuple[float, float] | None
