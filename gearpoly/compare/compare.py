@@ -20,6 +20,7 @@ from gearpoly.compare.locate import locate
 from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
+from gearpoly.compare.read_late import on_one_clock
 from gearpoly.compare.remarks import remarks, scale_remarks
 from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
@@ -104,7 +105,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     recordings = [turned(one, z_1=z_1, z_2=z_2)[0] for one in with_flanks(recordings, file, pair)]
     recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
-    cleaned = parted(clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2), file, pair)
+    cleaned = parted(on_one_clock(clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2), pair), file, pair)
     for one in cleaned:
         if one.size < LEAST_SAMPLES:
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
@@ -337,9 +338,8 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
 def _known(section: GearSection, file: PairFile, zero: float | None, direction: int) -> GearKnown:
     """What the file says of one gear beforehand."""
     if section.inspection is not None:
-        return GearKnown(
-            z=section.teeth, uncertainty=section.inspection.uncertainty_um * UM, zero=zero, direction=direction
-        )
+        uncertainty = section.inspection.uncertainty_um * UM
+        return GearKnown(z=section.teeth, uncertainty=uncertainty, zero=zero, direction=direction)
     if section.grade is None and section.limits is None:
         return GearKnown(z=section.teeth, zero=zero, direction=direction)
     gears = nominal_gears(file)
