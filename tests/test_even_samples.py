@@ -12,7 +12,7 @@ from scipy.signal import savgol_filter
 from gearpoly.compare.angles import WINDOW, driven_share, smoothed
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.compare.even import even_rate
+from gearpoly.compare.even import even_in_time, even_rate
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
@@ -97,6 +97,18 @@ def test_a_rate_shows_through_drop_outs_and_not_through_jitter() -> None:
     assert even_rate(np.delete(even, [7, 8, 9, 400])) == pytest.approx(80.0, rel=1e-9)
     assert even_rate(even + 0.001 / 80.0 * rng.normal(size=even.size)) == pytest.approx(80.0, rel=1e-6)
     assert even_rate(even + 0.1 / 80.0 * rng.uniform(-1.0, 1.0, even.size)) is None
+
+
+def test_even_samples_are_even_though_their_times_are_rounded() -> None:
+    """60 samples a second in whole ms, with a pause of 10 s: the middle step, 17 ms, counts 588 of the 600 samples that
+    fit into it. Rounded so, times stray by 0.017 steps, and a wave still has its aliases."""
+    time = np.arange(5000) / 60.0
+    time[2500:] += 10.0
+    assert even_in_time(np.round(time, 3)) == pytest.approx(60.0, rel=1e-5)
+    assert even_in_time(time) == pytest.approx(60.0, rel=1e-9)
+    # What strays by more than its rounding does not come evenly.
+    strayed = time + 0.1 / 60.0 * np.random.default_rng(3).uniform(-1.0, 1.0, time.size)
+    assert even_in_time(np.round(strayed, 3)) is None
 
 
 def readings(noisy: str, *, even: bool) -> tuple[FloatArray, FloatArray, FloatArray]:

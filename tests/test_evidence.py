@@ -13,6 +13,9 @@ from gearpoly.infer.chance import log_tail
 from gearpoly.infer.evidence import log_bayes_factor, log_mean, log_truncated, normalised, posterior
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 
 # Quadrature is exact to 1e-9 relative; what is compared are logarithms of its results.
 TO = 1e-6
@@ -146,3 +149,29 @@ def test_another_probability_of_the_unknown_leaves_the_rest_its_shares() -> None
     even = Posterior(claims=(), unknown=0.5, nothing=0.5).with_unknown(0.2)
     assert (even.unknown, even.nothing) == (0.2, pytest.approx(0.8))
     assert Posterior(claims=(), unknown=1.0, nothing=0.0).with_unknown(1.0).nothing == 0.0
+
+
+def test_one_physics_of_one_gear_is_one_cause_of_a_place() -> None:
+    """Pits on two neighbours do the same where one tooth hands over to the next: that a pit of this gear did it is as
+    probable as either together, even where each alone is not worth a word."""
+    spall = catalogue()["tooth_spall"]
+
+    def pit(gear: int, tooth: int, depth: float) -> Claim:
+        return Claim(physics=spall, place=Place(gear=gear, tooth=tooth), values=(depth, 11.7, 12.5, 0.06))
+
+    step = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=3, flank="drive"), values=(2.0,))
+    claims = (
+        (pit(0, 3, 9.0), 0.2),
+        (step, 0.3),
+        (pit(0, 4, 1.0), 0.15),
+        (pit(1, 3, 5.0), 0.006),
+        (pit(1, 4, 5.0), 0.006),
+    )
+    found = Posterior(claims=claims, unknown=0.3, nothing=0.038)
+    assert [(one.physics.name, one.place.gear, one.values[0]) for one, _ in found.causes] == [
+        ("tooth_spall", 0, 9.0),
+        ("tooth_pitch", 0, 2.0),
+        ("tooth_spall", 1, 5.0),
+    ]
+    assert [chance for _, chance in found.causes] == pytest.approx([0.35, 0.3, 0.012])
+    assert sum(chance for _, chance in found.causes) + found.unknown + found.nothing == pytest.approx(1.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,6 +14,10 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.foreign import STANDS, large
+from gearpoly.diagnose.leftovers import taken_back
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.units import UM
 from tests.made_recordings import Rig, inspected, record
 from tests.pair_files import made
@@ -71,3 +77,19 @@ def test_a_sharp_line_below_the_noise_is_located_where_nothing_repeats() -> None
     told_at = found.hz or (found.order or 0.0) * (7.5 if found.gear == "driven" else 10.0)
     assert told_at == pytest.approx(2.37 * 7.5, abs=0.1)
     assert found.amplitude_um == pytest.approx(0.6, abs=0.06)
+
+
+@pytest.mark.parametrize(("gear", "z"), [(0, 17), (1, 51)])
+def test_a_tooth_is_told_with_the_rms_over_its_own_pitch(gear: int, z: int) -> None:
+    """A tooth that is 0.4 um off over its pitch, and nothing elsewhere, does 0.4 um / sqrt(z) rms to a whole turn. That
+    was told in its stead, among teeth whose rms is that of their own contact."""
+    gears = tuple(SimpleNamespace(z=n, encoder_deg=lambda tooth: 20.0 * tooth) for n in (17, 51))
+    comparison = cast(Any, SimpleNamespace(aligned=(None,), gears=gears, alignment=SimpleNamespace(numbered=(1, 1))))
+    turn = np.zeros(40 * z)
+    turn[80:120] = 0.4 * UM
+    place = Place(gear=gear, tooth=2)
+    pit = Claim(physics=catalogue()["tooth_spall"], place=place, values=(6.0, 11.7, 12.5, 0.06))
+    entry = taken_back(comparison, pit, float(np.sqrt(np.mean(turn**2))))
+    assert (entry.kind, entry.tooth) == ("tooth", 2)
+    assert entry.rms_um == pytest.approx(0.4)
+    assert UM**2 * entry.mean_square(17, 51) == pytest.approx(float(np.mean(turn**2)))

@@ -15,7 +15,7 @@ from gearpoly.recording.map_text import map_text
 from gearpoly.recording.meaning import meanings
 from gearpoly.recording.quantities import ANGLE, SPEED, TIME, TORQUE, unit_written, units_written
 from gearpoly.recording.read import read_recording
-from gearpoly.recording.survey import survey
+from gearpoly.recording.survey import _clock, survey
 from gearpoly.recording.table import Channel
 from tests.made_texts import DEGREE, chart, run, same, table, written
 
@@ -198,6 +198,24 @@ def test_a_survey_says_what_a_comparison_would_refuse(tmp_path: Path) -> None:
         assert found.clock is not None and math.isclose(found.clock.rate_hz, 100.0, rel_tol=1e-9)
     (whole,) = survey(written(tmp_path, table(rising, ("Time [s]", *ANGLES), separator=",", decimal=".")))
     assert not whole.refusal
+
+
+@pytest.mark.parametrize(("rate", "decimals"), [(60.0, 3), (60.0, 2), (30.0, 2), (1024.0, 4), (44.1, 3)])
+def test_a_rate_is_that_of_the_samples_though_times_are_rounded(rate: float, decimals: int) -> None:
+    """Of 60 samples a second in whole ms two of three steps are 17 ms: the usual step says 58.8. A pause, lost rows and
+    rows from the newest to the oldest change nothing; 3000 steps tell the mean to a step's rounding each."""
+    time = np.delete(np.arange(3000) / rate, [77, 400, 401])
+    time[1500:] += 10.0
+    each = 10.0**-decimals * rate / 3000 * rate  # of the rate, by which one rounding of all steps together moves it
+    for rounded in (np.round(time, decimals), np.round(time, decimals)[::-1]):
+        clock = _clock(rounded)
+        assert clock.rate_hz == pytest.approx(rate, abs=2.0 * each)
+
+
+def test_the_rate_of_a_loop_without_a_clock_is_that_of_its_usual_step() -> None:
+    """Every step of 10 ms and now and then one of 24 ms: their mean, 10.7 ms, is no step of the loop."""
+    steps = np.where(np.random.default_rng(4).uniform(size=4000) < 0.05, 0.024, 0.010)
+    assert _clock(np.concatenate([[0.0], np.cumsum(steps)])).rate_hz == pytest.approx(100.0)
 
 
 HEAD = """LabVIEW Measurement

@@ -10,10 +10,15 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from gearpoly.assemble import with_sheets_stated
+from gearpoly.diagnose.begin import begin
+from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
+from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.sheets import Reread, Teeth, order_of, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
+from gearpoly.files.pairfile import read_pair
 from gearpoly.keys.edit import on_gear
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray
@@ -69,6 +74,65 @@ def test_a_sheet_that_is_counted_otherwise_is_told_and_no_tooth_accused(
     # 0.3 um: what a tooth's mean and slope take from each other; the sheet in its order is off by 4 um.
     off = np.array(sheet.pitch_um) - np.array(truth.pitch_um)
     assert np.std(off) < 0.3
+
+
+COUNTED = 13, 17
+"""Teeth of the pair whose sheets are counted the other way round below."""
+
+
+def rows(gear: int, *, single: bool, backward: bool) -> dict[str, list[float]]:
+    """A sheet of one gear of that pair, teeth of 6 um rms: index deviations or single pitches, and slopes. ``backward``
+    it is that of an inspector who counts the same teeth the other way round from the same tooth 0."""
+    z = COUNTED[gear]
+    rng = np.random.default_rng(31 + gear)
+    index, slope = rng.normal(0.0, 6.0, z).round(2), rng.normal(0.0, 1.0, z).round(2)
+    index[-1] -= np.sum(index)
+    steps = (index - np.roll(index, 1)) / np.cos(np.radians(20.0)) * (1.0 if gear else -1.0)
+    # The pitch between two teeth is as much too large whichever way they are counted; it is that of the later one.
+    order, pitch_order = (-np.arange(z), 1 - np.arange(z)) if backward else (np.arange(z),) * 2
+    pitch = {"single_pitch_um": steps[pitch_order % z]} if single else {"pitch_um": index[order % z]}
+    return {key: values.round(4).tolist() for key, values in (pitch | {"profile_slope_um": slope[order % z]}).items()}
+
+
+def written(folder: Path, *, backward: int | None, single: bool, in_csv: bool) -> PairFile:
+    """That pair read from its files, the sheet of one gear ``backward``, in the pair file or ``in_csv``."""
+    sheets = [rows(gear, single=single, backward=gear == backward) for gear in (0, 1)]
+    text, table = "[model]\ntooth_deflection = false\n", [",".join(("gear", "tooth", *sheets[0]))]
+    for name, z, sheet in zip(("driving", "driven"), COUNTED, sheets, strict=True):
+        text += f"[{name}]\nteeth = {z}\nmodule_mm = 2.0\npoints_per_flank = 400\n[{name}.inspection]\n"
+        keys = ['sheet_csv = "sheet.csv"'] if in_csv else [f"{key} = {values}" for key, values in sheet.items()]
+        text += "uncertainty_um = 0.3\n" + "\n".join(keys) + "\n"
+        table += [",".join((name, str(k), *map(str, row))) for k, row in enumerate(zip(*sheet.values(), strict=True))]
+    (folder / "sheet.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
+    (folder / "pair.toml").write_text(text, encoding="utf-8")
+    return with_sheets_stated(read_pair(folder / "pair.toml"), path=folder / "pair.toml")
+
+
+@pytest.mark.parametrize(
+    ("gear", "single", "in_csv"), [(0, False, True), (1, False, False), (0, True, False), (1, True, True)]
+)
+def test_a_sheet_counted_backward_from_tooth_0_is_taken_so(
+    gear: int, single: bool, in_csv: bool, tmp_path: Path
+) -> None:
+    """Both zeros are stated and true, and the unloaded teeth 6 um rms apart: by a wrong sheet others of them touch, so
+    one step of a linear fit tells them badly. Taken so, every pitch and slope is the true one, to 0.01 um of printing;
+    the mate's sheet stays."""
+    true = written(tmp_path, backward=None, single=False, in_csv=False)
+    recordings = recorded(true, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=3.0)
+    known = written(tmp_path, backward=gear, single=single, in_csv=in_csv)
+    budget, watch = Budget(), Watch(lambda _: None, lambda done, of: None)
+    begun = begin(known, recordings, path=tmp_path / "pair.toml", method=Method(), budget=budget, watch=watch)
+    (says,) = begun.misread
+    name = ("driving", "driven")[gear]
+    assert f"the inspection of the {name} gear fits only where it counts its teeth the other way round" in says
+    assert "from tooth 0 of the pair on" in says
+    assert ("single pitches counted the other way round" in says) is single
+    for section, truth in ((begun.file.driving, true.driving), (begun.file.driven, true.driven)):
+        assert section.inspection is not None
+        assert truth.inspection is not None
+        for key in ("pitch_um", "profile_slope_um"):
+            off = np.array(getattr(section.inspection, key)) - np.array(getattr(truth.inspection, key))
+            assert np.max(np.abs(off - np.mean(off))) < 0.01, (name, key)
 
 
 @pytest.mark.slow

@@ -197,15 +197,16 @@ def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
     ],
 )  # fmt: skip
 def test_what_is_refused_is_located(one: Claim, kind: str, where: dict[str, object]) -> None:
-    """Where it was, and no cause."""
-    known = SimpleNamespace(encoder_deg=lambda tooth: 18.0 * tooth)
+    """Where it was, and no cause. A tooth of 16 that does 2 um rms to the whole turn does 8 um over its own pitch."""
+    known = SimpleNamespace(z=16, encoder_deg=lambda tooth: 18.0 * tooth)
     comparison: Any = SimpleNamespace(
         aligned=[None, None], alignment=SimpleNamespace(numbered=(True, False)), gears=(known, known)
     )
     entry = taken_back(comparison, one, 2e-3)
-    assert entry.kind == kind and entry.rms_um == 2.0
+    rms = 8.0 if kind == "tooth" else 2.0
+    assert entry.kind == kind and entry.rms_um == rms
     assert {name: getattr(entry, name) for name in where} == where
-    assert "2 um rms" in says(entry)
+    assert f"{rms:g} um rms" in says(entry)
 
 
 def test_time_that_is_over_stays_over() -> None:

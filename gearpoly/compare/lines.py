@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.compare.even import even_rate
+from gearpoly.compare.even import GAP, even_in_time
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise, spacing_of
 from gearpoly.compare.orders import known_orders
@@ -51,9 +51,6 @@ MAINS = (50.0, 60.0)
 MAINS_STRAYS, HIGHEST_HUM = 0.002, 20
 """Part by which a mains frequency strays, and the highest multiple of it that is taken for hum: beyond, what strays so
 far is near some multiple anyway."""
-
-GAP = 1.5
-"""Middle steps from which on a step in time is a gap."""
 
 HALF_WAY = 2.0
 """Independent lines about half the sampling rate in which nothing is looked for over time."""
@@ -130,7 +127,7 @@ class LineSearch:
                 # Uneven sampling has no middle step to go by, and gaps belong to no step.
                 self.rate = 1.0 / float(np.mean(step[step < GAP * dt]))
                 # Even samples, and means over neighbours, hold nothing above half their rate.
-                tells = u.size <= TWICE and not averaged and even_rate(time) is None
+                tells = u.size <= TWICE and not averaged and even_in_time(time) is None
                 self.top = (1.0 if tells else 0.5) * self.rate
                 self.time_grid = Grid(time, step=0.5 / self.duration, count=int(self.top * 2.0 * self.duration))
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)

@@ -51,7 +51,8 @@ def located_at_every_mesh(comparison: Comparison) -> list[Entry]:
 
 
 def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
-    """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did: the place alone, and no cause."""
+    """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did to all samples: the place alone,
+    and no cause. Of a tooth the rms over its own pitch is told, as of teeth that were located."""
     place, physics = claim.place, claim.physics
     recordings = place.recordings or tuple(range(len(comparison.aligned)))
     entry = Entry(kind="mesh_phase", phase=(0.0, 1.0), rms_um=rms / UM, p_value=1.0, recordings=recordings)
@@ -65,8 +66,9 @@ def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     entry = replace(entry, gear="driving" if place.gear == 0 else "driven", phase=None)
     if place.tooth is None:
         return replace(entry, kind="shaft_order", order=float(place.order or 1))
-    told = place.tooth if comparison.alignment.numbered[place.gear] else None
-    return replace(entry, kind="tooth", tooth=told, encoder_deg=comparison.gears[place.gear].encoder_deg(place.tooth))
+    told, known = place.tooth if comparison.alignment.numbered[place.gear] else None, comparison.gears[place.gear]
+    own = math.sqrt(known.z) * rms / UM
+    return replace(entry, kind="tooth", tooth=told, encoder_deg=known.encoder_deg(place.tooth), rms_um=own)
 
 
 def with_causes(

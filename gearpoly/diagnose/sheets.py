@@ -48,8 +48,10 @@ MOST, OTHER = 0.75, 0.35
 none, below which that is the right order: of 400 sheets of other gears, each in every order and of either sign, the
 nearest came to 0.38 with 18 teeth, 0.49 with 25, and below 0.35 in 1 of 150 with 12."""
 
-ROUNDS = 1
-"""Rounds of simulating and fitting: to first order about the sheet its teeth are told to a tenth of their steps."""
+ROUNDS = 8
+"""Most rounds of simulating and fitting: without load other teeth touch by a wrong sheet than on the gear. Of eight
+gears of 12 to 31 teeth of 1.5 to 10 um that were counted otherwise the right order left 0.19 to 0.83 of the steps after
+one round, 0.40 at most after two, 0.02 after four and eight; sheets of seven other gears left 0.56 and more."""
 
 OPPOSITE = (
     "the transmission error of the recordings fits the inspection only with the opposite sign, and was taken so; check "
@@ -86,17 +88,31 @@ class Teeth:
     @property
     def contradicted(self) -> bool:
         """Whether half of the steps, or all but four, are off by more than the sheet's uncertainty and the fit leave
-        open, and by a good part of what they are without any sheet, and are not recognised. A gear may have one wave
-        over its teeth that the sheet lacks, and all its steps are then off: where nothing else is, the sheet is right.
+        open, and are not recognised; and by a good part of what they are without any sheet, or another order fits.
+        A gear may have one wave over its teeth that the sheet lacks, and all its steps are then off: where nothing else
+        is, the sheet is right.
         """
         doubt = float(np.median(np.diag(self.steps @ self.covariance @ self.steps.T)))
         z = self.off.size
         half = min(0.5, (z - WRONG_TEETH - 1.0) / (z - 1.0))
         off = self.within(self.off, half)
         least = FAR * float(ndtri(0.5 * (1.0 + half))) * math.sqrt(2.0 * self.uncertainty**2 + doubt)
-        if off < max(least, OWN * self.within(self.whole, half)) or self.recognised:
+        if off < least or self.recognised:
             return False
+        if off < OWN * self.within(self.whole, half):
+            return self.elsewhere is not None
         return self.within(_without_wave(self.off), half) > least
+
+    @property
+    def elsewhere(self) -> Ordered | None:
+        """The order in which the sheet fits clearly better than as it is, and than none; None where there is none."""
+        z = self.off.size
+        near: list[Ordered] = []
+        for first, back, sign in other_orders(z):
+            sheet = sign * self.sheet[order_of(z, first, back=back)]
+            near.append((self.within(self.whole - sheet, MOST), first, back, sign))
+        best = min(near)
+        return best if best[0] < OTHER * min(self.within(self.off, MOST), self.within(self.whole, MOST)) else None
 
     @property
     def recognised(self) -> bool:
@@ -222,14 +238,14 @@ def _together(fit: Fit, one: Teeth, mate: Teeth) -> Teeth:
 
 def _reread(teeth: Teeth, file: PairFile) -> Reread:
     """What is wrong with the sheet of a gear whose teeth contradict it."""
-    near, first, back, sign = min(_orders(teeth))
-    if near >= OTHER * min(teeth.within(teeth.off, MOST), teeth.within(teeth.whole, MOST)):
+    if teeth.elsewhere is None:
         return _left_out(teeth, "counted from no other tooth it fits better; its pitch_um is")
+    _, first, back, sign = teeth.elsewhere
     return Reread(
         gear=teeth.gear,
         inspection=_counted(file, teeth.gear, order_of(teeth.off.size, first, back=back), sign=sign),
         opposite=sign < 0.0,
-        says=_says(GEARS[teeth.gear], first, back=back, sign=sign),
+        says=_says(GEARS[teeth.gear], first, back=back, sign=sign) + _of_traces(file, teeth.gear),
     )
 
 
@@ -243,14 +259,6 @@ def _left_out(teeth: Teeth, what: str) -> Reread:
         f"{teeth.within(teeth.off, 0.5):.1f} um or more in half of the steps from tooth to tooth; it was left out, and "
         "no physics is claimed for the difference; check whose sheet it is",
     )
-
-
-def _orders(teeth: Teeth) -> Iterator[Ordered]:
-    """How near the steps of ``teeth`` lie to those of their sheet in every other order and of either sign."""
-    z = teeth.off.size
-    for first, back, sign in other_orders(z):
-        sheet = sign * teeth.sheet[order_of(z, first, back=back)]
-        yield teeth.within(teeth.whole - sheet, MOST), first, back, sign
 
 
 def other_orders(z: int) -> Iterator[tuple[int, bool, float]]:
@@ -269,16 +277,25 @@ def order_of(z: int, first: int, *, back: bool) -> IntArray:
 
 def _says(name: str, first: int, *, back: bool, sign: float) -> str:
     """What the engineer should check."""
+    from_0 = "" if first else ", from tooth 0 of the pair on"
     ways = [
-        *(["counts its teeth the other way round"] if back else []),
-        *([f"calls tooth {first} what is tooth 0 of the pair"] if first or back else []),
+        *([f"counts its teeth the other way round{from_0}"] if back else []),
+        *([f"calls tooth {first} what is tooth 0 of the pair"] if first else []),
         *(["has the opposite sign"] if sign < 0.0 else []),
     ]
     return (
         f"the inspection of the {name} gear fits only where it {', and '.join(ways)}: it was taken so, and no physics "
         "is claimed for the difference; check how the sheet is numbered"
         + (", and the sign of pitch_um" if sign < 0.0 else "")
+        + (" (single pitches counted the other way round have it)" if sign < 0.0 and back else "")
     )
+
+
+def _of_traces(file: PairFile, gear: int) -> str:
+    """What to tell of whole traces, which stay with the teeth that their own file gives them."""
+    sheet = gear_section(file, gear).inspection
+    names = [name for name in ("profile_csv", "gde") if getattr(sheet, name, None) is not None]
+    return f"; traces of {names[0]} were left with the teeth that they have there" if names else ""
 
 
 def _counted(file: PairFile, gear: int, order: IntArray, *, sign: float) -> Inspection:

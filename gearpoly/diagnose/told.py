@@ -50,7 +50,7 @@ def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
     doubted too where a place would have its name by its chance alone, and has none: unseen data, time or number spoke
     against it. No cause that did not earn its name is told as likelier than such causes are."""
     model, right = search.model, FILE_RIGHT if search.doubted or found.named else 1.0
-    right = min(right, UNEARNED / max((chance for _, chance in found.told), default=1.0))
+    right = min(right, UNEARNED / max((chance for _, chance in found.causes), default=1.0))
     return tuple(
         Cause(
             physics=claim.physics.name,
@@ -61,7 +61,7 @@ def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
                 for name, (value, _) in parameters(model, claim, np.zeros((len(claim.values),) * 2)).items()
             ),
             says=claim.says,
-        ) for claim, chance in found.told
+        ) for claim, chance in found.causes
     )  # fmt: skip
 
 

@@ -78,6 +78,19 @@ class Posterior:
         """The claims that are worth a word, the likeliest first."""
         return tuple(one for one in self.claims if one[1] >= TOLD)
 
+    @property
+    def causes(self) -> tuple[tuple[Claim, float], ...]:
+        """The physics that are worth a word, the likeliest first: claims of one physics of one gear, be it about the
+        next tooth or one flank alone, add up, and the likeliest stands for all."""
+        first: dict[tuple[str, int | None], Claim] = {}
+        chances: dict[tuple[str, int | None], float] = {}
+        for claim, chance in sorted(self.claims, key=lambda one: -one[1]):
+            what = claim.physics.name, claim.place.gear
+            first.setdefault(what, claim)
+            chances[what] = chances.get(what, 0.0) + chance
+        each = sorted(chances, key=lambda what: -chances[what])
+        return tuple((first[what], chances[what]) for what in each if chances[what] >= TOLD)
+
     def with_unknown(self, unknown: float) -> Posterior:
         """The same where an unknown cause has this probability, and all else shares the rest as before."""
         known = sum(chance for _, chance in self.claims) + self.nothing

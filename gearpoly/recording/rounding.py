@@ -24,7 +24,7 @@ SEVERAL = 0.01
 
 
 def reading_step(angle: FloatArray) -> float | None:
-    """The step in rad of which the continuous readings (n,) in rad are multiples, or ``None`` where none shows."""
+    """The step of which the continuous readings (n,) are multiples, in their unit, or ``None`` where none shows."""
     differences = np.diff(angle[: TELLS + 1])
     apart = np.diff(np.sort(differences))
     largest = float(np.max(apart, initial=0.0))

@@ -29,12 +29,16 @@ from gearpoly.recording.turning import FEWEST, Turning, turning_of
 from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS
 from gearpoly.units import FloatArray
 
+ASTRAY = 1.0
+"""Even steps by which times may stray in all, rounded to a step as they may be; loops whose steps vary by a twentieth
+of themselves and add up stray farther within 1000 samples (0.05 sqrt(1000) = 1.6)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SampleTimes:
-    """Times of the samples: ``rate_hz`` of the usual step, its ``spread`` (5 to 95 % of the steps, relative),
-    ``seconds`` from first to last, ``gaps`` of more than three steps as (row, s) and ``backs``, rows before which the
-    time runs back."""
+    """Times of the samples: ``rate_hz`` of the usual step, or of all between gaps where they are even and rounded, the
+    ``spread`` of the steps (5 to 95 %, relative), ``seconds`` from first to last, ``gaps`` of more than three steps as
+    (row, s) and ``backs``, rows before which the time runs back."""
 
     rate_hz: float
     spread: float
@@ -233,15 +237,28 @@ def _seen(
     )
 
 
+def _rate(steps: FloatArray, usual: float) -> float:
+    """Samples per s by the ``steps`` (n,) of a time and the ``usual`` one, s. Times that are rounded have no step that
+    is the true one: their samples still come a whole number of even steps apart, but for ``ASTRAY`` of one."""
+    ordinary = steps[(steps > 0.0) & (steps <= GAP_STEPS * usual)]
+    if not ordinary.size:
+        return 1.0 / usual
+    number = np.rint(ordinary / np.mean(ordinary))
+    rate = float(np.sum(number) / np.sum(ordinary))
+    astray = np.cumsum(ordinary * rate - number)
+    return rate if float(np.ptp(astray)) <= ASTRAY else 1.0 / usual
+
+
 def _clock(time: FloatArray) -> SampleTimes:
     rows = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[rows] if rows.size < time.size else time)
     some = steps[:: max(1, steps.size // ENOUGH)]
-    rising = some[some > 0.0] if 2 * np.count_nonzero(some < 0.0) < some.size else -some[some < 0.0]
+    sense = 1.0 if 2 * np.count_nonzero(some < 0.0) < some.size else -1.0
+    rising = sense * some[sense * some > 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
     wide = np.flatnonzero(steps > GAP_STEPS * usual)
     return SampleTimes(
-        rate_hz=1.0 / usual,
+        rate_hz=_rate(sense * steps, usual),
         spread=(high - low) / usual,
         seconds=abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0,
         gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
