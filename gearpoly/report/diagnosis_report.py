@@ -44,6 +44,9 @@ BEYOND = (
 SHOWN = 4
 """Places that the terminal tells of the whole mismatch; page and JSON have all."""
 
+LISTED = 12
+"""Places without an explanation that terminal and page list at once, the surest first."""
+
 WHOLE = ("order", "recording")
 """Parameters that are whole numbers."""
 
@@ -226,8 +229,10 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     _print_where(console, diagnosis)
     if diagnosis.unexplained:
         console.print("\nlocated, and not explained:", style="bold", highlight=False)
-        for entry in diagnosis.unexplained:
+        for entry in diagnosis.unexplained[:LISTED]:
             console.print(f"  {entry_words(entry, sky_of(comparison))}", highlight=False, soft_wrap=True)
+        if (more := len(diagnosis.unexplained) - LISTED) > 0:
+            console.print(f"  and {more} more, which --json and --html list", highlight=False, soft_wrap=True)
     table = Table(title="\nfit", title_justify="left", box=None, pad_edge=False, title_style="bold")
     table.add_column("")
     for name in ("unseen, um rms", "repeatable, um", "rms / noise"):

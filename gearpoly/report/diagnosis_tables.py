@@ -9,15 +9,12 @@ from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.report.diagnosis_findings import Shown
-from gearpoly.report.diagnosis_report import grade_words
+from gearpoly.report.diagnosis_report import LISTED, grade_words
 from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
 from gearpoly.units import DEG, NM, RPM, UM
 
 ALONG = 6
 """Places that come along with another one and are shown at once; more are folded away."""
-
-SHOWN = 12
-"""Places that are shown at once, the strongest: a screen holds so many rows. All others are folded away."""
 
 NUMBERED = {
     "curves": "Tooth numbers were found from the curves themselves.",
@@ -44,7 +41,7 @@ def parted(found: Sequence[Entry]) -> tuple[list[Entry], list[Entry]]:
     others, and what is left beyond the first ones."""
     along = [one for one in found if one.companion_of is not None]
     plain = [one for one in found if len(along) <= ALONG or one.companion_of is None]
-    shown = plain[:SHOWN]
+    shown = plain[:LISTED]
     return shown, [one for one in found if not any(one is other for other in shown)]
 
 
