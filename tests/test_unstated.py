@@ -3,13 +3,34 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.unstated import SEEN, _step, between, grade_of, like_its_mate, without_waves
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.as_built import IDEAL
+from gearpoly.diagnose.begin import before_claims
+from gearpoly.diagnose.budget import Budget
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.prepare import graded_prior
+from gearpoly.diagnose.unstated import (
+    SEEN,
+    _step,
+    as_fitted,
+    between,
+    grade_of,
+    like_its_mate,
+    limited,
+    wider,
+    without_waves,
+)
+from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.chain import closed_chain
+from gearpoly.gear.nominal import nominal_gears
 from gearpoly.infer.unknown import plainest_first
+from tests.physics_cases import Condition, recorded
 
 Z = 40
 KNOWN = 0.1
@@ -84,3 +105,45 @@ def test_a_gear_whose_teeth_say_nothing_is_made_like_its_mate() -> None:
     assert like_its_mate({0: 2.0, 1: 4.0}, (0, 1)) == {0: 2.0, 1: 4.0}
     assert like_its_mate({1: 4.0}, (1,)) == {1: 4.0}
     assert like_its_mate({}, (0, 1)) == {}
+
+
+def test_teeth_that_turn_out_coarser_beside_all_that_is_fitted_have_wider_limits(tmp_path: Path) -> None:
+    """Teeth of 8 um rms, of which the first look told a third. What whole recordings tell of steps (8 um times the root
+    of two) is what the limits are made of; a second look finds them so and leaves them."""
+    rng = np.random.default_rng(6)
+    off = {name: rng.normal(0.0, 8.0, z).round(3).tolist() for name, z in (("driving", 13), ("driven", 22))}
+    section = {"module_mm": 2.0, "face_width_mm": 20.0, "points_per_flank": 200}
+    made = {
+        name: section | {"teeth": len(pitch), "inspection": {"pitch_um": pitch, "uncertainty_um": 0.2}}
+        for name, pitch in off.items()
+    }
+    true = PairFile.model_validate({"model": {"tooth_deflection": False}, **made})
+    (one,) = recorded(true, (Condition(torque_nm=0.0),), rng, cycles=2.0, per_mesh=12)
+    bare = {name: section | {"teeth": len(pitch)} for name, pitch in off.items()}
+    file = PairFile.model_validate({"model": {"tooth_deflection": False}, **bare})
+    path = tmp_path / "pair.toml"
+    comparison = compare(file, [one], path=path)
+    model, waves = before_claims(file, comparison, path=path, method=Method(), budget=Budget())
+    fine = limited(model, {0: 1.0, 1: 1.0})
+    fit = Fit.begun(fine, waves, lambda _: None, trial=4)
+    coarser = as_fitted(fit)
+    assert coarser is not None
+    wide, says = coarser
+    again = Fit.begun(wide, waves, lambda _: None, trial=4)
+    assert as_fitted(again) is None
+    for gear, name in enumerate(off):
+        steps = between(len(off[name])) @ np.array(off[name])
+        single = math.sqrt(3.0) * float(np.std(steps))
+        assert wide.as_built.gears[gear].single == pytest.approx(single, rel=0.5)
+        assert "its teeth deviate as those of grade" in says[gear]
+
+
+def test_twice_the_limits_are_twice_the_deviations() -> None:
+    """As ``graded_prior`` draws a gear of twice the limits, but for the chain's own shape."""
+    section = GearSection(teeth=20, module_mm=2.0, face_width_mm=20.0, grade=5)
+    file = PairFile(driving=section, driven=section)
+    fine, coarse = (graded_prior(section, nominal_gears(file), 0, by=by) for by in (1.0, 2.0))
+    twice = wider(fine, 2.0)
+    for name in ("slope", "mean_slope", "crowning", "thickness", "single", "wave"):
+        assert getattr(twice, name) == pytest.approx(getattr(coarse, name), rel=1e-12)
+    assert np.allclose(twice.pitch, coarse.pitch, atol=3.1 * IDEAL**2)  # the doubt that any gear has

@@ -47,6 +47,7 @@ from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, 
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
+from gearpoly.diagnose.unstated import as_fitted
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import TOLD
@@ -83,7 +84,10 @@ def diagnose(
     preparing = watch.stage("prepare")
     placed(model, waves, preparing)
     model = with_forms(model, waves, preparing)
-    search = well_placed(model, lambda: from_declared(Search, model, waves, preparing))
+    search, assumed = well_placed(model, lambda: from_declared(Search, model, waves, preparing)), start.assumed
+    if (coarser := as_fitted(search)) is not None:
+        model, assumed = coarser
+        search = Search.begun(model, waves, preparing)
     anew = remounted(model, search.linear, deflection=search.deflection)
     if model.offset:
         comparison = comparison.moved(model.offset)
@@ -159,7 +163,7 @@ def diagnose(
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,
-            *start.assumed,
+            *assumed,
             *_untouched(findings),
             *start.misread,
             *(() if anew is None else (anew.says,)),
