@@ -285,3 +285,14 @@ class Repeating:
 def _product(a: ComplexArray, b: ComplexArray) -> float:
     """Inner product of coefficients on both sides of zero, of which ``a`` and ``b`` (k,) are one."""
     return float(2.0 * np.vdot(a, b).real - (np.conj(a[0]) * b[0]).real)
+
+
+ACROSS = 3.0
+"""Middle steps that a sample stands for at the most: one beside a gap says nothing of the gap. Weighed by half of gaps
+of 30 meshes, a dozen samples raised a spectrum of 0.03 um to 0.5."""
+
+
+def sample_weights(x: FloatArray) -> FloatArray:
+    """The stretch (n,) of ``x`` (n,), which does not fall, that each sample stands for."""
+    step = np.gradient(x)
+    return np.asarray(np.minimum(step, ACROSS * float(np.median(step))))

@@ -14,7 +14,7 @@ from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import SLOW, slow_curves
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import Grid, sample_weights
 from gearpoly.report.lost_motion_report import draw_lost
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import NM, UM, FloatArray
@@ -161,7 +161,7 @@ def _spectrum(x: FloatArray, rest: FloatArray, span: float, top: float) -> tuple
     step = 1.0 / (FINE * span)
     grid = Grid(x, step=step, count=max(2, int(top / step)))
     # Each sample counts by the stretch it stands for: a strong line then does not spill over the others.
-    weight = np.gradient(x)
+    weight = sample_weights(x)
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
     return frequency, 2.0 * np.abs(grid.transform(weight * rest)) / float(np.sum(weight))
 

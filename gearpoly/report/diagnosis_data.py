@@ -17,7 +17,7 @@ from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import Grid, sample_weights
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
@@ -150,7 +150,7 @@ def spectrum(u: FloatArray, values: FloatArray, *, top: float) -> tuple[FloatArr
 
 def window(u: FloatArray) -> FloatArray:
     """Weights (n,) of a Hann window over ``u`` (n,), each sample counted by the stretch that it stands for."""
-    return np.asarray(np.gradient(u) * np.sin(np.pi * (u - u[0]) / (u[-1] - u[0])) ** 2)
+    return np.asarray(sample_weights(u) * np.sin(np.pi * (u - u[0]) / (u[-1] - u[0])) ** 2)
 
 
 def spectra(one: Aligned, left: FloatArray, noise: Noise, *, z: tuple[int, int], points: int) -> dict[str, Any]:
