@@ -152,7 +152,7 @@ def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry 
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
-    if not peak.known and peak.gain - peak.rival <= TIE and s.search.time_grid is not None:
+    if peak.gain - peak.rival <= TIE and s.search.time_grid is not None:
         rivals = (*rivals, f"{peak.frequency / s.search.pace:.4g} Hz")
     return Entry(
         kind="mesh_order" if kind == "mesh_order" else "shaft_order",
