@@ -103,6 +103,11 @@ def _by_law(entry: Entry, fit: Weigh) -> bool:
     return size < part * swings * fit.deflection / UM
 
 
+def sharp(entry: Entry) -> bool:
+    """Whether an entry is a line above the noise about it whatever colour that has."""
+    return abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf)
+
+
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
     """Whether an entry may be coloured noise: a line below the noise in recordings that never repeat themselves, if not
     so sharp that no colour would be."""
@@ -112,7 +117,7 @@ def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
         return False
     if entry.order is not None and float(entry.order).is_integer():
         return False
-    if abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf):
+    if sharp(entry):
         return False
     return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
 

@@ -12,6 +12,7 @@ from gearpoly.compare.entries import Cause, Entry, Gear
 from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
+from gearpoly.diagnose.residuals import sharp
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.infer.posterior import Posterior
@@ -34,11 +35,12 @@ GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries of which nobody has asked yet, each with the probability that it is there at all and what may be
-    behind it; without those that are likelier not there."""
+    behind it; without those that are likelier not there. A wave so far above the noise that no colour would make it is
+    there: where a fit finds nothing at its order, columns without a cause hold it."""
     found = zip(entries, causes(search, comparison, entries), strict=True)
     told = (
         one
-        if posterior is None
+        if posterior is None or (posterior.nothing > EVEN and sharp(one))
         else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search, posterior))
         for one, posterior in found
     )
