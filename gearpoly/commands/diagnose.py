@@ -32,7 +32,7 @@ def diagnose(
     ] = None,
     within: Annotated[
         float, typer.Option(min=1.0, metavar="SECONDS", help="Look no longer than so many seconds of work.")
-    ] = 80.0,
+    ] = 70.0,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run

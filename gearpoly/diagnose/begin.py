@@ -23,6 +23,7 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
+from gearpoly.physics.base import Claim
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
 
@@ -32,7 +33,7 @@ class Begun:
     """The pair ``file`` and the recordings as they bear each other out: their ``comparison``, the working ``model``
     before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes. ``assumed``:
     what to tell of gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare``
-    located what that explains."""
+    located what that explains; ``likely``: a physics of all teeth beside which hardly anything was left."""
 
     file: PairFile
     recordings: Sequence[Recording]
@@ -42,6 +43,7 @@ class Begun:
     assumed: tuple[str, ...] = ()
     misread: tuple[str, ...] = ()
     contradicted: tuple[Entry, ...] = ()
+    likely: Claim | None = None
 
 
 def begin(
@@ -70,9 +72,9 @@ def begin(
     now = replace(now, model=model, assumed=assumed)
     if not (at_every_mesh := located_at_every_mesh(now.comparison)):
         return now
-    keys = misdeclared(now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"))
+    keys, likely = misdeclared(now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"))
     if keys is None:
-        return now
+        return replace(now, likely=likely)
     right = beside(keys.file, now.recordings)
     model, assumed = as_seen(right.model, right.waves, watch.stage("prepare"))
     return replace(

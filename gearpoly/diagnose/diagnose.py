@@ -102,11 +102,11 @@ def diagnose(
     looked_at = search.run() if anew is None else []
     stopped, model.budget = search.over, budget.further
     search.step = watch.stage("rivals")
-    refitted = contest(search)
+    refitted = contest(search, start.likely)
     if take_back(search):
-        refitted = contest(search)
+        refitted = contest(search, start.likely)
     search.step("holding the names against unseen data")
-    unseen = checked(search, begun, start_linear, comparison)
+    unseen = checked(search, begun, start_linear, comparison, stopped=stopped)
     shapes = forms(search)
     judged, unearned = earned(search, refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
@@ -132,7 +132,7 @@ def diagnose(
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *start.contradicted)
-    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked)
+    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
     if anew is not None or back:
         left_over = comparison.located.entries[:FOREMOST]
     if back and not left_over:

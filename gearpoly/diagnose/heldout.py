@@ -37,7 +37,7 @@ class Checked:
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
     of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were
     taken back, each with the rms in mm of what it does; ``unchecked``: those that were since nothing repeats them, so
-    that nothing unseen tells of them."""
+    that nothing unseen tells of them; ``unfinished``: those that were since time ended before all was asked."""
 
     declared: float
     as_built: float
@@ -47,6 +47,7 @@ class Checked:
     noise: float
     refused: tuple[tuple[Claim, float], ...] = ()
     unchecked: tuple[tuple[Claim, float], ...] = ()
+    unfinished: tuple[tuple[Claim, float], ...] = ()
 
     @property
     def says(self) -> Iterator[str]:
@@ -62,6 +63,11 @@ class Checked:
                 f"over that of the noise: {self.named:.4g} with names, {self.as_built:.4g} with as-built teeth alone, "
                 f"{self.declared:.4g} as declared, +- {self.std:.2g}; rms {with_ / UM:.4g} um with names, "
                 f"{without / UM:.4g} without)"
+            )
+        for one, _ in self.unfinished:
+            yield (
+                f"not named, since time ended with more left than noise: {one.physics.name.replace('_', ' ')} (what is "
+                "left may be of another cause that makes this one needless; give it longer with --within SECONDS)"
             )
         for one, _ in self.unchecked:
             yield (

@@ -66,30 +66,34 @@ class OtherKeys:
     shift: float | None = None
 
 
-def misdeclared(file: PairFile, begin: Begin, step: Step) -> OtherKeys | None:
-    """Other keys of the pair ``file`` that leave hardly anything of what is amiss at every mesh, where no physics does;
-    None where there are none, or time is over."""
+def misdeclared(file: PairFile, begin: Begin, step: Step) -> tuple[OtherKeys | None, Claim | None]:
+    """Other keys of the pair ``file`` that leave hardly anything of what is amiss at every mesh, where no physics does,
+    and a physics that does; None where there is none, or time is over."""
     step("holding the keys of the pair file against every mesh")
     roughly = _fit(begin, file, close=False)
     if roughly is None or roughly.over or _beyond(roughly, by=roughly) < AMISS:
-        return None
+        return None, None
     if not any(scene.bends for scene in roughly.scenes):
-        return None
+        return None, None
     stated = _fit(begin, file, close=True)
     # What a closer fit of the stated keys, or a physics, explains needs no other keys: nothing more is simulated then.
     if stated is None or _beyond(stated, by=stated) < AMISS or _of_every_mesh(stated) < OF_MISFIT:
-        return None
+        return None, None
     beside: list[Fit | None] = [stated]
     for claims in _rivals(stated):
-        beside.append(_fit(begin, file, close=True, beside=claims))
-        if stated.over or (beside[-1] is not None and _beyond(beside[-1], by=beside[-1]) < AMISS):
-            return None
+        fit = _fit(begin, file, close=True, beside=claims)
+        beside.append(fit)
+        if fit is not None and _beyond(fit, by=fit) < AMISS:
+            # To first order another one may seem to gain more, and stand when this one's turn comes.
+            return None, fit.model.claims[0] if len(claims) == 1 else None
+        if stated.over:
+            return None, None
     found = _closely(file, _likeliest(file, begin, by=roughly), begin)
     if found is None or stated.over:
-        return None
+        return None, None
     best, fit = found
     missing = min(_beyond(one, by=fit) for one in beside if one is not None)
-    return best if _beyond(fit, by=fit) < OF_RIVALS * missing else None
+    return (best if _beyond(fit, by=fit) < OF_RIVALS * missing else None), None
 
 
 def _of_every_mesh(fit: Fit) -> float:

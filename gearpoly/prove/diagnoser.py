@@ -10,7 +10,7 @@ from typing import Any
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed, on_gear
 
-WITHIN, HURRIED = 80.0, 40.0
+WITHIN, HURRIED = 70.0, 40.0
 """Processor seconds after which no more is looked for: what ``gearpoly diagnose`` takes by itself, and half of it on a
 quick ground and without a part of the method, where claim after claim of coloured noise takes long, and the first say
 enough. Weighing takes a third as long again at most, telling some 5 s."""
