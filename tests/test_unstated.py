@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import IDEAL
@@ -16,10 +17,12 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
 from gearpoly.diagnose.unstated import (
+    EFFICIENCY,
     SEEN,
     _step,
     as_fitted,
     between,
+    beyond_scale,
     grade_of,
     like_its_mate,
     limited,
@@ -147,3 +150,15 @@ def test_twice_the_limits_are_twice_the_deviations() -> None:
     for name in ("slope", "mean_slope", "crowning", "thickness", "single", "wave"):
         assert getattr(twice, name) == pytest.approx(getattr(coarse, name), rel=1e-12)
     assert np.allclose(twice.pitch, coarse.pitch, atol=3.1 * IDEAL**2)  # the doubt that any gear has
+
+
+@pytest.mark.parametrize("z", [13, 40])
+def test_a_scale_that_was_read_off_few_teeth_makes_outliers_common(z: int) -> None:
+    """Student's log density against its middle, from the textbook; with many teeth it is the normal one, and nothing
+    gains nothing."""
+    for gain in (0.0, 4.0, 29.0, 400.0):
+        told = beyond_scale(z, gain)
+        nu = EFFICIENCY * z
+        assert told == pytest.approx(2.0 * (t(nu).logpdf(0.0) - t(nu).logpdf(math.sqrt(gain))), rel=1e-12, abs=1e-12)
+        assert told <= gain
+    assert beyond_scale(10**7, 29.0) == pytest.approx(29.0, rel=1e-4)
