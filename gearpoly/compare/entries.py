@@ -307,7 +307,7 @@ def says(entry: Entry) -> str:
             tone = "" if entry.hz is None else f", ringing at {entry.hz:.3g} Hz"
             return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}"
         if entry.hz == 0.0:
-            return f"a slow drift over the recording, {size}{extra}"
+            return f"a slow drift over recording {entry.recordings[0]}, {size}{extra}"
         return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"
     if entry.kind == "mesh_phase" and entry.phase is not None:
         low, high = entry.phase

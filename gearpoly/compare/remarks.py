@@ -35,6 +35,12 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
             out.append(
                 f"recording {k}: the torque varies by {spread:.3g} N.m rms about {one.torque / NM:g}, and is followed"
             )
+    silent = [one.cleaned.torque_nm is None and one.cleaned.recording.torque_nm is None for one in aligned]
+    if len(aligned) > 1 and all(silent) and all(one.torque == 0.0 for one in aligned):
+        out.append(
+            "neither recordings nor pair file state a torque: all are taken for unloaded; where it differs, state "
+            "torque_nm in each recording"
+        )
     out += speed_remarks(aligned, of_pair=file.pair.speed_rpm)
     wrong = alignment.contradicted
     if wrong is not None:

@@ -24,7 +24,7 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import PASSES
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
+from gearpoly.diagnose.residuals import locate_residuals, residuals_of, sharp, stands_out
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
@@ -127,7 +127,8 @@ def _of_no_pair(residual: FitResidual, first: Located, left: Located, *, all_sam
         if entry.kind == "shaft_order" and not above_background(entry, residual):
             return False
         told = all_samples and all(whole[k] for k in entry.recordings)
-        return not told or any(_alike(entry, other) for other in left.entries)
+        # Beside other teeth a wave may be told over the other of angle and time.
+        return not told or sharp(entry) or any(_alike(entry, other) for other in left.entries)
 
     return [one for one in first.entries if not _with_teeth(one) and stays(one)]
 

@@ -17,7 +17,7 @@ from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
-from gearpoly.diagnose.contest import contest
+from gearpoly.diagnose.contest import Key, contest
 from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
@@ -53,6 +53,10 @@ from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import TOLD
 from gearpoly.infer.prior import AS_WRONG_KEYS
 from gearpoly.recording.recording import Recording
+
+TOLD_SIZE = 2.0
+"""Standard errors from which on a size is one. Of a tooth with 1.7 mm of its tip missing "6 +- 12 um" of a spall was
+named beside the missing tip."""
 
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
@@ -111,7 +115,7 @@ def diagnose(
     judged, unearned = earned(search, refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
     search.step("asking how deep")
-    named = [k for k, one in enumerate(model.claims) if one.key in judged]
+    named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
     leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
     model.ratio = search.declared_ratio()
     comparison = comparison.refined(model.shift, search.shift_std)
@@ -169,7 +173,7 @@ def diagnose(
             *(() if anew is None else (anew.says,)),
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
-            *_remarks(search, file, built),
+            *_remarks(search, file, built, comparison),
             *_of_the_file(unearned),
         ),
         unseen=unseen,
@@ -234,6 +238,18 @@ def _finding(
     )
 
 
+def _needless(search: Search, k: int, judged: dict[Key, Judged]) -> bool:
+    """Whether a claim about a tooth has a size that may as well be none, where another one about that tooth is named:
+    it mends the form of that one."""
+    claims, at = search.model.claims, search.linear.layout.claims[k]
+    mine = claims[k]
+    std = math.sqrt(float(search.linear.system.covariance[at, at][0, 0]))
+    if mine.place.tooth is None or abs(mine.values[0]) > TOLD_SIZE * std:
+        return False
+    there = [one for j, one in enumerate(claims) if j != k and one.key in judged]
+    return any((one.place.gear, one.place.tooth) == (mine.place.gear, mine.place.tooth) for one in there)
+
+
 def _declared(comparison: Comparison, model: Model) -> Rms:
     """Rms in mm of the declared simulation's misfit, about the set's common mean where means compare."""
     left = [one.residual for one in comparison.aligned]
@@ -262,11 +278,16 @@ def _held_out_by(search: Search, *, jumped: bool) -> str:
     )
 
 
-def _remarks(search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear]) -> tuple[str, ...]:
+def _remarks(
+    search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear], comparison: Comparison
+) -> tuple[str, ...]:
     out = [*contradicted(search), *_of_another_pair(search)]
     for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
         needed = built[gear].grade_needed
-        out += [one.says(name) for one in built[gear].exceeded]
+        known = comparison.gears[gear]
+        for one in built[gear].exceeded:
+            at = " and ".join(f"{known.encoder_deg(tooth):.1f}" for tooth in one.teeth if known.zero is not None)
+            out.append(one.says(name) + (f", at {at} deg of its encoder" if at else ""))
         if any(one.limit.grade is not None for one in built[gear].exceeded):
             shown = "fits no grade" if needed is None else f"needs grade {needed} or a coarser one"
             out.append(f"by pitch and slope the {name} gear as it runs {shown}, not its declared grade {section.grade}")

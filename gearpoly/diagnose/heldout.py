@@ -31,6 +31,10 @@ class Rms:
     unseen: float
 
 
+WELL_ABOVE = 1.1
+"""Times the noise from which on what is left is said to be more than is understood."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
@@ -56,7 +60,7 @@ class Checked:
             names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
             without, with_ = self.rms
             why = "fit no better with it than without"
-            if with_ < without:
+            if with_ < without and with_ > WELL_ABOVE * self.noise:
                 why = f"are left {with_ / self.noise:.2g} times the noise, so that more is in them than is understood"
             yield (
                 f"not named, since unseen data {why}: {names} (mean square "

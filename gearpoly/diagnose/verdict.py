@@ -110,7 +110,8 @@ class BuiltGear:
     runs: with the pitch, pitch waves and slopes that are claimed, since a gear with one tooth 20 um off its place does
     not run as grade 5, whatever its other teeth are. ``grade_kept`` (None: none) is the finest that it keeps whatever
     the errors are. ``exceeded`` are limits of the pair file that it breaks, counted in the same way.
-    ``estimated``: its teeth were open to the fit, each by itself."""
+    ``estimated``: its teeth were open to the fit, each by itself. ``ungraded``: why no grade is told of it, in words,
+    if none is; nothing is ``exceeded`` then."""
 
     flanks: tuple[BuiltFlank, ...]
     thickness: tuple[float, float] | None
@@ -119,6 +120,7 @@ class BuiltGear:
     grade_kept: int | None = None
     exceeded: tuple[Exceeded, ...] = ()
     estimated: bool = True
+    ungraded: str = ""
 
     @property
     def first(self) -> BuiltFlank:

@@ -190,6 +190,8 @@ def grade_words(gear: BuiltGear) -> str:
     not estimated."""
     if not gear.estimated:
         return "is declared without deviations: its teeth were not estimated one by one, and no grade is told"
+    if gear.ungraded:
+        return gear.ungraded
     by, edition = "by single pitch, cumulative pitch and profile slope", gear.grade_edition
     unjudged = "profile form is not judged"
     if gear.grade_needed is None:
