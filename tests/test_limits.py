@@ -200,7 +200,9 @@ def searched(*claims: Claim, thickness_um: float = 0.0) -> tuple[Any, PairFile]:
     none = slice(as_built.size, as_built.size)
     layout = Layout(built=slice(0, as_built.size), nuisance=none, foreign=none, forms=none, claims=places)
     system = SimpleNamespace(size=at, covariance=0.01 * np.eye(at))
-    return SimpleNamespace(model=model, linear=SimpleNamespace(system=system, layout=layout)), file
+    turn = np.linspace(0.0, 2.0 * math.pi, 500)
+    whole = SimpleNamespace(samples=SimpleNamespace(theta_1=turn, theta_2=turn))
+    return SimpleNamespace(model=model, linear=SimpleNamespace(system=system, layout=layout), scenes=[whole]), file
 
 
 def claim(name: str, values: tuple[float, ...], **place: Any) -> Claim:

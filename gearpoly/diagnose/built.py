@@ -54,7 +54,7 @@ def _ungraded(search: Search, file: PairFile, gear: int) -> str:
     """Why the teeth of a gear say nothing of a grade, in words; "" where they do."""
     if file.worm is not None and gear == 1:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
-    z = search.model.scope.gears[gear].z
+    z = search.model.as_built.gears[gear].z
     met = [
         np.mod(np.rint((scene.samples.theta_1, scene.samples.theta_2)[gear] * (z / (2.0 * math.pi))), z)
         for scene in search.scenes
