@@ -58,6 +58,10 @@ TOLD_SIZE = 2.0
 """Standard errors from which on a size is one. Of a tooth with 1.7 mm of its tip missing "6 +- 12 um" of a spall was
 named beside the missing tip."""
 
+LEFT = 2.0
+"""Times the noise that unseen samples are left at where a fit tells of nothing, from which on what was located before
+it is told: one turn of a wheel foretells little of its other half. A judgement."""
+
 AT_LEAST = 2.0
 """Standard error of a size of which only the least is known, as a part of it: where every power of ten is as likely as
 the next, two of three sizes are less than three times the least."""
@@ -137,7 +141,8 @@ def diagnose(
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *start.contradicted)
     back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
-    if anew is not None or back:
+    noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
+    if anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):
         left_over = comparison.located.entries[:FOREMOST]
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
@@ -156,7 +161,7 @@ def diagnose(
         unexplained=comparison.named(left_over),
         built=built,
         compliance_scale=scale,
-        noise=pooled_level(search.noises, [scene.samples.size for scene in search.scenes]),
+        noise=noise,
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison, model),
         as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
