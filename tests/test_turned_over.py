@@ -144,3 +144,14 @@ def test_changes_that_stand_on_gears_off_their_axes_are_found() -> None:
     theta_2 = angles()
     parts = parts_of(recording(theta_2, turned_over(theta_2) + off_axis(theta_2)))
     assert [one.recording.flank for one in parts] == ["drive", "coast"]
+
+
+def test_a_reading_that_jitters_backward_at_the_beginning_is_no_trouble() -> None:
+    """A coarse reading comes back by a step, behind the first sample."""
+    theta_2 = angles()
+    pair = made(FILE).pair
+    one = clean(recording(theta_2, turned_over(theta_2)), ratio=pair.ratio, r_b2=pair.r_b2)
+    back = one.theta_2.copy()
+    back[1] = back[0] - 1e-3
+    plain, parts = (parted([each], FILE, pair) for each in (one, replace(one, theta_2=back)))
+    assert [each.size for each in parts] == pytest.approx([each.size for each in plain], abs=3)

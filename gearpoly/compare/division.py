@@ -177,7 +177,7 @@ def _as_large(entry: Entry, by: dict[int, _Wave], search: Search) -> Entry:
 def _beyond_all(entry: Entry, search: Search) -> bool:
     """Whether a wave is larger than all that its recordings differ by: then others, a fraction of a line beside it,
     cancel it, and neither has that size. Of two driving turns 0.1 um rms were listed as waves of 164 and 162 um."""
-    whole = max(float(np.ptp(search.states[k].data.residual)) for k in entry.recordings)
+    whole = max((float(np.ptp(search.states[k].data.residual)) for k in entry.recordings), default=math.inf)
     return entry.kind in ("shaft_order", "mesh_order") and (entry.amplitude_um or 0.0) * UM > whole
 
 

@@ -94,8 +94,9 @@ def _parts(one: Cleaned, file: PairFile, pair: GearPair) -> list[Cleaned]:
 
 
 def _changes(u: FloatArray, te: FloatArray) -> list[_Change]:
-    """Where the transmission error ``te`` (n,) in mm at ``u`` (n,) meshes, which rise, steps as nowhere else."""
-    cell = np.floor((u - u[0]) * CELLS).astype(np.int64)
+    """Where the transmission error ``te`` (n,) in mm at ``u`` (n,) meshes steps as nowhere else."""
+    begin = float(np.min(u))  # a reading that jitters may come back behind the first
+    cell = np.floor((u - begin) * CELLS).astype(np.int64)
     held = np.bincount(cell)
     there = np.flatnonzero(held)
     if there.size < 4 * BESIDE * CELLS + 4:
@@ -119,20 +120,20 @@ def _changes(u: FloatArray, te: FloatArray) -> list[_Change]:
         best = int(np.argmax(np.where(rest, size, 0.0)))
         if not rest[best] or (out and size[best] < 0.5 * abs(out[0].height)):
             break
-        out.append(_Change(u=float(u[0]) + float(at[best]) / CELLS, height=float(step[best])))
+        out.append(_Change(u=begin + float(at[best]) / CELLS, height=float(step[best])))
         # Within so much of a step the slopes beside it hold the step itself.
         rest[max(0, best - 2 * (width + gap)) : best + 2 * (width + gap) + 1] = False
     if not np.any(rest) or abs(out[0].height) < STANDS_OUT * 1.4826 * float(np.median(size[rest])):
         return []
     out.sort()
     edge = 2 * width + gap
-    first, last = (round((one.u - float(u[0])) * CELLS) for one in (out[0], out[-1]))
-    begin = _in_end(mean, edge=edge, change=first, gap=gap, height=out[0].height)
-    end = _in_end(mean[::-1], edge=edge, change=mean.size - last, gap=gap, height=-out[-1].height)
-    if begin is not None:
-        out.insert(0, _Change(u=float(u[0]) + begin / CELLS, height=-out[0].height))
-    if end is not None:
-        out.append(_Change(u=float(u[0]) + (mean.size - end) / CELLS, height=-out[-1].height))
+    first, last = (round((one.u - begin) * CELLS) for one in (out[0], out[-1]))
+    at_begin = _in_end(mean, edge=edge, change=first, gap=gap, height=out[0].height)
+    at_end = _in_end(mean[::-1], edge=edge, change=mean.size - last, gap=gap, height=-out[-1].height)
+    if at_begin is not None:
+        out.insert(0, _Change(u=begin + at_begin / CELLS, height=-out[0].height))
+    if at_end is not None:
+        out.append(_Change(u=begin + (mean.size - at_end) / CELLS, height=-out[-1].height))
     return out
 
 

@@ -52,7 +52,7 @@ def as_recorded(search: Search, comparison: Comparison, entries: Sequence[Entry]
 def _beyond_all(entry: Entry, comparison: Comparison) -> bool:
     """Whether a wave or a drift is larger than all that its recordings and the declared simulation differ by: it is
     made up of others that the fit lets cancel it. Of one turn of 35 um a drift of 521 um was told."""
-    whole = max(float(np.ptp(comparison.aligned[k].residual)) for k in entry.recordings)
+    whole = max((float(np.ptp(comparison.aligned[k].residual)) for k in entry.recordings), default=math.inf)
     return entry.kind in ("shaft_order", "time") and abs(entry.amplitude_um or 0.0) * UM > whole
 
 
