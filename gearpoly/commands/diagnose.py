@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.diagnose.budget import USUAL
+
 ORDER = 30
 
 
@@ -32,7 +34,7 @@ def diagnose(
     ] = None,
     within: Annotated[
         float, typer.Option(min=1.0, metavar="SECONDS", help="Look no longer than so many seconds of work.")
-    ] = 70.0,
+    ] = USUAL,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run

@@ -8,6 +8,7 @@ of both shafts are read off the whole mismatch, whatever teeth could take of the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -77,7 +78,8 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
         same = next((f for f in found if abs(f - frequency) < 1e-9), None) if waving else None
         out.append(entry if same is None else _as_large(entry, found.pop(same), search))
     out += [_entry(search, by) for by in found.values()]
-    out = [one for one in out if one.amplitude_um != 0.0 and not _beyond_all(one, search)]
+    whole = [s.data.residual for s in search.states]
+    out = [one for one in out if one.amplitude_um != 0.0 and not beyond_all(one, whole)]
 
     def held(entry: Entry) -> float:
         data = search.states[entry.recordings[0]].data
@@ -174,11 +176,13 @@ def _as_large(entry: Entry, by: dict[int, _Wave], search: Search) -> Entry:
     return replace(entry, amplitude_um=size, std_um=std, amplitude_um_by_recording=_sizes(by))
 
 
-def _beyond_all(entry: Entry, search: Search) -> bool:
-    """Whether a wave is larger than all that its recordings differ by: then others, a fraction of a line beside it,
-    cancel it, and neither has that size. Of two driving turns 0.1 um rms were listed as waves of 164 and 162 um."""
-    whole = max((float(np.ptp(search.states[k].data.residual)) for k in entry.recordings), default=math.inf)
-    return entry.kind in ("shaft_order", "mesh_order") and (entry.amplitude_um or 0.0) * UM > whole
+def beyond_all(entry: Entry, residuals: Sequence[FloatArray]) -> bool:
+    """Whether a wave or a drift is larger than all that its recordings differ by, ``residuals`` (n_k,) in mm: then
+    others, a fraction of a line beside it, cancel it, and none has that size. Of two driving turns 0.1 um rms were
+    listed as waves of 164 and 162 um, of one turn 35 um as a drift of 521."""
+    whole = max((float(np.ptp(residuals[k])) for k in entry.recordings), default=math.inf)
+    waving = entry.kind in ("shaft_order", "mesh_order", "time")
+    return waving and abs(entry.amplitude_um or 0.0) * UM > whole
 
 
 def _sizes(by: dict[int, _Wave]) -> tuple[float, ...] | None:

@@ -15,7 +15,7 @@ it. In a log of one turn of a worm and a half its order 2 was told as a differen
 as 69.0 +- 0.9 um, of 77."""
 
 
-COVERED = 0.75
+PART_SEEN = 0.75
 """Part of a shaft's turn that was recorded from which on its orders are told one from the next: at three quarters two
 neighbours share a third of their size, at one half two thirds."""
 
@@ -69,7 +69,7 @@ class KnownOrders:
             (self.z_2, self.place[:whole] % (self.period // self.z_2) == 0),
         ):
             turns = (u[-1] - u[0]) / z
-            if turns > 1.0 and np.unique(np.floor(np.mod(u, z))).size < COVERED * z:
+            if turns > 1.0 and np.unique(np.floor(np.mod(u, z))).size < PART_SEEN * z:
                 out[:whole] &= ~mine
                 out[whole:] = False
         return np.asarray(out | (self.place % self.period == 0))

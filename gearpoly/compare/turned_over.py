@@ -22,6 +22,7 @@ from gearpoly.gear.tolerances import tolerances
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import Cleaned
 from gearpoly.recording.recording import Flank, Recording
+from gearpoly.recording.runs import middle
 from gearpoly.units import ARCMIN, UM, BoolArray, FloatArray, IntArray
 
 CELLS = 8
@@ -182,7 +183,7 @@ def _of_flank(one: Cleaned, here: BoolArray, flank: Flank, said: tuple[str, ...]
         value = getattr(recording, field.name)
         if isinstance(value, np.ndarray):
             changes[field.name] = value[where]
-    braked = -1.0 if _middle(changes.get("torque_samples_nm")) < 0.0 else 1.0
+    braked = -1.0 if middle(changes.get("torque_samples_nm")) < 0.0 else 1.0
     if "torque_samples_nm" in changes:
         changes["torque_samples_nm"] = braked * changes["torque_samples_nm"]
     source = recording.source.with_name(f"{recording.source.name}, {flank} flank")
@@ -196,7 +197,3 @@ def _of_flank(one: Cleaned, here: BoolArray, flank: Flank, said: tuple[str, ...]
         recording, **changes, flank=flank, source=source, remarks=(*said, *(recording.remarks if said else ()))
     )
     return replace(one, recording=part, **held, keep=np.arange(where.size))
-
-
-def _middle(values: FloatArray | None) -> float:
-    return 0.0 if values is None or not np.isfinite(values).any() else float(np.nanmedian(values))

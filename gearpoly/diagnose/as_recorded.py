@@ -15,7 +15,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.columns import cosine_and_sine
-from gearpoly.compare.division import DIFFERS
+from gearpoly.compare.division import DIFFERS, beyond_all
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.search import Search
@@ -33,7 +33,8 @@ CLOSE = 1.0
 def as_recorded(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The ``entries``, those at whole orders of a shaft with the size and phase that the recordings have there, less
     what claims make of it, where that differs from what the teeth as built leave; without those that the fit made."""
-    entries = [one for one in entries if not _beyond_all(one, comparison)]
+    whole = [one.residual for one in comparison.aligned]
+    entries = [one for one in entries if not beyond_all(one, whole)]
     if not any(map(_whole_order, entries)):
         return tuple(entries)
     z = search.model.scope.gears[0].z, search.model.scope.gears[1].z
@@ -47,13 +48,6 @@ def as_recorded(search: Search, comparison: Comparison, entries: Sequence[Entry]
         sizes = {k: _wave(search, k, less_claims[k], [_frequency(entry, z), *beside]) for k in entry.recordings}
         out += _as_large(entry, sizes)
     return tuple(out)
-
-
-def _beyond_all(entry: Entry, comparison: Comparison) -> bool:
-    """Whether a wave or a drift is larger than all that its recordings and the declared simulation differ by: it is
-    made up of others that the fit lets cancel it. Of one turn of 35 um a drift of 521 um was told."""
-    whole = max((float(np.ptp(comparison.aligned[k].residual)) for k in entry.recordings), default=math.inf)
-    return entry.kind in ("shaft_order", "time") and abs(entry.amplitude_um or 0.0) * UM > whole
 
 
 def _whole_order(entry: Entry) -> bool:

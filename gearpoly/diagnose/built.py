@@ -14,7 +14,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import gear_section
 from gearpoly.units import read_only
 
-COVERED = 0.75
+TEETH_MET = 0.75
 """Part of its teeth that have to be near the pitch point in some sample, or a fit makes up those between. Of 36 of 72
 teeth that a dividing head stopped at, and of 37 readings per turn of 74, sound gears broke three limits."""
 
@@ -41,8 +41,8 @@ def _built(search: Search, file: PairFile, gear: int) -> BuiltGear:
     return BuiltGear(
         flanks=tuple(_flank(one) for one in plain),
         thickness=mean,
-        grade_needed=grade_needed(section, figures),
-        grade_kept=grade_kept(section, figures),
+        grade_needed=None if ungraded else grade_needed(section, figures),
+        grade_kept=None if ungraded else grade_kept(section, figures),
         grade_edition=section.grade_edition,
         exceeded=tuple(broken),
         ungraded=ungraded,
@@ -60,7 +60,7 @@ def _ungraded(search: Search, file: PairFile, gear: int) -> str:
         for scene in search.scenes
     ]
     part = np.unique(np.concatenate(met)).size / z
-    if part >= COVERED:
+    if part >= TEETH_MET:
         return ""
     return (
         f"was recorded at {100.0 * part:.0f} in 100 of its teeth: what lies between is not known, and no grade is told"

@@ -44,6 +44,10 @@ wanders in five telescope logs makes it 1 to 3.7, teeth of six printed gears 19 
 WIDER = 1.2
 """Times the limits that it was first seen to have from which on a gear is taken to be coarser: half a grade."""
 
+EFFICIENCY = 0.37
+"""Part of the teeth that a median takes its scale from as well as a standard deviation takes it from all: of normal
+values it needs 1 / 0.37 times as many (Rousseeuw and Croux 1993, J. Am. Stat. Assoc. 88, 1273)."""
+
 BY_CHANCE = 1e-3
 """Chance of a wave of random teeth that is taken for a fault of finer ones. Of 1000 gears each of 12 to 60 teeth, drawn
 within a grade, none to 5 had such a wave. A pitch wave of 24 um had made grade 10 of a gear of grade 7, and had no
@@ -86,7 +90,7 @@ def as_fitted(fit: Fit) -> tuple[Model, tuple[str, ...]] | None:
         return None
     gears = [one if over.get(k, 0.0) <= WIDER else wider(one, over[k]) for k, one in enumerate(model.as_built.gears)]
     scope = replace(model.scope, form=(form_of(gears[0]), form_of(gears[1])))
-    says = tuple(_says(gear, gears[gear].single / _finer(model, gear).single, own=True) for gear in graded)
+    says = tuple(_says(gear, gears[gear].single / _finer(model, gear).single, own=over[gear] > 0.0) for gear in graded)
     return replace(model, scope=scope, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks)), says
 
 
@@ -167,11 +171,6 @@ def _over_limits(fit: Fit, gear: int) -> float:
     ]
     most = max(seen)
     return math.sqrt(3.0) * most / teeth.gears[gear].single if most > IDEAL else 0.0
-
-
-EFFICIENCY = 0.37
-"""Part of the teeth that a median takes its scale from as well as a standard deviation takes it from all: of normal
-values it needs 1 / 0.37 times as many (Rousseeuw and Croux 1993, J. Am. Stat. Assoc. 88, 1273)."""
 
 
 def beyond_scale(z: int, gain: float) -> float:

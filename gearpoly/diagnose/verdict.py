@@ -111,7 +111,7 @@ class BuiltGear:
     not run as grade 5, whatever its other teeth are. ``grade_kept`` (None: none) is the finest that it keeps whatever
     the errors are. ``exceeded`` are limits of the pair file that it breaks, counted in the same way.
     ``estimated``: its teeth were open to the fit, each by itself. ``ungraded``: why no grade is told of it, in words,
-    if none is; nothing is ``exceeded`` then."""
+    if none is; both grades are then None, and nothing is ``exceeded``."""
 
     flanks: tuple[BuiltFlank, ...]
     thickness: tuple[float, float] | None

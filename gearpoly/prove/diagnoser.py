@@ -10,10 +10,9 @@ from typing import Any
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed, on_gear
 
-WITHIN, HURRIED = 70.0, 40.0
-"""Processor seconds after which no more is looked for: what ``gearpoly diagnose`` takes by itself, and half of it on a
-quick ground and without a part of the method, where claim after claim of coloured noise takes long, and the first say
-enough. Weighing takes a third as long again at most, telling some 5 s."""
+SOONER = 40.0
+"""Processor seconds after which no more is looked for on a quick ground and without a part of the method, where claim
+after claim of coloured noise takes long, and the first say enough; else the time that the command takes by itself."""
 
 WRONG = 1.05
 """Factor by which known parameters are wrong in the control that asks what then happens."""
@@ -23,7 +22,7 @@ WRONG = 1.05
 class How:
     """How a case is diagnosed: physics struck from the catalogue (``without``), with or without whitening, with
     eccentricity exact or to first order, from the recordings of the highest torque only (``one_torque``), with
-    Young's modulus, declared eccentricities and reliefs wrong by 5 % (``wrong``); ``hurried``: in half the time."""
+    Young's modulus, declared eccentricities and reliefs wrong by 5 % (``wrong``); ``hurried``: in less time."""
 
     without: tuple[str, ...] = ()
     whiten: bool = True
@@ -39,6 +38,7 @@ Diagnoser = Callable[[Path, Sequence[Path], How], dict[str, Any]]
 
 def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]:
     """The verdict of ``gearpoly diagnose``."""
+    from gearpoly.diagnose.budget import USUAL
     from gearpoly.diagnose.diagnose import diagnose
     from gearpoly.diagnose.method import Method
     from gearpoly.files.pairfile import read_pair
@@ -54,7 +54,7 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     if how.wrong:
         file = wrong(file)
     method = Method(without=frozenset(how.without), whiten=how.whiten, exact=how.exact)
-    return verdict_json(diagnose(file, read, path=pair, method=method, within=HURRIED if how.hurried else WITHIN))
+    return verdict_json(diagnose(file, read, path=pair, method=method, within=SOONER if how.hurried else USUAL))
 
 
 def wrong(file: PairFile) -> PairFile:

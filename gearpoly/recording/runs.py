@@ -192,7 +192,7 @@ def _piece(
     for name, angle in angles.items():
         changes[f"{name}_angle_rad"] = angle[here]
     speed = changes.get("speed_samples_rpm")
-    if speed is not None and _middle(speed) < 0.0:
+    if speed is not None and middle(speed) < 0.0:
         changes["speed_samples_rpm"] = -speed
     shaft, angle = next(iter(angles.items()))
     run = Run(
@@ -246,10 +246,10 @@ def _on(one: Recording, flank: Flank) -> str:
 
 def _torque(one: Recording) -> float:
     """The middle recorded torque in N.m, 0 where none was."""
-    return _middle(one.torque_samples_nm)
+    return middle(one.torque_samples_nm)
 
 
-def _middle(values: FloatArray | None) -> float:
+def middle(values: FloatArray | None) -> float:
     """The middle of what was read (n,), 0 where nothing was."""
     return 0.0 if values is None or not np.isfinite(values).any() else float(np.nanmedian(values))
 
