@@ -237,7 +237,7 @@ def _touching(entries: list[Entry]) -> list[Entry]:
 def _echo(entry: Entry, entries: list[Entry]) -> Entry:
     """A tooth that stands out a little beside something that stands out a lot may be its second order: contacts
     move."""
-    size = abs(entry.amplitude_um or 0.0)
+    size = abs(entry.amplitude_um or entry.rms_um or 0.0)
     teeth = [e for e in entries if e.kind == "tooth" and abs(e.amplitude_um or 0.0) * ECHO_TOOTH > size]
     waves = [e for e in entries if e.kind == "shaft_order" and (e.amplitude_um or 0.0) * ECHO_WAVE > size]
     largest = max(_touching(entries), key=lambda e: e.gain)

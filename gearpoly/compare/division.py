@@ -59,7 +59,7 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
     """All places at which recordings and simulation differ, that which holds most of the mismatch first, and the
     division of every recording. ``entries`` are what stands out of what teeth may hold; they are listed as large as
     the whole mismatch has them."""
-    drifts = {e.recordings[0] for e in entries if e.hz == 0.0 and e.moment is None and e.burst is None}
+    drifts = {k for e in entries if e.drift for k in e.recordings}
     found: dict[float, dict[int, _Wave]] = {}
     divisions = []
     for k, s in enumerate(search.states):

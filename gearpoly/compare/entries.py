@@ -122,6 +122,11 @@ class Entry:
         return None
 
     @property
+    def drift(self) -> bool:
+        """Whether it is a slow course."""
+        return self.kind == "time" and self.hz == 0.0 and self.moment is None and self.burst is None
+
+    @property
     def of_the_pair(self) -> bool:
         """Whether it is at an order that the pair itself makes: a whole one of a shaft, or the mesh's."""
         return self.kind in ("shaft_order", "mesh_order") and self.order_std is None
@@ -225,7 +230,7 @@ def named(entry: Entry) -> str:
             return f"the jump at {entry.moment}"
         if entry.burst is not None:
             return f"the burst {entry.burst}"
-        return "drift" if entry.hz == 0.0 else f"{entry.hz:.4g} Hz"
+        return "drift" if entry.drift else f"{entry.hz:.4g} Hz"
     if entry.kind == "condition":
         return f"the change of condition in recording {entry.recordings[0]}"
     if entry.kind == "mesh_phase":
@@ -306,7 +311,10 @@ def says(entry: Entry) -> str:
         if entry.burst is not None:
             tone = "" if entry.hz is None else f", ringing at {entry.hz:.3g} Hz"
             return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}"
-        if entry.hz == 0.0:
+        if entry.drift:
+            if len(entry.recordings) > 1:
+                which = " and ".join(str(k) for k in entry.recordings)
+                return f"a slow course over the arc of recordings {which}, {size} in each{extra}"
             return f"a slow drift over recording {entry.recordings[0]}, {size}{extra}"
         return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"
     if entry.kind == "mesh_phase" and entry.phase is not None:

@@ -133,13 +133,14 @@ class LineSearch:
         self.orders = known_orders(z_1, z_2, nyquist=self.nyquist, slowest=SLOWEST / self.span)
         self.known: IntArray = self.orders.place * self.fine
         apart = self.orders.told_apart(self.span)
-        self.searched = apart & self.orders.told_by(u) & (self.orders.frequency > SLOWEST / self.span)
+        apart &= self.orders.told_by(u)
+        self.searched = apart & (self.orders.frequency > SLOWEST / self.span)
         self._snaps = self.known[apart]
 
     @cached_property
     def wave_sums(self) -> WaveSums:
-        """Sums over the waves of all known orders."""
-        return WaveSums(self.u, step=1.0 / self.period, place=self.orders.place)
+        """Sums over the waves of all known orders that are searched."""
+        return WaveSums(self.u, step=1.0 / self.period, place=self.orders.place[self.searched])
 
     def lines_from(self, peak: Peak, frequency: float) -> float:
         """Independent lines between a wave, or its image below half the sampling rate, and a ``frequency`` in cycles

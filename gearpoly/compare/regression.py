@@ -133,12 +133,12 @@ class Stack:
         self.white, before.white = before.white, self.white
         self.white[rows] = new
 
-    def against(self, waves: WaveSums, gain: ComplexArray, parameters: int) -> tuple[FloatArray, FloatArray]:
+    def against(self, waves: WaveSums, gain: ComplexArray) -> tuple[IntArray, FloatArray, FloatArray]:
         """Products of the whitened columns, as ``normal`` left them, with whitened ``waves``, and the waves' own.
 
         A wave comes through the whitening as itself times ``gain`` (k,). Both products come from the samples of the
         normal matrix: teeth imitate the first orders of their shaft to a thousandth, and what is left has to be right.
-        Returns (parameters, k, 2), cosine and sine, and (k, 2, 2).
+        Returns the parameters (m,) of the columns, (m, k, 2), cosine and sine, and (k, 2, 2).
         """
         places = np.concatenate([where for _, where in self.parts])
         cross = waves.of(self.white).T * (gain * waves.scale)
@@ -149,9 +149,7 @@ class Stack:
         own[:, 0, 0] = 0.5 * (size + square.real) * waves.scale
         own[:, 1, 1] = 0.5 * (size - square.real) * waves.scale
         own[:, 0, 1] = own[:, 1, 0] = 0.5 * square.imag * waves.scale
-        full = np.zeros((parameters, gain.size, 2))
-        np.add.at(full, places, np.stack([cross.real, cross.imag], axis=2))
-        return full, own
+        return places, np.stack([cross.real, cross.imag], axis=2), own
 
 
 def _spread(rows: BoolArray, memory: int) -> BoolArray:

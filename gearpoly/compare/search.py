@@ -63,24 +63,28 @@ class Search(JumpSearch):
     def order_candidates(self, k: int, solution: Solution) -> list[Peak]:
         """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
         s, stack = self.states[k], self.stacks[k]
-        orders = s.search.orders
-        frequency = orders.frequency
-        if not np.any(s.search.searched):
+        searched = s.search.searched
+        if not np.any(searched):
             return []
+        tests = s.search.orders.frequency.size * len(self.states)
+        frequency = s.search.orders.frequency[searched]
         gain = s.noise.gain(frequency, spacing=s.search.spacing)
-        cross, own = stack.against(s.search.wave_sums, gain, solution.beta.size)
+        places, cross, own = stack.against(s.search.wave_sums, gain)
         white = s.noise.whitened(solution.left[k])
-        total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known]
+        total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known[searched]]
         score = np.stack([total.real, -total.imag], axis=1)
         rest, count = s.noise.rest_at(frequency)
         alone = own[:, 0, 0].copy()
-        for a in range(2):
-            for b in range(2):
-                own[:, a, b] -= np.einsum("ij,ij->j", cross[:, :, a], solution.covariance @ cross[:, :, b])
-        good = s.search.searched & (np.linalg.eigvalsh(own)[:, 0] > 1e-4 * alone)
+        # Of the parameters of other recordings a wave of this one knows nothing.
+        known = solution.covariance[np.ix_(places, places)]
+        for b in range(2):
+            taken = known @ cross[:, :, b]
+            for a in range(2):
+                own[:, a, b] -= np.einsum("ij,ij->j", cross[:, :, a], taken)
+        good = np.linalg.eigvalsh(own)[:, 0] > 1e-4 * alone
         z = np.zeros(frequency.size)
         z[good] = 0.5 * np.einsum("fi,fij,fj->f", score[good], np.linalg.inv(own[good]), score[good]) / rest[good]
-        log_false = math.log(frequency.size * len(self.states) / SHARES.orders) + log_tail_line(z, count)
+        log_false = math.log(tests / SHARES.orders) + log_tail_line(z, count)
         # What the simulation itself cannot resolve is no find.
         amplitude = np.zeros(frequency.size)
         amplitude[good] = np.linalg.norm(np.linalg.solve(own[good], score[good][:, :, None])[:, :, 0], axis=1)

@@ -60,7 +60,7 @@ def _at(search: Search, entry: Entry, tooth: int | None) -> list[tuple[Physics, 
                 "wave": order is not None and (place.gear, order_of(claim)) == (gear, int(order)),
                 "mesh": entry.kind in EVERY_MESH,
                 "means": entry.kind == "condition",
-                "slow": entry.kind == "time" and entry.hz == 0.0 and entry.moment is None and entry.burst is None,
+                "slow": entry.drift,
             }[kind]
             if same:
                 found.append((physics, place))
