@@ -136,7 +136,7 @@ def test_a_torque_that_nobody_stated_is_told(stated: float | None, tmp_path: Pat
     one = record(made, Rig(zero_1=0.4, zero_2=1.2), rng, cycles=2.0, per_mesh=8, torque_nm=20.0)
     beside = lay_beside(file, [replace(one, torque_nm=stated)], path=path)
     assert beside.aligned[0].torque == 20.0 * NM
-    assert any("states no torque: the 20 N.m" in remark for remark in beside.remarks) is (stated is None)
+    assert any("no torque is stated, the 20 N.m" in remark for remark in beside.remarks) is (stated is None)
 
 
 @needs_bench

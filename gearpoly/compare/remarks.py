@@ -27,7 +27,7 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
         out += [f"recording {k}: {remark}" for remark in one.cleaned.recording.remarks]
         samples = one.cleaned.torque_nm
         if samples is None and one.cleaned.recording.torque_nm is None and one.torque > 0.0:
-            out.append(f"recording {k} states no torque: the {one.torque / NM:g} N.m of the pair file are taken")
+            out.append(f"recording {k}: no torque is stated, the {one.torque / NM:g} N.m of the pair file are taken")
         if samples is None or not np.isfinite(samples).any():
             continue
         spread = float(np.nanstd(samples))

@@ -17,6 +17,7 @@ from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.on_sky import Sky, arcsec_words, sky_of
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.zeros import Zeros
+from gearpoly.report.alike import together
 from gearpoly.report.lost_motion_report import lost_json, lost_rows
 from gearpoly.units import DEG, NM, RPM, UM
 
@@ -184,10 +185,10 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
         )
     for one_noise in dict.fromkeys(noise.basis for noise in located.noises):
         console.print(f"noise from {one_noise}", style="dim", highlight=False, soft_wrap=True)
-    for k, one in enumerate(comparison.aligned):
-        for deed in one.cleaned.done:
-            console.print(f"recording {k}: {deed.says}", style="dim", highlight=False, soft_wrap=True)
-    for remark in comparison.remarks:
+    done = (f"recording {k}: {deed.says}" for k, one in enumerate(comparison.aligned) for deed in one.cleaned.done)
+    for line in together(done):
+        console.print(line, style="dim", highlight=False, soft_wrap=True)
+    for remark in together(comparison.remarks):
         console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
 
 

@@ -8,6 +8,7 @@ from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.page.render import render
 from gearpoly.report import diagnosis_findings as words
 from gearpoly.report import diagnosis_tables as tables
+from gearpoly.report.alike import together
 from gearpoly.report.diagnosis_data import document
 from gearpoly.report.diagnosis_words import number
 from gearpoly.units import UM
@@ -33,7 +34,7 @@ def page(diagnosis: Diagnosis) -> str:
         alignment=tables.alignment(diagnosis),
         recordings=tables.recordings(diagnosis),
         not_excluded=tables.sentences(diagnosis.not_excluded),
-        remarks=tables.sentences(diagnosis.remarks),
+        remarks=tables.sentences(together(diagnosis.remarks)),
         timings=tables.timings(diagnosis),
     )
 

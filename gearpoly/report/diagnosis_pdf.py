@@ -16,6 +16,7 @@ from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding
 from gearpoly.errors import MissingExtraError
 from gearpoly.files.output import written_aside
+from gearpoly.report.alike import together
 from gearpoly.report.compare_report import entry_words
 from gearpoly.report.diagnosis_figures import WIDTH, figures
 from gearpoly.report.diagnosis_report import grade_words, how_sure, sentence
@@ -196,7 +197,7 @@ class _Report:
         ]
         if self.diagnosis.remarks:
             out.append(self._said("Remarks", self.head))
-            out += [self._said(f"• {words}", self.small) for words in self.diagnosis.remarks]
+            out += [self._said(f"• {words}", self.small) for words in together(self.diagnosis.remarks)]
         return out
 
     def _pictures(self) -> list[Any]:

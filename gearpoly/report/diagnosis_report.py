@@ -17,6 +17,7 @@ from gearpoly.diagnose.heldout import Checked, Rms, repeatable
 from gearpoly.diagnose.limits import Exceeded
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear, Diagnosis, Finding, Rival
 from gearpoly.physics.words import Reported
+from gearpoly.report.alike import together
 from gearpoly.report.compare_report import alignment_json, entries_json, entry_words
 from gearpoly.report.diagnosis_sky import finding_json, finding_words
 from gearpoly.units import UM
@@ -261,7 +262,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
         console.print(f"compliance over the declared: {value:.3f} +- {std:.3f}", highlight=False)
     for words in diagnosis.not_excluded:
         console.print(f"not excluded: {words}", style="dim", highlight=False, soft_wrap=True)
-    for remark in diagnosis.remarks:
+    for remark in together(diagnosis.remarks):
         console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
 
 

@@ -8,6 +8,7 @@ from gearpoly.compare.entries import Entry, causes, named
 from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
+from gearpoly.report.alike import together
 from gearpoly.report.diagnosis_findings import Shown
 from gearpoly.report.diagnosis_report import LISTED, grade_words
 from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
@@ -145,7 +146,7 @@ def recordings(diagnosis: Diagnosis) -> Shown:
         "recording", "flank", "N·m", "rpm", "samples", "hunting cycles", "mean before µm", "rms before µm",
         "rms after µm", "noise µm", "noise from",
     )  # fmt: skip
-    return {"head": head, "rows": rows, "noise": number(diagnosis.noise / UM, 4), "done": sentences(done)}
+    return {"head": head, "rows": rows, "noise": number(diagnosis.noise / UM, 4), "done": sentences(together(done))}
 
 
 def sentences(lines: Sequence[str]) -> list[str]:

@@ -24,6 +24,9 @@ from gearpoly.units import ARCMIN, UM
 RUN_SHOWN = 240
 """Characters of a run's line; it holds the file's name twice."""
 
+RUNS = 12
+"""Runs of a file that are told one by one."""
+
 NAMED = 3
 """Places of one kind that are named; the rest is counted."""
 
@@ -48,9 +51,13 @@ def print_survey(console: Terminal, found: Survey) -> None:
     for one in found.channels:
         if one.turning is not None:
             console.print(f"{shorten(one.name)}: {_turning_words(one.turning, one)}", highlight=False, soft_wrap=True)
-    for run in found.runs:
+    for run in found.runs[:RUNS]:
         flank = "too short to use" if run.short else f"{run.flank} flank, alone as {run.run.named}"
         console.print(shown(f"{run.says}, {flank}", width=RUN_SHOWN), highlight=False, soft_wrap=True)
+    if more := found.runs[RUNS:]:
+        back = sum(run.back for run in more)
+        words = f"and {len(more)} more runs, {len(more) - back} forward and {back} back, which --json lists"
+        console.print(words, highlight=False, soft_wrap=True)
     for forth, back, lost in found.lost[:NAMED]:
         words = f"lost motion from run {forth} to run {back}: {lost.says}"
         console.print(words, style="bold", highlight=False, soft_wrap=True)

@@ -107,7 +107,7 @@ def test_a_torque_that_nobody_stated_is_told() -> None:
     file = SOFT.model_copy(update={"pair": SOFT.pair.model_copy(update={"torque_nm": 20.0})})
     one = recorded(drawn(SOFT), torque_nm=20.0, per_mesh=8, cycles=1.01)
     assert says(told(file, replace(one, torque_nm=None)), "torque", "20 N.m")
-    assert not says(told(file, one), "states no torque")
+    assert not says(told(file, one), "no torque is stated")
 
 
 def test_noise_is_pooled_over_all_samples_of_a_set() -> None:
