@@ -74,6 +74,15 @@ def test_a_grade_that_errors_leave_open_is_not_said_to_fit() -> None:
     assert "keeps" not in grade_words(built(9))
 
 
+def test_a_value_that_is_exact_is_told_without_an_error() -> None:
+    """The exponent of a relief that was surely a line was told as "1.000000000 +- 0.000000000"."""
+    made = made_diagnosis(*made_comparison())
+    finding = replace(made.findings[0], parameters={"exponent": (1.0, 7.6e-133), "amount_um": (3.86, 0.2)})
+    out = io.StringIO()
+    print_diagnosis(Console(file=out, width=200), replace(made, findings=(finding,)))
+    assert "   values: exponent 1, amount_um 3.86 +- 0.20\n" in out.getvalue()
+
+
 @pytest.mark.parametrize("status", ["nothing_missing", "explained", "partly_explained", "unexplained"])
 def test_a_search_that_time_stopped_says_nothing_of_what_it_did_not_ask(status: Status) -> None:
     whole, stopped = (

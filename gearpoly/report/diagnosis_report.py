@@ -50,6 +50,10 @@ LISTED = 12
 WHOLE = ("order", "recording")
 """Parameters that are whole numbers."""
 
+EXACT = 1e-6
+"""Standard error over its value below which none is told: nothing is measured so well, but a relief that is surely a
+line has an exponent of 1."""
+
 
 def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The contract's verdict, sizes in um and angles in deg."""
@@ -324,5 +328,7 @@ def how_sure(one: Finding) -> str:
 def _value_words(name: str, value: float, std: float) -> str:
     if name in WHOLE:
         return f"{name} {value:.0f}"
-    digits = 3 if std <= 0.0 else max(0, min(9, 1 - math.floor(math.log10(std))))
+    if std <= EXACT * abs(value):
+        return f"{name} {value:.4g}"
+    digits = max(0, min(9, 1 - math.floor(math.log10(std))))
     return f"{name} {value:.{digits}f} +- {std:.{digits}f}"

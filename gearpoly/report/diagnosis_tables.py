@@ -8,9 +8,10 @@ from gearpoly.compare.entries import Entry, causes, named
 from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
+from gearpoly.page.typeset import typeset
 from gearpoly.report.diagnosis_findings import Shown
 from gearpoly.report.diagnosis_report import LISTED, grade_words
-from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
+from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number
 from gearpoly.units import DEG, NM, RPM, UM
 
 ALONG = 6
