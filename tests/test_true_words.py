@@ -27,7 +27,7 @@ from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import print_comparison
-from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence
+from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence, verdict_json
 from gearpoly.units import DEG, UM
 from tests.made_diagnosis import made_comparison, made_diagnosis
 from tests.residuals import noise, residual, samples, tooth_signal
@@ -64,6 +64,17 @@ def test_a_grade_is_told_of_what_it_was_judged_by_and_of_no_gear_whose_teeth_wer
     assert "profile form is not judged" in words
     assert "no ISO 1328-1 grade (2013)" in grade_words(built(None))
     assert "grade 1" not in grade_words(built(1, estimated=False))
+
+
+def test_the_json_tells_no_grade_of_teeth_that_were_not_estimated() -> None:
+    """Ideal gears of a guide log had grade 1, and kept it, while the terminal told none."""
+    made = made_diagnosis(*made_comparison())
+    first, _ = made.built
+    assert first.grade_needed is not None
+    told = verdict_json(replace(made, built=(replace(first, estimated=False), first)))["as_built"]
+    assert told["driving"]["grade_needed"] is told["driving"]["grade_kept"] is None
+    assert "declared without deviations" in told["driving"]["ungraded"]
+    assert told["driven"]["grade_needed"] == first.grade_needed and "ungraded" not in told["driven"]
 
 
 def test_a_grade_that_errors_leave_open_is_not_said_to_fit() -> None:

@@ -176,8 +176,10 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
         }
     if gear.thickness is not None:
         out |= {"tooth_thickness_um": gear.thickness[0], "tooth_thickness_std_um": gear.thickness[1]}
-    out |= {"grade_needed": gear.grade_needed, "grade_kept": gear.grade_kept, "grade_edition": gear.grade_edition}
-    out |= {"ungraded": gear.ungraded} if gear.ungraded else {}
+    told = gear.estimated and not gear.ungraded
+    needed, kept = (gear.grade_needed, gear.grade_kept) if told else (None, None)
+    out |= {"grade_needed": needed, "grade_kept": kept, "grade_edition": gear.grade_edition}
+    out |= {} if told else {"ungraded": grade_words(gear)}
     out["exceeds"] = [_exceeded_json(one) for one in gear.exceeded]
     return out
 
