@@ -100,6 +100,7 @@ def alignment(diagnosis: Diagnosis) -> Shown:
         rows.append(_zeros_row("fits much better, against the stated zeros", found.contradicted))
     return {
         "flat": not found.phased and not found.rough,
+        "stated": found.numbering == "stated",
         "numbered": NUMBERED[found.numbering],
         "rows": rows,
         "more": max(0, len(found.rivals) - 3),
