@@ -25,6 +25,7 @@ from gearpoly.compare.set_up import GearKnown
 from gearpoly.diagnose.limits import Exceeded, Limit
 from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
+from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import print_comparison
 from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence, verdict_json
@@ -83,6 +84,13 @@ def test_a_grade_that_errors_leave_open_is_not_said_to_fit() -> None:
     assert "fits" not in words
     assert "needs ISO 1328-1 grade 1 (2013) or a coarser one, and surely keeps grade 5" in words
     assert "keeps" not in grade_words(built(9))
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "1 sample of a stop left out"), (2, "2 samples of a stop left out")])
+def test_one_is_told_in_the_singular(count: int, words: str) -> None:
+    done: list[Deed] = []
+    note(done, "stops", count, "samples of a stop left out")
+    assert done[0].says == words
 
 
 def test_a_value_that_is_exact_is_told_without_an_error() -> None:

@@ -226,9 +226,8 @@ def _re_aimed(section: GuidingSection, star: FloatArray, along: tuple[float, flo
             told, other = told + (taken == shift), other + (taken != shift)
         moved[seen[k] :] += taken
     if told:
-        remarks.append(
-            f"the camera was re-aimed {so_many(told, 'times')} ({so_many(section.dithered, 'dithers')}), which is undone"
-        )
+        times, dithers = so_many(told, "times"), so_many(section.dithered, "dithers")
+        remarks.append(f"the camera was re-aimed {times} ({dithers}), which is undone")
     if other:
         remarks.append(so_many(other, "times another star was taken, which stands where the first would"))
     if torn:

@@ -277,7 +277,8 @@ def _indexed(
         raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if check.turns:
         remarks.append(
-            f"{name}: {so_many(check.turns, 'turns')} checked, {len(check.lost)} with lost counts; reading 0 at the index"
+            f"{name}: {so_many(check.turns, 'turns')} checked, {len(check.lost)} with lost counts; "
+            "reading 0 at the index"
         )
     else:
         remarks.append(f"{name}: {passed.size} pulse, so no turn could be checked; reading 0 at the index")
