@@ -6,6 +6,7 @@ import html
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 from docutils import nodes
@@ -86,8 +87,19 @@ def _made_by_the_package(app: Sphinx, page: str, source: list[str]) -> None:
             app.env.note_dependency(str(module))
 
 
+def _options_whole(app: Sphinx, page: str, template: str, context: dict[str, Any], tree: object) -> None:
+    """Keep options of commands in one piece: a browser may end a line between the hyphens of --html."""
+    context["body"] = re.sub(
+        r'(?<=<div class="highlight-none notranslate">).*?(?=</pre>)',
+        lambda block: re.sub(r"(?<= )--[a-z-]+", r'<span class="option">\g<0></span>', block[0]),
+        context.get("body", ""),
+        flags=re.DOTALL,
+    )
+
+
 def setup(app: Sphinx) -> None:
     """Draw equations by matplotlib, which gearpoly brings anyway."""
     app.connect("source-read", _made_by_the_package)
+    app.connect("html-page-context", _options_whole)
     app.add_html_math_renderer("drawn", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.config.html_math_renderer = "drawn"

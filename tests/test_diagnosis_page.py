@@ -17,10 +17,11 @@ from gearpoly.compare.entries import chance_words
 from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.page.pack import unpacked
+from gearpoly.page.typeset import typeset
 from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import page
 from gearpoly.report.diagnosis_report import how_sure, verdict_json
-from gearpoly.report.diagnosis_words import MINUS, chance, large, measured, number, parameter, typeset
+from gearpoly.report.diagnosis_words import MINUS, capital, chance, large, measured, number, parameter
 from gearpoly.units import DEG, UM, FloatArray
 from tests.made_diagnosis import E_UM, FILE, NAME, REMARK, made_comparison, made_diagnosis
 
@@ -131,7 +132,7 @@ def test_every_finding_says_where_what_how_sure_what_else_and_what_next(diagnosi
             figures = [float(x) for x in re.findall(r"[\d.]+", words(cell))]
             # Two figures of the error are shown: half of the last one may be lost.
             assert figures == pytest.approx([value, std], abs=0.05 * std)
-        assert how_sure(one) in words(parts["How sure"])
+        assert capital(how_sure(one)) in words(parts["How sure"])
         for rival in one.rivals:
             assert chance_words(rival.probability) in words(parts["What else it could be"])
         assert " ".join(large(one.gain).split()) in words(parts["How sure"])
@@ -338,7 +339,8 @@ def test_a_pair_that_lacks_nothing_says_so(diagnosis: Diagnosis) -> None:
 
 @pytest.mark.parametrize(("value", "std", "wish"), [
     (6.0048, 0.0312, "6.005 ± 0.031"), (-0.00123, 0.00045, f"{MINUS}0.00123 ± 0.00045"), (1234.5, 120.0, "1234 ± 120"),
-    (2.0, 0.0, "2.000"), (0.0, 0.0, "0.000"), (-0.0001, 0.02, "0.000 ± 0.020"), (5.0, math.nan, "5.000"),
+    (2.0, 0.0, "2.000"), (1.0, 7.6e-133, "1.000"), (0.0, 0.0, "0.000"), (-0.0001, 0.02, "0.000 ± 0.020"),
+    (5.0, math.nan, "5.000"),
 ])  # fmt: skip
 def test_figures_have_the_digits_of_their_error(value: float, std: float, wish: str) -> None:
     assert measured(value, std) == wish

@@ -118,7 +118,7 @@ def test_another_star_moves_the_lock_position_and_not_the_error(tmp_path: Path) 
     rows.insert(middle, "INFO: SET LOCK POSITION, new lock pos = 450.000, 360.000\n")
     found = read(tmp_path, "".join(rows))
     check_error(found, error)
-    assert "1 times another star was taken, which stands where the first would" in found.remarks
+    assert "1 time another star was taken, which stands where the first would" in found.remarks
 
 
 def test_a_re_aiming_of_unknown_size_leaves_no_step(tmp_path: Path) -> None:
@@ -192,7 +192,7 @@ def test_pauses_and_shifts_are_told(tmp_path: Path) -> None:
     found = read(tmp_path, text[:at] + words + text[at:])
     check_error(found, error)
     said = "\n".join(found.remarks)
-    assert "guiding was paused 1 times" in said
+    assert "guiding was paused 1 time;" in said
     assert "LOCK SHIFT" in said
 
 

@@ -40,7 +40,7 @@ def test_pulses_and_re_aimings_are_undone(tmp_path: Path, per_ms: bool) -> None:
     np.testing.assert_allclose(read.te_rad[held], 180 * error[held] * ARCSEC, atol=180 * 0.01 * ARCSEC)
     assert read.driven_angle_rad is not None
     np.testing.assert_allclose(read.driven_angle_rad, 2.0 * math.pi * read.time_s / PERIOD, rtol=1e-12)
-    assert any("re-aimed 1 times" in one for one in read.remarks)
+    assert any("re-aimed 1 time (1 dither)" in one for one in read.remarks)
 
 
 def test_pulses_are_what_the_worm_may_have_turned(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from gearpoly.physics import catalogue
+from gearpoly.report.simulation_files import CSV_HEADER
 from tests import made_commands_page, prose
 
 PAGES = prose.pages()
@@ -70,6 +71,12 @@ def slug(head: str) -> str:
 def test_the_page_of_commands_is_what_the_commands_say() -> None:
     page = prose.ROOT / "docs" / "reference" / "commands.md"
     assert page.read_text(encoding="utf-8") == made_commands_page.page(), f"write {page.name} anew"
+
+
+def test_the_page_of_a_simulation_has_the_columns_of_its_table() -> None:
+    page = (prose.ROOT / "docs" / "reference" / "simulated.md").read_text(encoding="utf-8")
+    listed = re.findall(r"`(\w+)`", page.partition("| column | is |")[2].partition("## The JSON")[0])
+    assert listed == [*CSV_HEADER.split(","), "mesh_stiffness_n_per_um"]
 
 
 def test_every_page_is_on_the_site() -> None:

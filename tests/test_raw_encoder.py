@@ -325,7 +325,7 @@ def test_single_pulses(tmp_path: Path) -> None:
     # One pulse too many is told, not judged.
     extra = edges.sample[rise[20]] + 700  # while the wave is low
     columns["driving_a"][extra : extra + 20] = 3.5
-    said(read(tmp_path, columns, keys(60, 60)), "pulses that come too early")
+    said(read(tmp_path, columns, keys(60, 60)), "too early, at row")
 
 
 def test_pulses_in_a_run_up_are_not_lost() -> None:

@@ -17,7 +17,7 @@ from gearpoly.cli import app
 from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.study.answers import Answers, answer
 from gearpoly.study.keys import known_keys
-from gearpoly.study.labels import row_label
+from gearpoly.study.labels import asked_words, row_label
 from gearpoly.study.models import Limit, Sweep
 from gearpoly.study.pictures import pictures
 from gearpoly.study.read import read_study
@@ -184,6 +184,7 @@ def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -
     together = answers.yields[2]
     assert together.share == 0.2  # no more pairs keep both than keep the one of which least is asked
     assert together.words.startswith("all 2 limits together: te_pp_um at most")
+    assert asked_words(together).startswith("both limits together: peak-to-peak TE")
     for group, kept in zip(answers.groups, together.shares, strict=True):
         mine = (found["driving.grade"] == group.values["driving.grade"]) & (
             found["driving.bore_mm"] == group.values["driving.bore_mm"]

@@ -25,9 +25,10 @@ from gearpoly.compare.set_up import GearKnown
 from gearpoly.diagnose.limits import Exceeded, Limit
 from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
+from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
 from gearpoly.report.compare_report import print_comparison
-from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence
+from gearpoly.report.diagnosis_report import grade_words, print_diagnosis, sentence, verdict_json
 from gearpoly.units import DEG, UM
 from tests.made_diagnosis import made_comparison, made_diagnosis
 from tests.residuals import noise, residual, samples, tooth_signal
@@ -66,12 +67,39 @@ def test_a_grade_is_told_of_what_it_was_judged_by_and_of_no_gear_whose_teeth_wer
     assert "grade 1" not in grade_words(built(1, estimated=False))
 
 
+def test_the_json_tells_no_grade_of_teeth_that_were_not_estimated() -> None:
+    """Ideal gears of a guide log had grade 1, and kept it, while the terminal told none."""
+    made = made_diagnosis(*made_comparison())
+    first, _ = made.built
+    assert first.grade_needed is not None
+    told = verdict_json(replace(made, built=(replace(first, estimated=False), first)))["as_built"]
+    assert told["driving"]["grade_needed"] is told["driving"]["grade_kept"] is None
+    assert "declared without deviations" in told["driving"]["ungraded"]
+    assert told["driven"]["grade_needed"] == first.grade_needed and "ungraded" not in told["driven"]
+
+
 def test_a_grade_that_errors_leave_open_is_not_said_to_fit() -> None:
     """Of two gears whose steps need grades 3 to 5 it was said that they fit grade 1, which was not surely exceeded."""
     words = grade_words(built(1, kept=5))
     assert "fits" not in words
     assert "needs ISO 1328-1 grade 1 (2013) or a coarser one, and surely keeps grade 5" in words
     assert "keeps" not in grade_words(built(9))
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "1 sample of a stop left out"), (2, "2 samples of a stop left out")])
+def test_one_is_told_in_the_singular(count: int, words: str) -> None:
+    done: list[Deed] = []
+    note(done, "stops", count, "samples of a stop left out")
+    assert done[0].says == words
+
+
+def test_a_value_that_is_exact_is_told_without_an_error() -> None:
+    """The exponent of a relief that was surely a line was told as "1.000000000 +- 0.000000000"."""
+    made = made_diagnosis(*made_comparison())
+    finding = replace(made.findings[0], parameters={"exponent": (1.0, 7.6e-133), "amount_um": (3.86, 0.2)})
+    out = io.StringIO()
+    print_diagnosis(Console(file=out, width=200), replace(made, findings=(finding,)))
+    assert "   values: exponent 1, amount_um 3.86 +- 0.20\n" in out.getvalue()
 
 
 @pytest.mark.parametrize("status", ["nothing_missing", "explained", "partly_explained", "unexplained"])

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.deeds import Deed, note
+from gearpoly.recording.deeds import Deed, note, so_many
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.reversals import backward_limit
@@ -121,7 +121,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
             good &= np.isfinite(values)
     if not good.all():
         gaps = int(np.sum(good[:-1] & ~good[1:])) + int(not good[0])
-        note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {gaps} gaps, left out")
+        note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {so_many(gaps, 'gaps')}, left out")
     keep, number = new_readings(np.flatnonzero(good), readings, done)
     if keep.size < 8:
         raise _too_short(recording, f"{keep.size} samples without drop-outs or repeats")

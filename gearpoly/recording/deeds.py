@@ -14,7 +14,13 @@ class Deed:
     says: str
 
 
+def so_many(count: int, things: str) -> str:
+    """A ``count`` and words that begin with what is counted, in the plural: "1 sample", "2 samples of a stop"."""
+    first, space, rest = things.partition(" ")
+    return f"{count} {first.removesuffix('s') if count == 1 else first}{space}{rest}"
+
+
 def note(done: list[Deed], what: str, count: int, says: str) -> None:
     """Add a deed whose sentence begins with its ``count``, where that is not 0."""
     if count:
-        done.append(Deed(what, count, f"{count} {says}"))
+        done.append(Deed(what, count, so_many(count, says)))

@@ -15,6 +15,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, unreadable
+from gearpoly.recording.deeds import so_many
 from gearpoly.recording.phd2_sections import PER_MS, GuidingSection, Log, read_log
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
@@ -160,14 +161,14 @@ def _table(section: GuidingSection, remarks: list[str]) -> Table:
         remarks.append("decimal commas: two cells of a row were taken as one number")
     lost = int(np.sum(np.isnan(offset)))
     if lost:
-        remarks.append(f"{lost} frames without a star left out")
+        remarks.append(so_many(lost, "frames without a star left out"))
     rate = known.get("rate", 0.0) * (1000.0 if known.get("rate", 0.0) < PER_MS else 1.0)
     pulses = np.array([frame.pulse for frame in section.frames])
     sent = rate * np.concatenate(([0.0], np.cumsum(pulses)[:-1]))
     arcsec = known["scale"] / math.cos(math.radians(known.get("declination", 0.0)))
     moved = _re_aimed(section, offset + sent, (cosine, sine), remarks)
     if section.paused:
-        remarks.append(f"guiding was paused {section.paused} times; the worm is taken to have turned on")
+        remarks.append(f"guiding was paused {so_many(section.paused, 'times')}; the worm is taken to have turned on")
     if section.shifted:
         remarks.append("the lock position was shifted along (LOCK SHIFT), which shows as a slow drift")
     undone = f"pulses of {rate:.4g} px/s undone" if section.pulsed else "no pulses were sent"
@@ -225,9 +226,10 @@ def _re_aimed(section: GuidingSection, star: FloatArray, along: tuple[float, flo
             told, other = told + (taken == shift), other + (taken != shift)
         moved[seen[k] :] += taken
     if told:
-        remarks.append(f"the camera was re-aimed {told} times ({section.dithered} dithers), which is undone")
+        times, dithers = so_many(told, "times"), so_many(section.dithered, "dithers")
+        remarks.append(f"the camera was re-aimed {times} ({dithers}), which is undone")
     if other:
-        remarks.append(f"{other} times another star was taken, which stands where the first would")
+        remarks.append(so_many(other, "times another star was taken, which stands where the first would"))
     if torn:
         remarks.append(f"{torn} re-aimings are of another size than the log says: the error is taken to go on there")
     return moved

@@ -17,6 +17,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.counters import Counter, counted
+from gearpoly.recording.deeds import so_many
 from gearpoly.recording.pulses import (
     HYSTERESIS,
     Counts,
@@ -220,11 +221,11 @@ def _report(shaft: str, counts: Counts, time: FloatArray, remarks: list[str], *,
         remarks.append(f"{shaft}: {counts.against.size} steps against the run (jitter, or lost pulses), {places}")
     elif counts.against.size:
         places = _places(counts.against, time)
-        remarks.append(f"{shaft}: {counts.against.size} pulses that come too early, {places}; counted")
+        remarks.append(f"{shaft}: {so_many(counts.against.size, 'pulses')} too early, {places}; counted")
     if counts.lost:
         number = sum(lost for _, lost in counts.lost)
         places = _places(np.array([sample for sample, _ in counts.lost]), time)
-        remarks.append(f"{shaft}: {number} pulses lost by their time, {places}; counted on")
+        remarks.append(f"{shaft}: {so_many(number, 'pulses')} lost by their time, {places}; counted on")
 
 
 def _places(samples: IntArray, time: FloatArray) -> str:
@@ -276,12 +277,13 @@ def _indexed(
         raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if check.turns:
         remarks.append(
-            f"{name}: {check.turns} turns checked, {len(check.lost)} with lost counts; reading 0 at the index"
+            f"{name}: {so_many(check.turns, 'turns')} checked, {len(check.lost)} with lost counts; "
+            "reading 0 at the index"
         )
     else:
         remarks.append(f"{name}: {passed.size} pulse, so no turn could be checked; reading 0 at the index")
     for begin, end, number in check.lost[:PLACES]:
-        what = f"{number} counts lost" if number > 0 else f"{-number} counts too many"
+        what = so_many(abs(number), "counts lost" if number > 0 else "counts too many")
         remarks.append(f"{shaft}: {what} between {begin:.6g} and {end:.6g}; that turn left out, put right after it")
     if len(check.lost) > PLACES:
         number = sum(abs(one[2]) for one in check.lost)

@@ -10,10 +10,11 @@ from gearpoly.compare.entries import chance_words
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival
+from gearpoly.page.typeset import typeset
 from gearpoly.physics.words import Reported
 from gearpoly.report.diagnosis_report import how_sure, sentence
 from gearpoly.report.diagnosis_sky import finding_words
-from gearpoly.report.diagnosis_words import capital, large, number, parameter, physics_words, typeset
+from gearpoly.report.diagnosis_words import capital, large, number, parameter, physics_words
 from gearpoly.units import UM
 
 CHIP = {
@@ -81,7 +82,7 @@ def _finding(n: int, one: Finding, diagnosis: Diagnosis) -> Shown:
         "equation": one.claim.physics.equation,
         "parameters": values(one.parameters),
         "sky": capital(finding_words(one, located, sky_of(diagnosis.comparison)) or ""),
-        "sure": how_sure(one),
+        "sure": capital(how_sure(one)),
         "gain": large(one.gain),
         "freedoms": sum(len(each.values) for each in one.claims),
         "foretold": None if one.foretold is None else large(one.foretold),

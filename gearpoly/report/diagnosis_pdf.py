@@ -16,12 +16,13 @@ from gearpoly.diagnose.heldout import Rms, repeatable
 from gearpoly.diagnose.verdict import Diagnosis, Finding
 from gearpoly.errors import MissingExtraError
 from gearpoly.files.output import written_aside
+from gearpoly.page.typeset import typeset
 from gearpoly.report.alike import together
 from gearpoly.report.compare_report import entry_words
 from gearpoly.report.diagnosis_figures import WIDTH, figures
 from gearpoly.report.diagnosis_report import grade_words, how_sure, sentence
 from gearpoly.report.diagnosis_tables import parted
-from gearpoly.report.diagnosis_words import capital, number, parameter, typeset
+from gearpoly.report.diagnosis_words import capital, number, parameter
 from gearpoly.units import NM, RPM, UM
 
 MARGIN = 16.0

@@ -51,6 +51,10 @@ LISTED = 12
 WHOLE = ("order", "recording")
 """Parameters that are whole numbers."""
 
+EXACT = 1e-6
+"""Standard error over its value below which none is told: nothing is measured so well, but a relief that is surely a
+line has an exponent of 1."""
+
 
 def verdict_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The contract's verdict, sizes in um and angles in deg."""
@@ -173,8 +177,10 @@ def _built_json(gear: BuiltGear) -> dict[str, Any]:
         }
     if gear.thickness is not None:
         out |= {"tooth_thickness_um": gear.thickness[0], "tooth_thickness_std_um": gear.thickness[1]}
-    out |= {"grade_needed": gear.grade_needed, "grade_kept": gear.grade_kept, "grade_edition": gear.grade_edition}
-    out |= {"ungraded": gear.ungraded} if gear.ungraded else {}
+    told = gear.estimated and not gear.ungraded
+    needed, kept = (gear.grade_needed, gear.grade_kept) if told else (None, None)
+    out |= {"grade_needed": needed, "grade_kept": kept, "grade_edition": gear.grade_edition}
+    out |= {} if told else {"ungraded": grade_words(gear)}
     out["exceeds"] = [_exceeded_json(one) for one in gear.exceeded]
     return out
 
@@ -325,5 +331,7 @@ def how_sure(one: Finding) -> str:
 def _value_words(name: str, value: float, std: float) -> str:
     if name in WHOLE:
         return f"{name} {value:.0f}"
-    digits = 3 if std <= 0.0 else max(0, min(9, 1 - math.floor(math.log10(std))))
+    if std <= EXACT * abs(value):
+        return f"{name} {value:.4g}"
+    digits = max(0, min(9, 1 - math.floor(math.log10(std))))
     return f"{name} {value:.{digits}f} +- {std:.{digits}f}"

@@ -8,10 +8,11 @@ from gearpoly.compare.entries import Entry, causes, named
 from gearpoly.compare.on_sky import Sky
 from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
+from gearpoly.page.typeset import typeset
 from gearpoly.report.alike import together
 from gearpoly.report.diagnosis_findings import Shown
 from gearpoly.report.diagnosis_report import LISTED, grade_words
-from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number, typeset
+from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number
 from gearpoly.units import DEG, NM, RPM, UM
 
 ALONG = 6
@@ -100,6 +101,7 @@ def alignment(diagnosis: Diagnosis) -> Shown:
         rows.append(_zeros_row("fits much better, against the stated zeros", found.contradicted))
     return {
         "flat": not found.phased and not found.rough,
+        "stated": found.numbering == "stated",
         "numbered": NUMBERED[found.numbering],
         "rows": rows,
         "more": max(0, len(found.rivals) - 3),

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 
-from gearpoly.report.diagnosis_report import WHOLE
+from gearpoly.report.diagnosis_report import EXACT, WHOLE
 
 UNITS = {
     "_um_per_n": "µm/N",
@@ -50,7 +49,7 @@ def large(value: float) -> str:
 
 def measured(value: float, std: float) -> str:
     """Value and standard error, both to two figures of the error; without one, to four figures of the value."""
-    if not math.isfinite(std) or std <= 0.0:
+    if not math.isfinite(std) or std <= EXACT * abs(value):
         digits = 3 if value == 0.0 else max(0, min(9, 3 - math.floor(math.log10(abs(value)))))
         return number(value, digits)
     digits = max(0, min(9, 1 - math.floor(math.log10(std))))
@@ -87,12 +86,6 @@ def chance(p: float) -> str:
 
 def _power(exponent: float) -> str:
     return "10" + str(round(exponent)).translate(_RAISED)
-
-
-def typeset(text: str) -> str:
-    """A sentence with its units and signs as print has them, not as a terminal does."""
-    text = re.sub(r"(?<=\d )u(?=m\b|rad\b)", "µ", text)
-    return re.sub(r"(?<=\d )N\.m\b", "N·m", text).replace(" +- ", " ± ")
 
 
 def capital(text: str) -> str:

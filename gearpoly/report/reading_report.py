@@ -14,6 +14,7 @@ from rich.table import Table
 from gearpoly import __version__
 from gearpoly.errors import shown
 from gearpoly.files.traces import shorten
+from gearpoly.recording.deeds import so_many
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.survey import RunSeen, SampleTimes, Seen, Survey
@@ -100,7 +101,7 @@ def _turning_words(turning: Turning, one: Seen) -> str:
     words = [f"{turning.turns:.4g} turns"]
     if turning.wraps:
         at = "" if turning.modulus is None else f" at about {turning.modulus:.4g} {shorten(one.unit)}".rstrip()
-        words.append(f"begins again {turning.wraps} times{at}")
+        words.append(f"begins again {so_many(turning.wraps, 'times')}{at}")
     words.append(_places("stop", [f"rows {first} to {last}" for first, last in turning.stops]))
     words.append(_places("reversal", [f"at row {row}" for row in turning.reversals]))
     words.append(f"{turning.repeats or 'no'} readings repeat the one before")

@@ -26,7 +26,8 @@ def limit_words(limit: Limit) -> str:
 def asked_words(found: Yield) -> str:
     """What a yield asks of how many pairs."""
     bounds = " and ".join(limit_words(limit) for limit in found.limits)
-    together = "" if len(found.limits) == 1 else f"all {len(found.limits)} limits together: "
+    many = len(found.limits)
+    together = {1: "", 2: "both limits together: "}.get(many, f"all {many} limits together: ")
     return f"{together}{bounds} in {100.0 * found.share:g} % of pairs"
 
 

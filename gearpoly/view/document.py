@@ -19,6 +19,7 @@ from gearpoly.compare.zeros import Zeros
 from gearpoly.gear.flank import Flanks
 from gearpoly.mesh.pair import Mounted
 from gearpoly.page.pack import Kind, nearly_even, packed, rounded, under_noise
+from gearpoly.page.typeset import typeset
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
 from gearpoly.view.scene import ViewScene
@@ -197,7 +198,7 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
 
 def _entry(entry: Entry, comparison: Comparison) -> dict[str, Any]:
     """One place where they differ: in words, and the tooth to jump to where there is one."""
-    out: dict[str, Any] = {"kind": entry.kind, "says": says(entry), "gear": None, "tooth": None, "phase": None}
+    out: dict[str, Any] = {"kind": entry.kind, "says": typeset(says(entry)), "gear": None, "tooth": None, "phase": None}
     if entry.phase is not None:
         out["phase"] = list(entry.phase)
     if entry.kind == "tooth" and entry.gear is not None:
