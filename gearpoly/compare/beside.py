@@ -38,8 +38,9 @@ class Aligned:
     ``speed`` of the driving shaft in rad/s where known, ``template`` the simulation over a hunting cycle, ``swings`` in
     mm what a resonance adds to it in a run-up, ``load`` (n,) how far the torque is off ``torque`` along the recording,
     as a part of it, ``steps`` in rad to which both shafts' readings are rounded, where that shows, ``driven_share`` the
-    part of the noise of single samples that the driven angle has. Arrays are taken
-    over, and sealed; what follows from others is worked out when asked for, since recordings are long.
+    part of the noise of single samples that the driven angle has, ``averaged`` meshes over which each sample is a mean
+    (0: it is none). Arrays are taken over, and sealed; what follows from others is worked out when asked for, since
+    recordings are long.
     """
 
     cleaned: Cleaned
@@ -55,6 +56,7 @@ class Aligned:
     load: FloatArray | None = None
     steps: tuple[float | None, float | None] = (None, None)
     driven_share: float = 0.0
+    averaged: float = 0.0
 
     def __post_init__(self) -> None:
         for values in (self.theta_2, self.recorded, self.residual):

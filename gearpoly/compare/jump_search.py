@@ -26,6 +26,7 @@ from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import SLOW, slow_curves
+from gearpoly.compare.sudden import sudden
 from gearpoly.units import FloatArray, IntArray
 
 STAYS = 1.0
@@ -121,6 +122,32 @@ class JumpSearch(JointModel):
             for jump, at in jumps:
                 jump.at = at
         return self.fit(passes=1), False
+
+    def put_in_sudden(self) -> None:
+        """Begin with the jumps that noise as it looks beside them would hide, and with the noise beside them."""
+        for s in self.states:
+            found = sudden(s.data.u, s.data.residual, turn=STAYS * max(self.z_1, self.z_2), period=s.search.period)
+            if not found:
+                continue
+            s.jumps += [Jump(at=at) for at in found]
+            rest = s.data.residual.copy()
+            for at, size in found.items():
+                rest[at:] -= size
+            s.noise = s.estimator.estimate(rest)
+
+    def standing_only(self, solution: Solution) -> Solution:
+        """Keep of the jumps that were put in those that stand and are sharp beside all others."""
+        for k, s in enumerate(self.states):
+            while s.jumps:
+                solution = self._settled(k)
+                found = [self.standing(k, solution, jump) for jump in s.jumps]
+                weak = [j for j, one in enumerate(found) if one is None or not self._is_sharp(one, sure=False)]
+                if not weak:
+                    break
+                del s.jumps[weak[-1]]
+                if not s.jumps:
+                    solution = self._settled(k)
+        return solution
 
     def _best_jump(self, solution: Solution) -> Weighed | None:
         ways = [(k, alone) for k in range(len(self.states)) for alone in (True, False)]

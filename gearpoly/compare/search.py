@@ -205,10 +205,12 @@ class Search(JumpSearch):
 
     def run(self, over: Callable[[], bool] = lambda: False) -> Solution:
         """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then."""
+        self.put_in_sudden()
         solution = self.fit(passes=3)
         for _ in range(2):
             self.renew_noise(solution)
             solution = self.fit(passes=1)
+        solution = self.standing_only(solution)
         largest, refused_at = 0.0, math.inf
         for turn in range(ROUNDS):
             against = self.contradicted()

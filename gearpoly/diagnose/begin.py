@@ -13,6 +13,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Watch
+from gearpoly.diagnose.fitted_part import fitted_part
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
 from gearpoly.diagnose.heldout import beside_jumps
 from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
@@ -33,7 +34,8 @@ class Begun:
     """The pair ``file`` and the recordings as they bear each other out: their ``comparison``, the working ``model``
     before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes. ``assumed``:
     what to tell of gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare``
-    located what that explains; ``likely``: a physics of all teeth beside which hardly anything was left."""
+    located what that explains; ``likely``: a physics of all teeth beside which hardly anything was left;
+    ``beyond``: what it located where long recordings are not fitted."""
 
     file: PairFile
     recordings: Sequence[Recording]
@@ -44,6 +46,7 @@ class Begun:
     misread: tuple[str, ...] = ()
     contradicted: tuple[Entry, ...] = ()
     likely: Claim | None = None
+    beyond: tuple[Entry, ...] = ()
 
 
 def begin(
@@ -53,8 +56,11 @@ def begin(
 
     def beside(file: PairFile, recordings: Sequence[Recording]) -> Begun:
         comparison = compare(file, recordings, path=path, step=watch.stage("compare"), over=lambda: budget.over)
-        model, waves = before_claims(file, comparison, path=path, method=method, budget=budget)
-        return Begun(file=file, recordings=recordings, comparison=comparison, model=model, waves=waves)
+        part = fitted_part(comparison)
+        model, waves = before_claims(file, part.comparison, path=path, method=method, budget=budget)
+        return Begun(
+            file=file, recordings=recordings, comparison=part.comparison, model=model, waves=waves, beyond=part.beyond
+        )
 
     now = beside(file, recordings)
     wrong = reread(now.model, now.waves, watch.stage("prepare")) or []

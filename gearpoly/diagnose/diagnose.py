@@ -139,7 +139,7 @@ def diagnose(
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
-    left_over = (*left_over, *start.contradicted)
+    left_over = (*left_over, *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     if anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):

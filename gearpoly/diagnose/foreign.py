@@ -82,7 +82,7 @@ def foreign_waves(comparison: Comparison, entries: Found) -> list[FloatArray]:
     for k, entry in entries:
         for j, mine in enumerate(out):
             size = mine[0].shape[0]
-            mine.append(_columns(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
+            mine.append(columns_of(entry, comparison.aligned[k]) if j == k else np.zeros((size, _width(entry))))
     return [np.concatenate(mine, axis=1) for mine in out]
 
 
@@ -125,7 +125,7 @@ def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dic
     """What waves, by `id`, explain of what is ``left`` (n_k,) of all recordings, in its unit squared."""
     out: dict[int, float] = {}
     for k, entry in waves:
-        told = _columns(entry, comparison.aligned[k]).T @ left[k]
+        told = columns_of(entry, comparison.aligned[k]).T @ left[k]
         out[id(entry)] = out.get(id(entry), 0.0) + 2.0 * float(told @ told) / left[k].size
     return out
 
@@ -187,8 +187,8 @@ def _width(entry: Entry) -> int:
     return 1 if entry.moment is not None else 2
 
 
-def _columns(entry: Entry, one: Aligned) -> FloatArray:
-    """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording."""
+def columns_of(entry: Entry, one: Aligned) -> FloatArray:
+    """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording, as means over samples show them."""
     if entry.moment is not None:
         at = sample_of(one.turned_round(entry), time_s=one.time_s, theta_1=one.theta_1)
         return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
@@ -196,7 +196,11 @@ def _columns(entry: Entry, one: Aligned) -> FloatArray:
         angle = 2.0 * math.pi * entry.hz * one.time_s
     else:
         angle = (entry.order or 0.0) * one.estimated[0 if entry.gear == "driving" else 1]
-    return np.column_stack((np.cos(angle), np.sin(angle)))
+    waves = np.column_stack((np.cos(angle), np.sin(angle)))
+    if one.averaged:
+        # Means from sample to sample make a wave smaller by sin(x)/x.
+        waves *= np.sinc(float(angle[-1] - angle[0]) / (2.0 * math.pi * (angle.size - 1)))
+    return waves
 
 
 def jumps(comparison: Comparison) -> list[list[int]]:

@@ -79,7 +79,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         inspected=(not priors[0].graded, not priors[1].graded),
         reach=reaches(pair),
         form=(form_of(priors[0]), form_of(priors[1])),
-        finest=_finest(observed),
+        finest=_finest(observed, averaged=any(one.averaged for one in beside.aligned)),
         stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
@@ -99,14 +99,15 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     )
 
 
-def _finest(observed: Sequence[Observed]) -> tuple[float, float]:
-    """Half the samples per turn of the driving and of the driven shaft, at least."""
+def _finest(observed: Sequence[Observed], *, averaged: bool) -> tuple[float, float]:
+    """Half the samples per turn of the driving and of the driven shaft, at least; a quarter of those that are means,
+    which make a wave of that order a tenth smaller."""
     turns = [
         [one.samples.size / max(float(np.ptp(angle)), 1e-300) for angle in (one.samples.theta_1, one.samples.theta_2)]
         for one in observed
     ]
     first, second = (math.pi * min(per_rad) for per_rad in zip(*turns, strict=True))
-    return first, second
+    return (0.5 * first, 0.5 * second) if averaged else (first, second)
 
 
 def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driven"] | None:

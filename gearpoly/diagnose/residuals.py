@@ -65,6 +65,7 @@ def locate_residuals(fit: Weigh, comparison: Comparison, *, over: Callable[[], b
             flank=one.flank,
             sharing=template.sharing,
             coarse=one.coarse,
+            averaged=one.averaged,
             contact=template.sharing.contact,
         )
         for one, scene, rest, template in zip(comparison.aligned, fit.scenes, residuals_of(fit), fitted, strict=True)

@@ -1,0 +1,79 @@
+"""Jumps so large that they pass for noise: where a recording steps as it does nowhere else, and stays there.
+
+Whoever estimates noise while three slips of 25 to 60 um stand in a recording finds noise that wanders by as much, and
+in that noise no step stands out: its few innovations are cut as outliers. These are put in before any noise is known.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gearpoly.units import FloatArray, IntArray
+
+SIDE = 8
+"""Samples of the shortest stretches before and after a place whose means are compared; longer ones double, up to a
+fourth of what a jump has to stay."""
+
+SUDDEN = 8.0
+"""Robust standard deviations of such differences beyond which one is sudden: in 126 recordings of noise of three
+colours beside teeth within their limits the largest was 5.6, in 44 of a bench without jumps 3.9. Three slips of 25 to
+60 um reached 28 to 107. It only says where to look."""
+
+STAYS_BY = 0.5
+"""Part of it by which the means over a turn before and after differ as well."""
+
+MOST = 8
+"""Sudden places beyond which they are how this recording is: teeth that hand over so at every mesh."""
+
+CYCLES = 3
+"""Hunting cycles from which on what a place does in most of them is taken off: teeth step in each."""
+
+
+def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -> dict[int, float]:
+    """Samples (of ``u`` (n,) in meshes) at which the ``residual`` (n,) in mm steps and stays for a ``turn`` in meshes,
+    the largest step first, each with what the means over a turn before and after differ by, in mm; none where there are
+    too many. ``period`` of the hunting cycle in meshes."""
+    n = residual.size
+    inside = np.flatnonzero((u >= u[0] + turn) & (u <= u[-1] - turn))
+    if inside.size < 4 * SIDE:
+        return {}
+    sums = np.concatenate(([0.0], np.cumsum(residual - residual[0])))
+    longest = 0.25 * turn * n / float(u[-1] - u[0])
+    best, size = np.zeros(inside.size), np.zeros(inside.size)
+    for k in range(max(1, int(math.log2(max(longest / SIDE, 1.0))) + 1)):
+        side = SIDE * 2**k
+        at = np.clip(inside, side, n - side)
+        step = _unusual(u[inside], (sums[at + side] - 2.0 * sums[at] + sums[at - side]) / side, period=period)
+        usual = 1.4826 * float(np.median(np.abs(step)))
+        over = np.abs(step) / max(usual, 1e-300)
+        size = np.where(over > best, step, size)
+        best = np.maximum(best, over)
+    low, high = (np.searchsorted(u, u[inside] + side * turn) for side in (-1.0, 1.0))
+    held = _mean(sums, inside, high) - _mean(sums, low, inside)
+    stays = held * np.sign(size) > STAYS_BY * np.abs(size)
+    free = np.where(stays & (best > SUDDEN), best, 0.0)
+    found: dict[int, float] = {}
+    while np.any(free):
+        here = int(np.argmax(free))
+        found[int(inside[here])] = float(held[here])
+        if len(found) > MOST:
+            return {}
+        free[np.abs(u[inside] - u[inside[here]]) < turn] = 0.0
+    return found
+
+
+def _mean(sums: FloatArray, low: IntArray, high: IntArray) -> FloatArray:
+    """Means (k,) from samples ``low`` to ``high``, of running ``sums``."""
+    return np.asarray((sums[high] - sums[low]) / np.maximum(high - low, 1))
+
+
+def _unusual(u: FloatArray, step: FloatArray, *, period: float) -> FloatArray:
+    """``step`` (k,) at ``u`` (k,) less the middle one of all hunting cycles at the same teeth."""
+    cycles = int((u[-1] - u[0]) / period)
+    if cycles < CYCLES:
+        return step
+    phase = np.linspace(0.0, period, int(u.size / cycles), endpoint=False)
+    each = np.stack([np.interp(u[0] + k * period + phase, u, step) for k in range(cycles)])
+    return np.asarray(step - np.interp(np.mod(u - u[0], period), phase, np.median(each, axis=0), period=period))
