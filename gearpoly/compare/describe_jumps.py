@@ -34,6 +34,8 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         level, _ = found.colour
         moment, moment_std = found.steps.moment(search.stretch(k), level=level, about=found.at, within=search.turn(k))
         timed = search.states[k].data.time_s is not None
+        along, side = search.stretch(k), jump.width // 2
+        rise = float(along[min(found.at + side, along.size - 1)] - along[max(0, found.at - side)])
         out.append(
             Entry(
                 kind="time",
@@ -42,6 +44,7 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
                 time_s_std=moment_std if timed else None,
                 driving_turn=None if timed else moment,
                 driving_turn_std=None if timed else moment_std,
+                rise=rise,
                 amplitude_um=amplitude / UM,
                 std_um=std * math.sqrt(level) / UM,
                 recordings=(k,),

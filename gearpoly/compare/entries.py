@@ -58,7 +58,8 @@ class Entry:
     ``kind`` as in the contract. ``amplitude_um`` with ``std_um``; ``rms_um`` where a shape has no single amplitude.
     ``order`` of the shaft of ``gear``, or of the mesh; ``hz``; ``time_s`` of a jump, or ``driving_turn`` since the
     beginning where no time was recorded; ``during_s``, ``during_turns`` (begin, end) of a burst likewise; ``tooth``,
-    ``encoder_deg``; ``phase`` (begin, end) in pitches from the pitch point; ``recordings`` in which it was found.
+    ``encoder_deg``; ``rise`` of a jump, how long it takes, in the unit of its moment; ``phase`` (begin, end) in pitches
+    from the pitch point; ``recordings`` in which it was found.
     ``p_value`` bounds the chance that any such entry arises from noise anywhere in the search. ``companion_of`` the
     order or tooth that it comes along with; ``rivals`` other readings of the same evidence, in words. ``phase_deg`` of
     a wave: it is amplitude cos(order theta - phase). ``label`` a plain word for the kind of wave. ``aliases`` the
@@ -81,6 +82,7 @@ class Entry:
     time_s_std: float | None = None
     driving_turn: float | None = None
     driving_turn_std: float | None = None
+    rise: float = 0.0
     during_s: tuple[float, float] | None = None
     during_turns: tuple[float, float] | None = None
     amplitude_um: float | None = None

@@ -23,10 +23,10 @@ from gearpoly.compare.jumps import (
 )
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel, State
-from gearpoly.compare.regression import Solution
+from gearpoly.compare.regression import DENSE_SAMPLES, Solution
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import SLOW, slow_curves
-from gearpoly.compare.sudden import sudden
+from gearpoly.compare.sudden import sudden, took
 from gearpoly.units import FloatArray, IntArray
 
 STAYS = 1.0
@@ -126,13 +126,16 @@ class JumpSearch(JointModel):
     def put_in_sudden(self) -> None:
         """Begin with the jumps that noise as it looks beside them would hide, and with the noise beside them."""
         for s in self.states:
+            if s.data.u.size > DENSE_SAMPLES:
+                continue
             found = sudden(s.data.u, s.data.residual, turn=STAYS * max(self.z_1, self.z_2), period=s.search.period)
             if not found:
                 continue
-            s.jumps += [Jump(at=at) for at in found]
             rest = s.data.residual.copy()
             for at, size in found.items():
-                rest[at:] -= size
+                place, width = took(s.data.residual, at)
+                s.jumps.append(Jump(at=place, width=width))
+                rest -= size * s.jumps[-1].column(rest.size)
             s.noise = s.estimator.estimate(rest)
 
     def standing_only(self, solution: Solution) -> Solution:
@@ -159,6 +162,8 @@ class JumpSearch(JointModel):
         place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
         s = self.states[k]
         u, spacing = s.data.u, s.search.spacing
+        if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
+            return None
         turns = STAYS * max(self.z_1, self.z_2)
         low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turns, u[-1] - turns))
         if high - low < 2:

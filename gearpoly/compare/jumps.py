@@ -289,11 +289,13 @@ def _bump(noise: Noise, length: int) -> float:
 
 @dataclass(eq=False)
 class Jump:
-    """A jump that was found in one recording: 0 before sample ``at``, 1 from there on. Two that have moved to the same
-    sample stay two, and are told apart as such."""
+    """A jump that was found in one recording: 0 before sample ``at``, 1 from there on, or straight over ``width``
+    samples about it where it takes as long. Two that have moved to the same sample stay two, and are told apart as
+    such."""
 
     at: int
+    width: int = 1
 
     def column(self, n: int) -> FloatArray:
         """The step (n,)."""
-        return np.asarray(np.arange(n) >= self.at, dtype=np.float64)
+        return np.clip((np.arange(n) - self.at + 0.5 * (self.width + 1)) / self.width, 0.0, 1.0)

@@ -17,6 +17,7 @@ from gearpoly.compare.reduce import SAMPLES, shortening
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.sudden import sudden
 from gearpoly.units import UM, BoolArray, FloatArray
 
 BLOCKS = 4096
@@ -36,8 +37,10 @@ def without_jumps(
     estimator = NoiseEstimator(data.u, z_1=gears[0].z, z_2=gears[1].z)
     barred = np.zeros(data.residual.size, dtype=np.bool_)
     turn = STAYS * max(gear.z for gear in gears)
+    period = float(math.lcm(gears[0].z, gears[1].z))
+    at_once = list(sudden(data.u, data.residual, turn=turn, period=period))
     for _ in range(STRETCHES):
-        at = _suspect(data, estimator, gears=gears, barred=barred)
+        at = at_once.pop(0) if at_once else _suspect(data, estimator, gears=gears, barred=barred)
         if at is None:
             break
         low, high = (int(np.searchsorted(data.u, data.u[at] + side * turn)) for side in (-1.0, 1.0))

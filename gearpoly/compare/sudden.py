@@ -27,6 +27,9 @@ STAYS_BY = 0.5
 MOST = 8
 """Sudden places beyond which they are how this recording is: teeth that hand over so at every mesh."""
 
+WIDEST, WIDER = 64, 0.9
+"""Samples that a jump may take, and the part of the squares left by the best so far below which another is better."""
+
 CYCLES = 3
 """Hunting cycles from which on what a place does in most of them is taken off: teeth step in each."""
 
@@ -62,6 +65,26 @@ def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -
             return {}
         free[np.abs(u[inside] - u[inside[here]]) < turn] = 0.0
     return found
+
+
+def took(residual: FloatArray, at: int) -> tuple[int, int]:
+    """The middle sample of a jump near ``at`` of ``residual`` (n,), and how many samples it took: a press fit slips for
+    a while, and what a sharp step leaves of that is large."""
+    low, high = max(0, at - 4 * WIDEST), min(residual.size, at + 4 * WIDEST)
+    x = np.arange(low, high, dtype=np.float64)
+    y = residual[low:high]
+    best, least = (at, 1), math.inf
+    width = 1
+    while width <= WIDEST:
+        # A wider one has to explain more than chance.
+        for middle in range(at - WIDEST, at + WIDEST + 1, max(1, width // 4)):
+            ramp = np.clip((x - middle + 0.5 * (width + 1)) / width, 0.0, 1.0)
+            columns = np.stack([np.ones_like(x), (x - at) / WIDEST, ((x - at) / WIDEST) ** 2, ramp], axis=1)
+            square = float(np.linalg.lstsq(columns, y, rcond=None)[1].sum())
+            if square < WIDER * least:
+                best, least = (middle, width), square
+        width *= 2
+    return best
 
 
 def _mean(sums: FloatArray, low: IntArray, high: IntArray) -> FloatArray:

@@ -190,7 +190,13 @@ def _width(entry: Entry) -> int:
 def columns_of(entry: Entry, one: Aligned) -> FloatArray:
     """Step (n, 1) or cosine and sine (n, 2) of unit size in a recording, as means over samples show them."""
     if entry.moment is not None:
-        at = sample_of(one.turned_round(entry), time_s=one.time_s, theta_1=one.theta_1)
+        now = one.turned_round(entry)
+        if now.rise:
+            timed = now.time_s is not None and one.time_s is not None
+            along = one.time_s if timed else (one.theta_1 - one.theta_1[0]) / (2.0 * math.pi)
+            middle = (now.time_s if timed else now.driving_turn) or 0.0
+            return np.clip((np.asarray(along) - middle) / now.rise + 0.5, 0.0, 1.0)[:, None]
+        at = sample_of(now, time_s=one.time_s, theta_1=one.theta_1)
         return (np.arange(one.theta_2.size) >= at).astype(np.float64)[:, None]
     if entry.kind == "time" and one.time_s is not None and entry.hz is not None:
         angle = 2.0 * math.pi * entry.hz * one.time_s
