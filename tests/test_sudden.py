@@ -53,18 +53,19 @@ def test_slips_are_found_with_their_size_largest_first() -> None:
 def test_what_does_not_stay_or_comes_at_every_turn_is_none() -> None:
     data = made(2)
     bump = slipped(data, (0.5, 30.0, 1), (0.503, -30.0, 1))
-    assert found_in(bump) == {}
+    # What a long window sees of its end is a place to look at, no step of that size.
+    assert all(abs(size) < 0.1 * 30.0 * UM for size in found_in(bump).values())
     many = slipped(data, *((0.05 * k, 30.0 * (-1) ** k, 1) for k in range(1, 20)))
     assert found_in(many) == {}
 
 
 @pytest.mark.parametrize("samples", [1, 8, 32])
-def test_how_long_a_slip_takes_is_told_to_a_factor_of_two(samples: int) -> None:
+def test_how_long_a_slip_takes_is_told_to_a_third(samples: int) -> None:
     data = slipped(made(3), (0.4, 30.0, samples))
     at = int(0.4 * data.residual.size)
     middle, width = took(data.residual, at + 5)
     assert middle == pytest.approx(at, abs=max(2, samples // 4))
-    assert samples / 2 <= width <= 2 * samples
+    assert 0.75 * samples <= width <= 1.4 * samples
 
 
 def test_three_slips_leave_the_noise_what_it_is() -> None:

@@ -26,7 +26,7 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         if found is None:
             continue
         gain, _, _ = found.steps.at(found.at)
-        amplitude, std = size_of(found.left, found.at)
+        amplitude, std = size_of(found.left, found.at, width=jump.width)
         # Beside teeth that hardly came twice a jump and they may cancel: none is larger than all that was recorded.
         too_large = abs(amplitude) > float(np.ptp(search.states[k].data.residual))
         if too_large or _comes_round(search, solution, k, found.at, amplitude):

@@ -195,14 +195,14 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     return Steps(first=low, score=score, information=safe, tests=float(2.0 * np.sum(falls)))
 
 
-def size_of(left: Left, j: int) -> tuple[float, float]:
-    """Size of a step at sample ``j`` in mm and its standard error in mm.
+def size_of(left: Left, j: int, *, width: int = 1) -> tuple[float, float]:
+    """Size of a step at sample ``j`` in mm that took ``width`` samples, and its standard error in mm.
 
     A sharp step is known by its first innovation, which is cut as a burst's would be while steps are looked for: steps
     of nine standard deviations came out a fifth too small. So innovations are cut about the step itself (Huber 1964),
     from that of least squares on: however large a step is, it is then not cut.
     """
-    column = rise(left.rest.size, j, width=1, noise=left.noise)
+    column = rise(left.rest.size, j - width // 2, width=width, noise=left.noise)
     column = column - left.white @ (left.covariance @ (left.white.T @ column))
     information = float(column @ column)
     scale = max(1.0, 1.4826 * float(np.median(np.abs(left.rest))))

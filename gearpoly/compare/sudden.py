@@ -72,19 +72,29 @@ def took(residual: FloatArray, at: int) -> tuple[int, int]:
     a while, and what a sharp step leaves of that is large."""
     low, high = max(0, at - 4 * WIDEST), min(residual.size, at + 4 * WIDEST)
     x = np.arange(low, high, dtype=np.float64)
-    y = residual[low:high]
-    best, least = (at, 1), math.inf
-    width = 1
+    slow = np.stack([np.ones_like(x), (x - at) / WIDEST, ((x - at) / WIDEST) ** 2], axis=1)
+
+    def left(middle: int, width: int) -> float:
+        """Squares that such a jump beside a slow course leaves."""
+        ramp = np.clip((x - middle + 0.5 * (width + 1)) / width, 0.0, 1.0)
+        columns = np.concatenate([slow, ramp[:, None]], axis=1)
+        return float(np.linalg.lstsq(columns, residual[low:high], rcond=None)[1].sum())
+
+    best, least, width = (at, 1), math.inf, 1
     while width <= WIDEST:
-        # A wider one has to explain more than chance.
         for middle in range(at - WIDEST, at + WIDEST + 1, max(1, width // 4)):
-            ramp = np.clip((x - middle + 0.5 * (width + 1)) / width, 0.0, 1.0)
-            columns = np.stack([np.ones_like(x), (x - at) / WIDEST, ((x - at) / WIDEST) ** 2, ramp], axis=1)
-            square = float(np.linalg.lstsq(columns, y, rcond=None)[1].sum())
-            if square < WIDER * least:
+            # A wider one has to explain more than chance.
+            if (square := left(middle, width)) < WIDER * least:
                 best, least = (middle, width), square
         width *= 2
-    return best
+    if best[1] == 1:
+        return best
+    near = [
+        (best[0] + late, round(best[1] * wider))
+        for wider in (0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4)
+        for late in range(-best[1] // 4, best[1] // 4 + 1)
+    ]
+    return min(near, key=lambda one: left(*one))
 
 
 def _mean(sums: FloatArray, low: IntArray, high: IntArray) -> FloatArray:
