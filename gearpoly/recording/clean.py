@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_at_most, told_beside
 from gearpoly.recording.deeds import Deed, note
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
@@ -160,10 +160,10 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     keep, theta_1, theta_2, te = keep[left], theta_1[left], theta_2[left], te[left]
     turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
     if turns < TURNS_LEAST:
-        raise _too_short(recording, f"{turns:.2f} driving turns")
+        raise _too_short(recording, f"{told_beside(turns, TURNS_LEAST, 2)} driving turns")
     if turns < AGAIN:
-        says = f"{turns:.2f} driving turns{_in_rad(recording)}: nothing of the driving shaft has come a second time"
-        done.append(Deed("short", 0, says))
+        says = f"{told_beside(turns, AGAIN, 2)} driving turns{_in_rad(recording)}: nothing of the driving shaft has "
+        done.append(Deed("short", 0, f"{says}come a second time"))
     for shaft, angle in (("driving", theta_1), ("driven", theta_2)):
         if shaft in shafts:
             _check_forward(recording, shaft, angle, keep, done)
@@ -319,9 +319,11 @@ def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: In
         # The turn-round itself is the highest reading before.
         turned = int(np.argmax(angle[: real[0] + 1]))
         found = (
-            f"the {shaft} angle runs back, by {back[real[0]] / DEG:.2f} deg up to {_row(recording, int(keep[real[0]]))}"
+            f"the {shaft} angle runs back, by {told_beside(back[real[0]] / DEG, limit / DEG, 2)} deg up to "
+            f"{_row(recording, int(keep[real[0]]))}"
         )
-        wish = f"want one direction (up to {limit / DEG:.2g} deg back is taken for jitter); cut the recording there"
+        wish = f"want one direction (up to {told_at_most(limit / DEG, 2)} deg back is taken for jitter); cut the "
+        wish += "recording there"
         raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
     steps = int(np.count_nonzero(np.diff(angle) < 0.0))
     says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
+from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError, told_at_most, told_beside
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
@@ -243,8 +243,9 @@ def check_numbers(file: Path, count: int, *, beside: int = 0) -> None:
     needed, limit = NUMBER_BYTES * count + beside, memory_limit(file)
     if needed > limit:
         size = file.stat().st_size
-        found = f"{count} numbers, which take {needed / 2**20:.0f} MB to read, in a file of {size / 2**20:.3g} MB"
-        wish = f"want at most {limit / 2**20:.0f} MB for a file of that size; split it"
+        takes = told_beside(needed / 2**20, limit / 2**20, 0)
+        found = f"{count} numbers, which take {takes} MB to read, in a file of {size / 2**20:.3g} MB"
+        wish = f"want at most {told_at_most(limit / 2**20, 0)} MB for a file of that size; split it"
         if limit < RECORDING_LIMIT_BYTES:
             wish += ", or store it without compression"
         raise InputFileError(file, found=found, wish=wish)

@@ -26,7 +26,7 @@ from gearpoly.recording.runs import is_long, lost_motions, runs_of, says, usable
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
 from gearpoly.recording.turning import FEWEST, Turning, turning_of
-from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, gaps
 from gearpoly.units import FloatArray
 
 ASTRAY = 1.0
@@ -256,7 +256,7 @@ def _clock(time: FloatArray) -> SampleTimes:
     sense = 1.0 if 2 * np.count_nonzero(some < 0.0) < some.size else -1.0
     rising = sense * some[sense * some > 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
-    wide = np.flatnonzero(steps > GAP_STEPS * usual)
+    wide = np.flatnonzero(gaps(sense * steps, usual))
     return SampleTimes(
         rate_hz=_rate(sense * steps, usual),
         spread=(high - low) / usual,
