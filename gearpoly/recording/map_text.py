@@ -25,8 +25,11 @@ def map_text(found: Survey) -> str:
         lines.append(f"# section = {found.number}")
     lines += [f"text.{k} = {held if k == 'widths' else quoted(held)}" for k, held in found.layout.items() if held]
     lines += [_line(one) for one in found.channels if one.sure and one.column]
+    stated = {line.partition(" = ")[0] for line in lines}
     for doubt in found.doubts:
         lines.append(f"# {escaped(doubt.says)}")
+        if any(ask.partition(" = ")[0] in stated for ask in doubt.ask):
+            lines.append("# (in the place of its line above)")
         lines += [f"# {ask}" for ask in doubt.ask]
     lines += _angles_asked(found)
     return "\n".join(lines) + "\n"

@@ -12,7 +12,7 @@ from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.by_readings import contradicting, counter_modulus, since_1970
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import header_unit, quoted
+from gearpoly.recording.meaning import entry, header_unit, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -154,6 +154,10 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
             values = values * factor
     if values is one.values:  # which may be read again: a recording takes over the numbers it gets, unless sealed
         values.setflags(write=False)
+    if column == "time_s":
+        more = [f"scale = {source.scale!r}"] * (source.scale != 1.0) + [f"zero = {source.zero!r}"] * bool(source.zero)
+        out.jumps = source.jumps
+        out.time_entry = entry(column, source.channel, unit, *more, 'jumps = "taken out"')
     out.columns[column] = values
     out.taken_from[column] = source.channel
     if one.time is not None:

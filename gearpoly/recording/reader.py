@@ -23,6 +23,7 @@ from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.by_readings import contradicting
 from gearpoly.recording.by_turns import bring_together
+from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
 from gearpoly.recording.meaning import entry
 from gearpoly.recording.quantities import column_unit
@@ -142,6 +143,8 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    for doubt in on_one_clock(table):
+        table.remarks.append(f"{doubt.says}; in a map, if the clock was set: {' '.join(doubt.ask)}")
     bring_together(file, table)
     for name in ANGLE_COLUMNS:
         other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None

@@ -13,6 +13,7 @@ import numpy as np
 
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.clean import clean
+from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
@@ -142,7 +143,8 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     except GearpolyError as error:
         refusal = str(error)
     out, found = assigned(file, table, chart)
-    doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt)]
+    said = len(out.remarks)
+    doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt), *on_one_clock(out)]
     time = next((v for v in (out.columns.get("time_s"), _likely_time(table, found)) if v is not None), None)
     channels = _channels(table, out, found, time)
     return Survey(
@@ -156,7 +158,7 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         keys=out.keys,
         layout=table.layout,
         doubts=tuple(doubts),
-        remarks=tuple(table.remarks),
+        remarks=(*table.remarks, *out.remarks[said:]),
         refusal=refusal,
         runs=tuple(
             RunSeen(says=says(one), run=one.run, back=one.backward, flank=one.flank, short=not is_long(one, runs))
