@@ -95,20 +95,50 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
 COUNTERS = range(8, 33)
 """Bits of counters that go round."""
 
+ROUND = (1000, 1200, 2000, 2400, 2500, 2880, 4000, 4800, 5000, 7200, 8000, 10_000, 14_400, 20_000, 40_000, 72_000)
+"""Counts of a turn that encoders have beside powers of two; the others are units of an angle too."""
+
+
+FILLED, NEARLY = 0.99, 0.9
+"""Parts of what a counter goes round at that its largest reading reaches: round numbers lie as near as 4 % to one
+another and to powers of two, and these a factor of two apart."""
+
 
 def counter_modulus(values: FloatArray) -> int | None:
-    """The number at which whole readings (n,) begin again, a power of two that they nearly fill, or ``None``."""
+    """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
+    they fill, or ``None``."""
     held = values[np.isfinite(values)][:ENOUGH]
     if held.size < 8 or held.min() < 0.0 or np.any(held != np.rint(held)):
         return None
-    modulus = next((2**bits for bits in COUNTERS if held.max() < 2**bits), None)
-    jumps = np.abs(np.diff(held)) > 0.5 * (modulus or 1)
-    return modulus if modulus and held.max() >= 0.9 * modulus and 1 <= np.sum(jumps) <= held.size // 4 else None
+    top, steps = float(held.max()), np.abs(np.diff(held))
+    power = next((1 << bits for bits in COUNTERS if top < 2**bits), None)
+    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if top < one]
+    for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
+        jumps = steps > 0.5 * modulus
+        if top >= share * modulus and 1 <= np.sum(jumps) <= held.size // 4:
+            return modulus
+    return None
 
 
 def are_row_numbers(values: FloatArray) -> bool:
     """Whether readings (n,) count the rows, from 0 or 1 on."""
     return bool(values.size > 1 and values[0] in (0.0, 1.0) and np.all(np.diff(values) == 1.0))
+
+
+WHOLE_TURNS = 0.01
+"""Part of a turn by which a counter's turn may miss a whole one; next to a power of two the nearest numbers of counts
+that anybody sets are 2 % off (1000 and 1024)."""
+
+
+def are_whole_turns(degrees: float) -> bool:
+    """Whether an angle is one turn or a few, as what readings begin again at is."""
+    return abs(degrees / 360.0 - max(1.0, round(degrees / 360.0))) <= WHOLE_TURNS
+
+
+def rises(values: FloatArray) -> bool:
+    """Whether readings (n,) rise all along and never fall, as those of a clock do."""
+    held = values[np.isfinite(values)]
+    return bool(held.size > 1 and held[-1] > held[0] and np.all(np.diff(held) >= 0.0))
 
 
 EVEN = 1e-6

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.recording.finite import all_finite
 from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS
 from gearpoly.recording.table import Doubt, Table
@@ -23,6 +24,9 @@ HALF_HOUR_S = 1800.0
 
 JUMP_STEPS = 20.0
 """Usual steps that a jump is larger than: computers stamp single samples late by some, and catch up with the next."""
+
+JUMP_LEAST_S = 1.0
+"""Least jump forward in s: computers are busy for less, and their own clocks set themselves by a few ms at a time."""
 
 USUAL_MOST_S = 60.0
 """Usual step above which a jump by an hour is no more than a few samples that are missing."""
@@ -110,7 +114,7 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
     without a gap there."""
     held = time
     rows: IntArray | None = None
-    if not np.isfinite(time[0]) or not np.isfinite(time[-1]) or not np.isfinite(np.sum(time)):
+    if not all_finite(time):
         rows = np.flatnonzero(np.isfinite(time))
         held = time[rows]
     if held.size < 2 * FEWEST + 2 or not shafts:
@@ -121,7 +125,9 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
     if 2 * rising.size < FEWEST:
         return []
     usual = float(np.median(rising))
-    least = JUMP_STEPS * usual
+    least = max(JUMP_STEPS * usual, JUMP_LEAST_S)
+    if usual > USUAL_MOST_S:
+        return []
     if float(np.max(steps)) <= least and float(np.min(steps)) >= -GAP_STEPS * usual:
         return []  # the commonest case
     at = np.flatnonzero((steps > least) | (steps < -GAP_STEPS * usual))
@@ -130,11 +136,15 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
     read: BoolArray = np.logical_and.reduce([np.isfinite(one) for one in shafts]) & np.isfinite(time)
     number = np.flatnonzero(read)
     courses = [_course(one[number]) for one in shafts]
-    samples = _per_sample(steps, at)
-    if not samples > 0.0:
+    mean = _per_sample(steps, at)
+    if not mean > 0.0:
         return []
     out = []
     for k in at.tolist():
+        beside = np.concatenate([steps[max(0, k - BESIDE) : k], steps[k + 1 : k + 1 + BESIDE]])
+        samples = float(np.median(beside)) or mean  # of a shaft that runs up pulses come later and later
+        if abs(steps[k]) <= JUMP_STEPS * samples and steps[k] > 0.0:
+            continue
         row = k if rows is None else int(rows[k])
         place = int(np.searchsorted(number, row))
         if place + 1 >= number.size or number[place] != row:
@@ -164,7 +174,7 @@ def _jump(
     where it was none."""
     hours = HALF_HOUR_S * round(step / HALF_HOUR_S)
     rest = step - hours
-    if hours and usual <= USUAL_MOST_S and -usual <= rest <= LATE_S + GAP_STEPS * usual:
+    if hours and -usual <= rest <= LATE_S + GAP_STEPS * usual:
         lost = rest / sample
         # Stamps in whole seconds leave it open which of the samples in a second these are.
         lost = lost if rest > GAP_STEPS * usual else math.nan

@@ -21,11 +21,11 @@ from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError, to
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
-from gearpoly.recording.by_readings import contradicting
+from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
-from gearpoly.recording.meaning import entry
+from gearpoly.recording.map_lines import counter_entry, entry
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
@@ -151,6 +151,11 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         if other is not None:
             wish = f"want degrees, or a map with {entry(name, name, other)}"
             found = f"readings that begin again after one turn as in {other.name}"
+            raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
+        modulus = counter_modulus(table.columns[name]) if name in table.columns else None
+        if modulus is not None and not are_whole_turns(modulus):
+            wish = f"want degrees, or a map with {counter_entry(name, name, modulus)}"
+            found = f"readings that are counts, and begin again after {modulus}"
             raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if "te_urad" in table.columns and "te_arcsec" in table.columns:
         _take_one_error(file, table)

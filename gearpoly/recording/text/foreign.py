@@ -17,7 +17,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.arrow import joined_codes
 from gearpoly.recording.comments import read_comment
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import WORDS, Channel, Doubt, Table

@@ -1,0 +1,79 @@
+"""Lines of a map as messages name them: each settles what is in doubt of a channel, as it stands or filled in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearpoly.recording.by_readings import counter_modulus, wrapped_unit
+from gearpoly.recording.quantities import ANGLE, COUNT, TIME, UNITS, Unit, column_unit
+from gearpoly.recording.recording import ANGLE_COLUMNS
+from gearpoly.units import FloatArray
+
+LEFT = "leave_out = "
+"""How the line begins that leaves channels out."""
+
+
+def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
+    """The line of a map that gives the ``column`` to a channel, in the contract's unit where none is known."""
+    held = [f"from = {quoted(channel)}"]
+    if column_unit(column).dimension != COUNT:
+        held.append(f"unit = {quoted((unit or column_unit(column)).name)}")
+    return f"columns.{column} = {{ {', '.join([*held, *more])} }}"
+
+
+def quoted(text: str) -> str:
+    """A text as TOML writes it, whatever it holds; what does not print is escaped, so that it can be copied."""
+    held = json.dumps(text, ensure_ascii=False)
+    return held if held.isprintable() else "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in held)
+
+
+def left_out(channel: str) -> str:
+    """The line of a map that leaves a channel out."""
+    return f"{LEFT}[{quoted(channel)}]"
+
+
+def each_once(lines: Iterable[str]) -> list[str]:
+    """The lines of a map, the first of each key; what several leave out is in one."""
+    held: dict[str, str] = {}
+    for line in lines:
+        key = line.partition(" = ")[0]
+        if line.startswith(LEFT) and key in held:
+            held[key] = f"{held[key][:-1]}, {line[len(LEFT) + 1 :]}"
+        else:
+            held.setdefault(key, line)
+    return list(held.values())
+
+
+def angle_entry(column: str, channel: str, values: FloatArray) -> str:
+    """The line that gives an angle's ``column`` to a channel with readings (n,) and no unit: in that in which they
+    begin again after one turn, or as counts."""
+    modulus = counter_modulus(values) if column in ANGLE_COLUMNS else None
+    if modulus is not None:
+        return counter_entry(column, channel, modulus)
+    return entry(column, channel, wrapped_unit(values) if column_unit(column).dimension == ANGLE else None)
+
+
+def counter_entry(column: str, channel: str, modulus: int) -> str:
+    """The line that gives an angle's ``column`` to counts that begin again at a ``modulus``, if that is one turn."""
+    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
+
+
+WHOLE_STEP = {"ms": 2.0, "us": 1e4, "ns": 1e7}
+"""Steps of whole numbers from which they are likelier counted in that unit than in the one before: loggers take from
+one sample in 10 s to some thousands in one."""
+
+
+def likely_time(values: FloatArray) -> tuple[Unit, str]:
+    """The unit that times (n,) of none are likelier in, and how long they last in each."""
+    held = values[np.isfinite(values)]
+    unit = UNITS[TIME]["s"]
+    if held.size < 2 or np.any(held != np.rint(held)):
+        return unit, ""
+    step = abs(float(np.median(np.diff(held))))
+    for name, least in WHOLE_STEP.items():
+        unit = UNITS[TIME][name] if step >= least else unit
+    lasts = [f"{float(np.ptp(held)) * UNITS[TIME][one].size:.4g} s in {one}" for one in ("s", *WHOLE_STEP)]
+    return unit, f" (it lasts {', '.join(lasts)})"
