@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import InputFileError, told_at_most, told_beside
 from gearpoly.recording.deeds import Deed, note
+from gearpoly.recording.looks_like import COMES_BACK
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.reversals import backward_limit
@@ -210,7 +211,10 @@ def _too_short(recording: Recording, found: str) -> TooShortError:
 
 
 def _in_rad(recording: Recording) -> str:
-    """A word about angles that were written in rad and read as deg, where those would be turns enough."""
+    """A word about angles that were written in rad and read as deg, where those would be turns enough, or the one that
+    was said of their unit."""
+    if said := next((one for one in recording.remarks if COMES_BACK in one), ""):
+        return f" ({said})"
     angle = recording.driving_angle_rad if recording.driving_angle_rad is not None else recording.driven_angle_rad
     read = np.empty(0) if angle is None else angle[np.isfinite(angle)]
     turns = float(np.ptp(read)) / DEG / TURN if read.size else 0.0

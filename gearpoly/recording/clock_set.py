@@ -109,6 +109,7 @@ class _Course:
         return steps if math.isinf(self.turn) else steps - self.turn * np.rint(steps / self.turn)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJump]:
     """The jumps of a clock with ``time`` (n,) in s, by the readings (n,) of ``shafts`` in deg or counts, which turn on
     without a gap there."""

@@ -61,6 +61,16 @@ def counter_entry(column: str, channel: str, modulus: int) -> str:
     return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
 
 
+def counts_entries(shaft: str, channel: str, *, stated: bool = False) -> tuple[str, ...]:
+    """The lines that give a channel's counts to a ``shaft``, with the lines of the encoder to be filled in; ``stated``:
+    the channel states a unit of its own."""
+    return (
+        entry(f"{shaft}_count", channel, None, *(['unit = "1"'] if stated else [])),
+        f"keys.{shaft}_lines = 1000",
+        f"keys.{shaft}_counts_per_line = 4",
+    )
+
+
 WHOLE_STEP = {"ms": 2.0, "us": 1e4, "ns": 1e7}
 """Steps of whole numbers from which they are likelier counted in that unit than in the one before: loggers take from
 one sample in 10 s to some thousands in one."""

@@ -43,6 +43,7 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         if column in ANGLE_COLUMNS and source.wraps is None:
             _check_unit(chart, column, one, source, unit)
         put(out, times, column, one, replace(source, channel=name, unit=unit))
+        out.mapped.add(column)
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
             shaft = column.partition("_")[0]
@@ -153,6 +154,7 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         more = [f"scale = {source.scale!r}"] * (source.scale != 1.0) + [f"zero = {source.zero!r}"] * bool(source.zero)
         out.jumps = source.jumps
         out.time_entry = entry(column, source.channel, unit, *more, 'jumps = "taken out"')
+    out.units[column] = unit
     out.columns[column] = values
     out.taken_from[column] = source.channel
     if one.time is not None:

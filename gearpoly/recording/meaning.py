@@ -24,7 +24,7 @@ from gearpoly.recording.by_readings import (
     wrapped_unit,
 )
 from gearpoly.recording.header import COUNTED, header_unit, is_clock
-from gearpoly.recording.map_lines import counter_entry, entry, left_out, likely_time, quoted
+from gearpoly.recording.map_lines import counter_entry, counts_entries, entry, left_out, likely_time, quoted
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -284,9 +284,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
 
 def _counted(one: Meaning, shaft: str) -> Meaning:
     """Counts as those of a ``shaft``, with the lines of a map that say so."""
-    own, column = f"keys.{shaft}", f"{shaft}_count"
-    ask = (entry(column, one.channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
-    return replace(one, column=column, ask=ask)
+    return replace(one, column=f"{shaft}_count", ask=counts_entries(shaft, one.channel))
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:

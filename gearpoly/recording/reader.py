@@ -25,6 +25,8 @@ from gearpoly.recording.by_readings import are_whole_turns, contradicting, count
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
+from gearpoly.recording.in_name import in_name
+from gearpoly.recording.looks_like import check_units
 from gearpoly.recording.map_lines import counter_entry, entry
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
@@ -143,6 +145,9 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    check_units(file, table)
+    for doubt in in_name(file, table.keys, table.columns):
+        table.remarks.append(f"{doubt.says}, in a map: {' '.join(doubt.ask)}")
     for doubt in on_one_clock(table):
         table.remarks.append(f"{doubt.says}; in a map, if the clock was set: {' '.join(doubt.ask)}")
     bring_together(file, table)

@@ -14,6 +14,8 @@ import numpy as np
 from gearpoly.errors import GearpolyError
 from gearpoly.recording.clean import clean
 from gearpoly.recording.clock_set import on_one_clock
+from gearpoly.recording.in_name import in_name
+from gearpoly.recording.looks_like import unit_doubts
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
@@ -145,6 +147,8 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     out, found = assigned(file, table, chart)
     said = len(out.remarks)
     doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt), *on_one_clock(out)]
+    doubts += unit_doubts(out)
+    doubts += in_name(file, out.keys, [*out.columns, *(one.column for one in found)])
     time = next((v for v in (out.columns.get("time_s"), _likely_time(table, found)) if v is not None), None)
     channels = _channels(table, out, found, time)
     return Survey(

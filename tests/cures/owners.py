@@ -74,6 +74,15 @@ def channels(begins: tuple[str, str]) -> Callable[[Path], None]:
 OWN_COUNTS = "".join(f'columns.{column} = {{ from = "{column}", {OF_TURNS} }}\n' for column in RUN_NAMES[1:3])
 
 
+TURNED = 6.0 * 30.0 * np.arange(4000) / 50.0
+WAVES = np.degrees(4e-5 * np.sin(np.radians(TURNED)))
+QUICK_FROM = (("driving_angle_deg", "Input angle [rev]"), ("driven_angle_deg", "Output angle [rev]"))
+QUICK = table(
+    [np.arange(4000) / 50.0, TURNED, 0.72 * TURNED + WAVES], ("t [s]", *(name for _, name in QUICK_FROM)),
+    separator=",", decimal=".",
+)  # fmt: skip
+
+
 CURES = [
     text(
         "two runs side by side",
@@ -91,6 +100,13 @@ CURES = [
         "an angle and a length",
         'columns.te_um = { from = "a_um", unit = "um", sign = 1 }',
         beside(("Input angle [deg]", "a_um")),
+    ),
+    text(
+        "degrees under a header of turns",
+        'unit = "deg"',
+        QUICK,
+        file="log.txt",
+        cured="".join(f'columns.{column} = {{ from = "{name}", unit = "deg" }}\n' for column, name in QUICK_FROM),
     ),
     text("counts under the name of degrees", "wraps = 65536", COUNTED, file="log.txt", cured=OWN_COUNTS),
     curve("no period", "want the worm's period in s, above 0", CURVE.replace("Period=479", "Period=0")),
