@@ -13,9 +13,10 @@ from gearpoly.recording.by_readings import are_row_numbers, runs_evenly
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_lines import angle_entry, each_once, entry, likely_time
 from gearpoly.recording.meaning import RUN, Meaning
+from gearpoly.recording.pulse_times import asked_of_pulses
 from gearpoly.recording.quantities import ANGLE, LENGTH, SPEED, TIME, TORQUE, Unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, TE_COLUMNS, raw_channels
-from gearpoly.recording.table import AXIS_ERROR, WORDS, Channel, Table
+from gearpoly.recording.table import AXIS_ERROR, PULSE_TIMES, WORDS, Channel, Table
 from gearpoly.recording.words import OTHER, RADIAL, TE
 
 SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
@@ -38,6 +39,8 @@ def angles_known(names: Iterable[str]) -> bool:
         angle in held or bool({"a", "count"} & set(raw_channels(held, shaft)))
         for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
     )
+    if any(name in PULSE_TIMES for name in held):
+        return True  # what is lacking is told where they are read
     return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
 
 
@@ -47,6 +50,10 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
     needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
     if not angles_known(out.columns):
         _check_kind(file, meant)
+        pulses = asked_of_pulses(meant, dict(channels))
+        if pulses is not None:
+            wish = f"{wish_for(pulses[1])}; lines are the pulses of a turn"
+            raise InputFileError(file, found=pulses[0], wish=wish)
         angles = [one for one in doubtful if one.dimension == ANGLE] or [
             one for one in doubtful if one.dimension not in (*ASKED, SPEED)
         ]

@@ -16,7 +16,7 @@ from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text, shorten
 from gearpoly.recording.quantities import DOUBTFUL, Unit, column_unit, known_units, unit_written, units_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key
-from gearpoly.recording.table import MAPPED_AXIS
+from gearpoly.recording.table import MAPPED_AXIS, PULSE_TIMES
 from gearpoly.recording.text.cells import APOSTROPHES, BLANKS
 from gearpoly.recording.text.fixed_width import WIDTH_LIMIT
 from gearpoly.recording.text.stamps import ORDERS
@@ -88,7 +88,7 @@ def read_map(path: Path | str) -> RecordingMap:
         raise _fault(file, "leave_out", left, 'a list of names, such as ["Winkel Tisch"]')
     columns = {}
     for name, inside in tables["columns"].items():
-        if name not in (*COLUMNS, *MAPPED_AXIS):
+        if name not in (*COLUMNS, *MAPPED_AXIS, *PULSE_TIMES):
             wish = f'the nearest known column is "{nearest(name, COLUMNS)}" (known: {", ".join(COLUMNS)})'
             raise InputFileError(file, where=f"columns.{shorten(name)}", found="unknown column", wish=wish)
         columns[name] = _source(file, name, _table(file, f"columns.{name}", inside))

@@ -28,6 +28,7 @@ from gearpoly.recording.finite import has_infinite
 from gearpoly.recording.in_name import in_name
 from gearpoly.recording.looks_like import check_units
 from gearpoly.recording.map_lines import counter_entry, entry
+from gearpoly.recording.pulse_times import angles_from_pulse_times
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
@@ -43,7 +44,7 @@ from gearpoly.recording.recording import (
     check_key,
     recording_from_columns,
 )
-from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.table import AXIS_ERROR, PULSE_TIMES, Table
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
@@ -138,6 +139,8 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
     ``worm``."""
     if AXIS_ERROR in table.columns:
         table = at_the_worm(file, table, worm)
+    if any(name in PULSE_TIMES for name in table.columns):
+        table = angles_from_pulse_times(file, table)
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:

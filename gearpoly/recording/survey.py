@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import GearpolyError
+from gearpoly.recording.asked import angles_known
 from gearpoly.recording.clean import clean
 from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.in_name import in_name
@@ -20,6 +21,7 @@ from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
+from gearpoly.recording.pulse_times import asked_of_pulses
 from gearpoly.recording.quantities import Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
@@ -147,6 +149,9 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     out, found = assigned(file, table, chart)
     said = len(out.remarks)
     doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt), *on_one_clock(out)]
+    pulses = asked_of_pulses(found, table.others) if not angles_known(out.columns) else None
+    if pulses is not None:  # in place of the same columns as times of samples
+        doubts = [*table.doubts, Doubt(says=pulses[0], ask=pulses[1])]
     doubts += unit_doubts(out)
     doubts += in_name(file, out.keys, [*out.columns, *(one.column for one in found)])
     time = next((v for v in (out.columns.get("time_s"), _likely_time(table, found)) if v is not None), None)

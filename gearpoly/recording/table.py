@@ -18,6 +18,16 @@ MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
 """Those of them that a table under names of its own may have."""
 
 
+PULSE_TIME, PULSE_CHANNEL = "pulse_time_s", "pulse_channel"
+PULSE_TIMES = (
+    *(f"{shaft}_{kind}" for shaft in ("driving", "driven") for kind in ("pulse_s", "interval_s")),
+    PULSE_TIME,
+    PULSE_CHANNEL,
+)
+"""Columns that a map may give in the place of angles: the times of each shaft's pulses, the times between them, or the
+time of any pulse beside its channel, which is 0 for the driving shaft."""
+
+
 WORDS = "of words"
 """How it is said that columns hold words."""
 

@@ -87,6 +87,12 @@ CLOCKS = {"millis": "ms", "micros": "us", "nanos": "ns"}
 PERCENT = ("pct", "percent", "prozent", "pourcent", "porcentaje", "percento", "perc")
 """Words for per cent in a name."""
 
+INTERVALS = (
+    *("dt", "period", "periods", "interval", "intervals", "periode", "perioden", "periodendauer", "intervall"),
+    *("intervalle", "periodo", "intervalo", "intervallo"),
+)
+"""Words for the time between two pulses."""
+
 RUN_WORDS = (
     "run|lauf|laufe|trial|messung|measurement|meas|versuch|essai|mesure|prova|prueba|medicion|misura|wiederholung|"
     "repeat|repetition|rep|durchgang|durchlauf|pass|test"
