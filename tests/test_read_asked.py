@@ -198,3 +198,72 @@ def test_a_tangential_composite_deviation_is_a_transmission_error(tmp_path: Path
     te = 20.0 * np.sin(DRIVING * DEGREE)
     lines = cure(made(tmp_path, ("Input angle [deg]", "Fi' [um]"), DRIVING, te), tmp_path)
     assert lines == ['columns.te_um = { from = "Fi\' [um]", unit = "um", sign = 1 }']
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_a_comment_that_says_a_double_flank_test_is_told(tmp_path: Path, own: bool) -> None:
+    names = ("driving_angle_deg", "te_um") if own else ("Input angle [deg]", "Output angle [deg]")
+    text = table([DRIVING, TORQUE if own else DRIVEN], names, separator=",", decimal=".")
+    file = written(tmp_path, f"# Zweiflankenwälzprüfung, Nr. 4\n{text}")
+    assert any("radial composite" in one for one in read_recording(file).remarks)
+    other = written(tmp_path, f"# Einflankenwälzprüfung, Nr. 4\n{text}", name="other.csv")
+    assert not any("radial" in one for one in read_recording(other).remarks)
+
+
+def test_counts_of_a_controller_are_offered_as_counts(tmp_path: Path) -> None:
+    turned = np.arange(1200) * 1.8
+    counts = [np.floor(one / 360.0 * 2400.0) for one in (turned, 0.72 * turned)]
+    lines = cure(made(tmp_path, ("ms", "E1", "E2"), TIME_S * 1e3, *counts, digits=0), tmp_path)
+    assert lines[:2] == ['columns.driving_count = { from = "E1" }', "keys.driving_lines = 1000"]
+
+
+def test_levels_of_an_oscilloscope_are_offered_as_pulses(tmp_path: Path) -> None:
+    t = np.arange(6000) / 2000.0
+    levels = [2.5 + 2.4 * np.sign(np.sin(2.0 * np.pi * hz * t + 0.3)) for hz in (100.0, 72.0)]
+    file = made(tmp_path, ("Time [s]", "CH1 [V]", "CH2 [V]"), t, *levels)
+    with pytest.raises(InputFileError) as caught:
+        read_recording(file)
+    lines = LINE.findall(caught.value.wish)
+    assert lines[0] == 'columns.driving_a = { from = "CH1 [V]" }'
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines).replace("= 1000", "= 60")))
+    assert read.driving_angle_rad is not None
+    assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 5.0) < 0.1
+
+
+@pytest.mark.parametrize("names", [("sin1 [V]", "cos1 [V]", "sin2 [V]", "cos2 [V]"), ("qw", "qx", "qy", "qz")])
+def test_what_swings_is_offered_for_no_angle(tmp_path: Path, names: tuple[str, ...]) -> None:
+    t = np.arange(3000) / 100.0
+    waves = [wave(2.0 * np.pi * hz * t) for hz in (1.0, 0.72) for wave in (np.sin, np.cos)]
+    with pytest.raises(InputFileError, match="readings of both shafts") as caught:
+        read_recording(made(tmp_path, ("t [s]", *names), t, *waves))
+    assert ("atan2" in caught.value.wish) == names[0].startswith("sin")
+
+
+def test_an_angle_alone_is_not_asked_for_its_shaft(tmp_path: Path) -> None:
+    """After that answer it was refused for the other shaft's."""
+    with pytest.raises(InputFileError, match="the angle of one shaft alone"):
+        read_recording(made(tmp_path, ("t [s]", "angle [deg]"), TIME_S, DRIVING))
+
+
+def test_of_two_torques_the_second_is_offered_as_the_driven_one(tmp_path: Path) -> None:
+    names = ("t [s]", "Angle 1 [deg]", "Angle 2 [deg]", "Torque 1 [Nm]", "Torque 2 [Nm]")
+    lines = cure(made(tmp_path, names, TIME_S, DRIVING, DRIVEN, 0.72 * TORQUE, TORQUE), tmp_path)
+    assert lines[-1] == 'columns.torque_nm = { from = "Torque 2 [Nm]", unit = "N.m" }'
+
+
+def test_an_index_in_brackets_is_no_unit(tmp_path: Path) -> None:
+    lines = cure(made(tmp_path, ("time[0]", "Y[0]", "Y[1]"), TIME_S, DRIVING, DRIVEN), tmp_path)
+    assert 'columns.time_s = { from = "time[0]", unit = "s" }' in lines
+
+
+def test_stamps_in_whole_seconds_have_the_rate_of_the_samples(tmp_path: Path) -> None:
+    columns = np.floor(TIME_S), DRIVING, DRIVEN
+    (found,) = survey(made(tmp_path, ("t [s]", *ANGLES), *columns))
+    assert found.clock is not None and found.clock.alike == 100
+    assert abs(found.clock.rate_hz / 100.0 - 1.0) < 0.1  # as fine as the first and the last second
+
+
+def test_dates_of_spreadsheets_have_their_rate(tmp_path: Path) -> None:
+    file = made(tmp_path, ("Datum", *ANGLES), 46_000.0 + TIME_S / 86_400.0, DRIVING, DRIVEN, digits=(9, 5, 5))
+    clock = survey(file)[0].clock
+    assert clock is not None and abs(clock.seconds - TIME_S[-1]) < 1e-3

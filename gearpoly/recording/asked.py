@@ -9,15 +9,15 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.by_readings import are_row_numbers, runs_evenly
+from gearpoly.recording.by_readings import are_levels, are_row_numbers, runs_evenly, swings
 from gearpoly.recording.header import header_unit
-from gearpoly.recording.map_lines import angle_entry, each_once, entry, likely_time
+from gearpoly.recording.map_lines import angle_entries, each_once, entry, likely_time
 from gearpoly.recording.meaning import RUN, Meaning
 from gearpoly.recording.pulse_times import asked_of_pulses
-from gearpoly.recording.quantities import ANGLE, LENGTH, SPEED, TIME, TORQUE, Unit, unit_written
+from gearpoly.recording.quantities import ANGLE, COUNT, LENGTH, SPEED, TIME, TORQUE, Unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, TE_COLUMNS, raw_channels
 from gearpoly.recording.table import AXIS_ERROR, PULSE_TIMES, WORDS, Channel, Table
-from gearpoly.recording.words import OTHER, RADIAL, TE
+from gearpoly.recording.words import OTHER, RADIAL, TE, tokens
 
 SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
 
@@ -65,7 +65,7 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
             used = out.taken_from.values()
             free = [one for one in meant if one.channel not in used and one.dimension not in NO_ANGLES]
             first = next((one.run for one in meant if one.run), "")
-            free = [one for one in free if one.run in ("", first)]
+            free = [one for one in free if one.run in ("", first) and not _is_no_angle(one, channels)]
             timed = "time_s" in out.columns or any(one.column == "time_s" for one in meant)
             ask = _offered([*([] if timed else ["time_s"]), *lacking], free, channels)
             if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
@@ -85,14 +85,39 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
                 raise InputFileError(file, found=found, wish=wish)
             if len(free) < len(lacking):
                 wish = "want the readings of both shafts, or of one and a transmission error, in one file"
+                if {"sin", "cos"} <= {word for one in meant for word in tokens(one.channel)}:
+                    wish += "; of sine and cosine make a column of each angle first: atan2(sine, cosine)"
                 raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=wish)
             raise InputFileError(
                 file,
                 found=f"no column that is surely {lacks}, only {there}",
                 wish=wish_for(every),
             )
+        _check_other(file, meant, [*out.columns, *(one.column for one in angles)], channels)
     if needed:
+        torques = [one for one in needed if one.dimension == TORQUE and not (one.shaft or one.twice)]
+        if len(torques) == 2:  # of two in a row the second is the driven shaft's, as of angles
+            needed = [*(one for one in needed if one not in torques), *torques[::-1]]
         raise _in_doubt(file, needed)
+
+
+def _check_other(file: Path, meant: Sequence[Meaning], able: Sequence[str], channels: Mapping[str, Channel]) -> None:
+    """Raise ``InputFileError`` where the columns that a recording is ``able`` to have are no more than one shaft's, and
+    nothing else may be the other's."""
+    if angles_known(able) or any(
+        one.dimension in ("", COUNT) and not _is_no_angle(one, channels) for one in meant if one.column not in able
+    ):
+        return
+    there = shorten(", ".join(one.channel for one in meant), width=200)
+    held = "a transmission error alone" if any(name in TE_COLUMNS for name in able) else "the angle of one shaft alone"
+    wish = "want the readings of both shafts, or of one and a transmission error, in one file"
+    raise InputFileError(file, found=f"{held}, by its names: {there}", wish=wish)
+
+
+def _is_no_angle(one: Meaning, channels: Mapping[str, Channel]) -> bool:
+    """Whether a channel of no known quantity turns no shaft by its readings: it swings, or stands, and is no pulse."""
+    held = channels.get(one.channel)
+    return not one.dimension and held is not None and swings(held.values) and not are_levels(held.values)
 
 
 def _check_kind(file: Path, meant: Sequence[Meaning]) -> None:
@@ -151,7 +176,7 @@ def _offered(lacking: Sequence[str], free: Sequence[Meaning], channels: Mapping[
     nothing = np.empty(0)
     for angle, one in sorted(chosen.items(), key=lambda pair: lacking.index(pair[0])):
         held = channels.get(one.channel)
-        out.append(angle_entry(angle, one.channel, nothing if held is None else held.values))
+        out += angle_entries(angle, one.channel, nothing if held is None else held.values)
     return tuple(out)
 
 

@@ -141,6 +141,53 @@ def rises(values: FloatArray) -> bool:
     return bool(held.size > 1 and held[-1] > held[0] and np.all(np.diff(held) >= 0.0))
 
 
+COUNTS_LEAST = 800.0
+"""Whole numbers, two turns in gons, beyond which readings that never begin again are counts."""
+
+FEWEST = 200
+"""Readings from which that is told, and what a channel is that is no angle."""
+
+
+def are_counts(values: FloatArray) -> bool:
+    """Whether readings (n,) are whole numbers that only go on, for more than any unit's turn has of them."""
+    held = values[np.isfinite(values)][: 10 * ENOUGH]
+    if held.size < FEWEST or np.any(np.abs(held - np.rint(held)) > 1e-6):
+        return False
+    steps = np.diff(held)
+    return float(np.ptp(held)) > COUNTS_LEAST and bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+
+
+LEVEL = 0.1
+"""Part of the range of a channel within which a reading is at one of its two levels."""
+
+
+def are_levels(values: FloatArray) -> bool:
+    """Whether readings (n,) switch between two levels, as a channel of an encoder does."""
+    held = values[np.isfinite(values)][: 10 * ENOUGH]
+    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    if span == 0.0:
+        return False
+    share = (held - held.min()) / span
+    high = share > 0.5
+    clear = np.count_nonzero((share < LEVEL) | (share > 1.0 - LEVEL))
+    return bool(clear > 0.95 * held.size and np.count_nonzero(high[1:] != high[:-1]) >= 8)
+
+
+SWINGS = 20.0
+"""Times its range that a channel goes without ever beginning again, from which it swings and turns no shaft: forth and
+back ten times."""
+
+
+def swings(values: FloatArray) -> bool:
+    """Whether readings (n,) stand still or swing to and fro without a wrap, as no angle of a shaft does."""
+    held = values[np.isfinite(values)][:ENOUGH]
+    if held.size < FEWEST:
+        return False
+    steps = np.abs(np.diff(held))
+    span = float(np.ptp(held))
+    return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS * span)
+
+
 EVEN = 1e-6
 """Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""
 

@@ -25,6 +25,8 @@ def header_unit(header: str) -> tuple[str, str]:
     text = header.strip()
     if len(text) > NAME_LIMIT:
         return text, ""
+    if re.search(r"\S\[\d+\]$", text):
+        return text, ""  # one of several, as programs count them
     if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
         return found[1].strip(), found[2].strip()
     for pattern in (*_BRACKETS, r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.by_readings import COUNTERS, ROUND
+from gearpoly.recording.by_readings import COUNTERS, FEWEST, ROUND, are_counts
 from gearpoly.recording.map_lines import counts_entries, entry
 from gearpoly.recording.quantities import ANGLE, UNITS, Unit
 from gearpoly.recording.recording import ANGLE_COLUMNS, TE_COLUMNS
@@ -22,9 +22,6 @@ from gearpoly.units import FloatArray
 
 LOOKED_AT = 4000
 """Samples that are looked at; the waves of a shaft's turn have hundreds of them."""
-
-FEWEST = 200
-"""Samples from which anything is told of waves."""
 
 TURNS_LEAST = 4.0
 """Turns in the other unit from which it is told: fewer waves are like any slow course."""
@@ -79,7 +76,7 @@ def unit_doubts(table: Table) -> list[Doubt]:
     like = _looks_like(numbers, error, units[0])
     called = {name: table.taken_from.get(name, name) for name in held}
     if like is None:
-        if not all(_are_counts(one) for one in numbers):
+        if not all(are_counts(one) for one in numbers):
             return []
         says = f"the angles are stated in {units[0].name}, and are whole numbers that never begin again, as counts are"
         ask = [line for name in held for line in counts_entries(name.partition("_")[0], called[name], stated=True)]
@@ -106,15 +103,6 @@ def check_units(file: Path, table: Table) -> None:
         if COMES_BACK in doubt.says and max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG:
             raise InputFileError(file, found=doubt.says, wish=f"want {asks}")
         table.remarks.append(f"{doubt.says}; {asks}")
-
-
-def _are_counts(numbers: FloatArray) -> bool:
-    """Whether numbers (n,) are whole, and run on for more than any unit's turn has of them."""
-    some = numbers[np.isfinite(numbers)][: 50 * LOOKED_AT]
-    if some.size < FEWEST or np.any(np.abs(some - np.rint(some)) > 1e-6):
-        return False
-    steps = np.diff(some)
-    return float(np.ptp(some)) > 2.0 * 400.0 and bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
 
 
 def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated: Unit) -> _Like | None:

@@ -7,9 +7,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.recording.by_readings import counter_modulus, wrapped_unit
+from gearpoly.recording.by_readings import are_counts, are_levels, counter_modulus, wrapped_unit
 from gearpoly.recording.quantities import ANGLE, COUNT, TIME, UNITS, Unit, column_unit
-from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.units import FloatArray
 
 LEFT = "leave_out = "
@@ -47,13 +46,18 @@ def each_once(lines: Iterable[str]) -> list[str]:
     return list(held.values())
 
 
-def angle_entry(column: str, channel: str, values: FloatArray) -> str:
-    """The line that gives an angle's ``column`` to a channel with readings (n,) and no unit: in that in which they
-    begin again after one turn, or as counts."""
-    modulus = counter_modulus(values) if column in ANGLE_COLUMNS else None
+def angle_entries(column: str, channel: str, values: FloatArray) -> tuple[str, ...]:
+    """The lines that give an angle's ``column`` to a channel with readings (n,) and no unit: in that in which they
+    begin again after one turn, as counts, or as the pulses of an encoder."""
+    shaft = column.partition("_")[0]
+    modulus = counter_modulus(values)
+    if are_levels(values):
+        return (entry(f"{shaft}_a", channel, None), f"keys.{shaft}_lines = 1000")
     if modulus is not None:
-        return counter_entry(column, channel, modulus)
-    return entry(column, channel, wrapped_unit(values) if column_unit(column).dimension == ANGLE else None)
+        return (counter_entry(column, channel, modulus),)
+    if are_counts(values):
+        return counts_entries(shaft, channel)
+    return (entry(column, channel, wrapped_unit(values)),)
 
 
 def counter_entry(column: str, channel: str, modulus: int) -> str:

@@ -217,12 +217,17 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         # Nothing else of a drive is told in seconds and runs on evenly.
         timed = quantity == TIME and unit_written(stated, TIME) is not None and runs_evenly(held.values)
         doubt = "" if timed else f"known by its unit alone, {stated}"
+        if quantity == TIME and not rises(held.values) and not rises(-held.values):
+            return Meaning(channel=channel, unit=unit_written(stated, TIME), dimension=TIME)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
             doubt = "a date as spreadsheets count them, in days"
             ask = (entry("time_s", channel, UNITS[TIME]["d"]),)
-            return Meaning(channel=channel, column="time_s", dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask)
+            unit = UNITS[TIME]["d"]
+            return Meaning(
+                channel=channel, column="time_s", unit=unit, dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask
+            )
         counted = since_1970(held.values) if unit is None and not stated else None
         if counted is not None:
             why = f'"{name}", {counted.name} since 1970'
@@ -233,7 +238,8 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         settled = replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
         if unit is None and not stated:
             likely, lasts = likely_time(held.values)
-            settled = replace(settled, doubt=settled.doubt + lasts, ask=(entry("time_s", channel, likely),))
+            ask = (entry("time_s", channel, likely),)
+            settled = replace(settled, unit=likely, doubt=settled.doubt + lasts, ask=ask)
         return settled
     if quantity == COUNT:
         doubt = "counts of an encoder whose lines are not stated"

@@ -43,13 +43,14 @@ of themselves and add up stray farther within 1000 samples (0.05 sqrt(1000) = 1.
 class SampleTimes:
     """Times of the samples: ``rate_hz`` of the usual step, or of all between gaps where they are even and rounded, the
     ``spread`` of the steps (5 to 95 %, relative), ``seconds`` from first to last, ``gaps`` of more than three steps as
-    (row, s) and ``backs``, rows before which the time runs back."""
+    (row, s) and ``backs``, rows before which the time runs back; ``alike`` samples share a time where most do."""
 
     rate_hz: float
     spread: float
     seconds: float
     gaps: tuple[tuple[int, float], ...]
     backs: tuple[int, ...]
+    alike: int = 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -267,11 +268,21 @@ def _clock(time: FloatArray) -> SampleTimes:
     sense = 1.0 if 2 * np.count_nonzero(some < 0.0) < some.size else -1.0
     rising = sense * some[sense * some > 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
+    seconds = abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0
+    if seconds and 2 * np.count_nonzero(some == 0.0) > some.size:
+        # Times are coarser than the samples: how many there are in all is their rate.
+        changes = np.count_nonzero(steps)
+        backs = tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0))
+        late = tuple((int(rows[k]) + 1, float(steps[k])) for k in np.flatnonzero(sense * steps > GAP_STEPS * usual))
+        return SampleTimes(
+            rate_hz=steps.size / seconds, spread=0.0, seconds=seconds, gaps=late, backs=backs,
+            alike=round(rows.size / (changes + 1)),
+        )  # fmt: skip
     wide = np.flatnonzero(gaps(sense * steps, usual))
     return SampleTimes(
         rate_hz=_rate(sense * steps, usual),
         spread=(high - low) / usual,
-        seconds=abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0,
+        seconds=seconds,
         gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
         backs=tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0)),
     )

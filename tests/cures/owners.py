@@ -96,6 +96,12 @@ CURES = [
         beside(("Input angle [deg]", "Fi'' [um]")),
         beside(("Input angle [deg]", "Output angle [deg]")),
     ),
+    text(
+        "one shaft alone",
+        "want the readings of both shafts",
+        "\n".join(row.rpartition(",")[0] for row in beside(("angle [deg]", "x")).splitlines()) + "\n",
+        beside(("Input angle [deg]", "Output angle [deg]")),
+    ),
     by_its_lines(
         "an angle and a length",
         'columns.te_um = { from = "a_um", unit = "um", sign = 1 }',
