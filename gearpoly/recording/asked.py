@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.by_readings import are_levels, are_row_numbers, runs_evenly, swings
+from gearpoly.recording.by_readings import are_levels, are_row_numbers, level_changes, runs_evenly, swings
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_lines import angle_entries, each_once, entry, likely_time
 from gearpoly.recording.meaning import RUN, Meaning
@@ -76,6 +76,7 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
             if out.unread is not None and (len(free) < len(lacking) or not out.unread[0].endswith(WORDS)):
                 found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
                 raise InputFileError(file, found=found, wish=out.unread[1])
+            beside = _of_one_encoder(free, channels)
             every = each_once([*ask, *(line for one in needed for line in one.ask)])
             long = next((one.channel for one in meant if one.dimension == LENGTH), "")
             if len(free) < len(lacking) == 1 and long:
@@ -91,9 +92,11 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
             raise InputFileError(
                 file,
                 found=f"no column that is surely {lacks}, only {there}",
-                wish=wish_for(every),
+                wish=wish_for(every) + beside,
             )
-        _check_other(file, meant, [*out.columns, *(one.column for one in angles)], channels)
+        errors = [one for one in doubtful if one.dimension == TE and one not in needed and len(angles) < 2]
+        needed = [*needed, *errors]
+        _check_other(file, meant, [*out.columns, *(one.column for one in doubtful)], channels)
     if needed:
         torques = [one for one in needed if one.dimension == TORQUE and not (one.shaft or one.twice)]
         if len(torques) == 2:  # of two in a row the second is the driven shaft's, as of angles
@@ -112,6 +115,21 @@ def _check_other(file: Path, meant: Sequence[Meaning], able: Sequence[str], chan
     held = "a transmission error alone" if any(name in TE_COLUMNS for name in able) else "the angle of one shaft alone"
     wish = "want the readings of both shafts, or of one and a transmission error, in one file"
     raise InputFileError(file, found=f"{held}, by its names: {there}", wish=wish)
+
+
+SAME_EDGES = 0.01
+"""Part by which the edges of two channels may differ in number and be A and B of one encoder."""
+
+
+def _of_one_encoder(free: Sequence[Meaning], channels: Mapping[str, Channel]) -> str:
+    """A word about two channels of levels with as many edges, which may be those of one encoder."""
+    held = [channels[one.channel].values for one in free if one.channel in channels]
+    edges = [level_changes(one) for one in held if are_levels(one)]
+    if len(edges) < 2 or abs(edges[0] - edges[1]) > SAME_EDGES * edges[0] + 1:
+        return ""
+    return (
+        "; both have as many edges: A and B of one encoder are driving_a and driving_b, and the other shaft is lacking"
+    )
 
 
 def _is_no_angle(one: Meaning, channels: Mapping[str, Channel]) -> bool:

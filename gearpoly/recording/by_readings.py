@@ -38,7 +38,22 @@ def since_1970(values: FloatArray) -> Unit | None:
     for unit in (UNITS[TIME][one] for one in ("s", "ms", "us", "ns")):
         if SINCE_1970[0] < held.min() * unit.size and held.max() * unit.size < SINCE_1970[1]:
             return unit
+    for before in TICKS_BEFORE_S.values():
+        if SINCE_1970[0] < held.min() * TICK.size - before and held.max() * TICK.size - before < SINCE_1970[1]:
+            return TICK
     return None
+
+
+TICK = Unit(name="100 ns", dimension=TIME, size=1e-7)
+"""What clocks of Windows count."""
+
+TICKS_BEFORE_S = {1601: 11_644_473_600.0, 1: 62_135_596_800.0}
+"""Seconds from the years in which they begin to 1970: that of its files, and that of its programs."""
+
+
+def told_since(unit: Unit) -> str:
+    """How a time in that ``unit`` is said to count."""
+    return "in ticks of 100 ns, as Windows counts" if unit is TICK else f"{unit.name} since 1970"
 
 
 def are_days(values: FloatArray) -> bool:
@@ -90,6 +105,18 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
         if abs(modulus * unit.size / 360.0 - 1.0) <= WRAP_TOLERANCE:
             return unit, -int(np.sum(np.sign(jumps)))
     return None, 0
+
+
+def begins_again_at(values: FloatArray) -> float | None:
+    """The number at which readings (n,) of any unit begin again, to three digits, by jumps that agree; or ``None``."""
+    held = values[np.isfinite(values)][:ENOUGH]
+    steps = np.diff(held)
+    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    jumps = np.abs(steps[np.abs(steps) > 0.5 * span])
+    if span == 0.0 or not 3 <= jumps.size <= held.size // 8 or np.ptp(jumps) > WRAP_TOLERANCE * 5.0 * span:
+        return None
+    modulus = float(f"{np.median(jumps) + np.median(np.abs(steps)):.3g}")
+    return modulus if 0.95 * modulus < span < 1.01 * modulus else None
 
 
 COUNTERS = range(8, 33)
@@ -171,6 +198,13 @@ def are_levels(values: FloatArray) -> bool:
     high = share > 0.5
     clear = np.count_nonzero((share < LEVEL) | (share > 1.0 - LEVEL))
     return bool(clear > 0.95 * held.size and np.count_nonzero(high[1:] != high[:-1]) >= 8)
+
+
+def level_changes(values: FloatArray) -> int:
+    """How often readings (n,) pass from one of two levels to the other."""
+    held = values[np.isfinite(values)]
+    high = held > 0.5 * (held.min() + held.max())
+    return int(np.count_nonzero(high[1:] != high[:-1]))
 
 
 SWINGS = 20.0

@@ -25,6 +25,7 @@ def header_unit(header: str) -> tuple[str, str]:
     text = header.strip()
     if len(text) > NAME_LIMIT:
         return text, ""
+    text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # as mathematicians lower an index
     if re.search(r"\S\[\d+\]$", text):
         return text, ""  # one of several, as programs count them
     if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):

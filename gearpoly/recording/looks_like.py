@@ -62,11 +62,11 @@ class _Like:
 
 @np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def unit_doubts(table: Table) -> list[Doubt]:
-    """The doubt that a ``table``'s angles are in another unit than stated, by what repeats in them; none where a map
-    states it, or where they begin again."""
+    """The doubt that a ``table``'s angles are in another unit than stated, by what repeats in them; none where they
+    begin again."""
     held = [name for name in ANGLE_COLUMNS if name in table.columns]
     errors = [name for name in TE_COLUMNS if name in table.columns]
-    if not held or any(name in table.mapped for name in held) or (len(held) == 1 and not errors):
+    if not held or (len(held) == 1 and not errors):
         return []
     units = [table.units.get(name, UNITS[ANGLE]["deg"]) for name in held]
     numbers = [table.columns[name] / unit.size for name, unit in zip(held, units, strict=True)]
@@ -76,7 +76,7 @@ def unit_doubts(table: Table) -> list[Doubt]:
     like = _looks_like(numbers, error, units[0])
     called = {name: table.taken_from.get(name, name) for name in held}
     if like is None:
-        if not all(are_counts(one) for one in numbers):
+        if table.mapped & set(held) or not all(are_counts(one) for one in numbers):
             return []
         says = f"the angles are stated in {units[0].name}, and are whole numbers that never begin again, as counts are"
         ask = [line for name in held for line in counts_entries(name.partition("_")[0], called[name], stated=True)]
@@ -100,7 +100,11 @@ def check_units(file: Path, table: Table) -> None:
     for doubt in unit_doubts(table):
         asks = f"in a map, if so: {' '.join(doubt.ask)}"
         held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
-        if COMES_BACK in doubt.says and max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG:
+        if (
+            COMES_BACK in doubt.says
+            and not table.mapped & set(ANGLE_COLUMNS)
+            and max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
+        ):
             raise InputFileError(file, found=doubt.says, wish=f"want {asks}")
         table.remarks.append(f"{doubt.says}; {asks}")
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.recording.by_readings import are_counts, are_levels, counter_modulus, wrapped_unit
-from gearpoly.recording.quantities import ANGLE, COUNT, TIME, UNITS, Unit, column_unit
+from gearpoly.recording.by_readings import are_counts, are_levels, begins_again_at, counter_modulus, wrapped_unit
+from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
 
 LEFT = "leave_out = "
@@ -60,6 +60,15 @@ def angle_entries(column: str, channel: str, values: FloatArray) -> tuple[str, .
     return (entry(column, channel, wrapped_unit(values)),)
 
 
+def analog_entry(column: str, channel: str, values: FloatArray, *, stated: bool) -> str:
+    """The line that gives an angle's ``column`` to readings (n,) of no unit, or of another one that is ``stated``, such
+    as volts: as turns of what they begin again at, where they do, and else with a scale to be filled in."""
+    modulus = begins_again_at(values)
+    if modulus is None:
+        return entry(column, channel, None, *(["scale = 1.0"] if stated else []))
+    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus!r}")
+
+
 def counter_entry(column: str, channel: str, modulus: int) -> str:
     """The line that gives an angle's ``column`` to counts that begin again at a ``modulus``, if that is one turn."""
     return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
@@ -73,6 +82,27 @@ def counts_entries(shaft: str, channel: str, *, stated: bool = False) -> tuple[s
         f"keys.{shaft}_lines = 1000",
         f"keys.{shaft}_counts_per_line = 4",
     )
+
+
+def scaled(channel: str, column: str, stated: str, dimension: str, what: str) -> tuple[str, tuple[str, ...]]:
+    """What is to say of a channel in a unit of another kind, and the line for it: nobody knows what one of it is."""
+    kept, percent = column_unit(column), "%" in stated
+    if dimension not in (TORQUE, SPEED):
+        return f"{what}: scale is what one of it is in {kept.name}", (entry(column, channel, None, "scale = 1.0"),)
+    if percent:
+        what = f"in per cent of a {dimension} that is not stated"
+    line = entry(column, channel, None, "scale = 0.5")
+    example = f"100 % is 50 {kept.name}" if percent else f"one of it is 0.5 {kept.name}"
+    return f"{what}; with scale as in {line} if {example}", (left_out(channel),)
+
+
+def turns_in(values: FloatArray) -> str:
+    """How many turns readings (n,) without a unit are in each that people write."""
+    held = values[np.isfinite(values)]
+    if held.size < 2:
+        return ""
+    span = float(np.ptp(held)) / 360.0
+    return f" ({', '.join(f'{span * UNITS[ANGLE][one].size:.3g} turns in {one}' for one in ('deg', 'rad', 'rev'))})"
 
 
 WHOLE_STEP = {"ms": 2.0, "us": 1e4, "ns": 1e7}

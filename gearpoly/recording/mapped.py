@@ -140,7 +140,7 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         values[read] = np.unwrap(values[read], period=source.wraps)
     if column == "time_s" and (counted := since_1970(values)) is not None and counted.size == factor:
         values = values - values[np.isfinite(values)][0]  # small, so that no digit is lost where it is used
-        out.remarks.append(f'"{shorten(source.channel)}" counts from 1970, and is taken from its first reading on')
+        out.remarks.append(f'"{shorten(source.channel)}" counts from long ago, and is taken from its first reading on')
     if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
         values = values - source.zero if source.zero else values
         factor *= source.sign

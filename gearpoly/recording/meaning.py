@@ -21,10 +21,20 @@ from gearpoly.recording.by_readings import (
     rises,
     runs_evenly,
     since_1970,
+    swings,
+    told_since,
     wrapped_unit,
 )
 from gearpoly.recording.header import COUNTED, header_unit, is_clock
-from gearpoly.recording.map_lines import counter_entry, counts_entries, entry, left_out, likely_time, quoted
+from gearpoly.recording.map_lines import (
+    analog_entry,
+    counter_entry,
+    counts_entries,
+    entry,
+    likely_time,
+    quoted,
+    scaled,
+)
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -219,6 +229,8 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubt = "" if timed else f"known by its unit alone, {stated}"
         if quantity == TIME and not rises(held.values) and not rises(-held.values):
             return Meaning(channel=channel, unit=unit_written(stated, TIME), dimension=TIME)
+        if quantity == ANGLE and swings(held.values):
+            return Meaning(channel=channel, dimension=OTHER)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
@@ -230,7 +242,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
             )
         counted = since_1970(held.values) if unit is None and not stated else None
         if counted is not None:
-            why = f'"{name}", {counted.name} since 1970'
+            why = f'"{name}", {told_since(counted)}'
             return Meaning(channel=channel, column="time_s", unit=counted, dimension=TIME, why=why)
         clock = next((CLOCKS[one] for one in tokens(name) if one in CLOCKS), "") if not stated else ""
         if clock and rises(held.values):
@@ -285,6 +297,8 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
     settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    if quantity == ANGLE and unit is None:
+        settled = replace(settled, ask=(analog_entry(columns[ANGLE], channel, held.values, stated=bool(stated)),))
     return replace(settled, named=not doubt)
 
 
@@ -311,7 +325,7 @@ def _settled(
     if unit is None:
         what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
         if stated:
-            what, ask = _scaled(channel, column, stated, dimension, what)
+            what, ask = scaled(channel, column, stated, dimension, what)
         doubt = f"{doubt}, and {what}" if doubt else what
     known = f"unit {stated}" if stated else "its readings begin again after one turn"
     return Meaning(
@@ -323,18 +337,6 @@ def _settled(
         doubt=doubt,
         ask=ask if doubt else (),
     )
-
-
-def _scaled(channel: str, column: str, stated: str, dimension: str, what: str) -> tuple[str, tuple[str, ...]]:
-    """What is to say of a channel in a unit of another kind, and the line for it: nobody knows what one of it is."""
-    kept, percent = column_unit(column), "%" in stated
-    if dimension not in (TORQUE, SPEED):
-        return f"{what}: scale is what one of it is in {kept.name}", (entry(column, channel, None, "scale = 1.0"),)
-    if percent:
-        what = f"in per cent of a {dimension} that is not stated"
-    line = entry(column, channel, None, "scale = 0.5")
-    example = f"100 % is 50 {kept.name}" if percent else f"one of it is 0.5 {kept.name}"
-    return f"{what}; with scale as in {line} if {example}", (left_out(channel),)
 
 
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:

@@ -19,10 +19,11 @@ from gearpoly.recording.in_name import in_name
 from gearpoly.recording.looks_like import unit_doubts
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
+from gearpoly.recording.map_lines import turns_in
 from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
 from gearpoly.recording.pulse_times import asked_of_pulses
-from gearpoly.recording.quantities import Unit, column_unit
+from gearpoly.recording.quantities import ANGLE, Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, Recording
@@ -149,7 +150,11 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         refusal = str(error)
     out, found = assigned(file, table, chart)
     said = len(out.remarks)
-    doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt), *on_one_clock(out)]
+    doubts = [
+        *table.doubts,
+        *(Doubt(says=_doubt(one, table), ask=one.ask) for one in found if one.doubt),
+        *on_one_clock(out),
+    ]
     pulses = asked_of_pulses(found, table.others) if not angles_known(out.columns) else None
     if pulses is not None:  # in place of the same columns as times of samples
         doubts = [*table.doubts, Doubt(says=pulses[0], ask=pulses[1])]
@@ -206,8 +211,9 @@ def _copied(table: Table) -> Table:
     return replace(table, columns=dict(table.columns), keys=dict(table.keys), remarks=list(table.remarks))
 
 
-def _doubt(one: Meaning) -> str:
-    return f'"{one.channel}": {one.doubt}'
+def _doubt(one: Meaning, table: Table) -> str:
+    bare = one.dimension == ANGLE and one.unit is None and not stated_unit(one.channel, table.others[one.channel])
+    return f'"{one.channel}": {one.doubt}{turns_in(table.others[one.channel].values) if bare else ""}'
 
 
 def _likely_time(table: Table, found: list[Meaning]) -> FloatArray | None:

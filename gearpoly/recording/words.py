@@ -22,7 +22,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (
         TE,
         "te drehwegfehler",
-        "tangential composite|single flank|transmission error|transmissionerror|drehfehler|"
+        "tangential composite|single flank|kinematic error|kinematisch|transmission error|transmissionerror|drehfehler|"
         "drehwegabweichung|einflanken|ubertragungsfehler|"
         "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
     ),
@@ -35,8 +35,9 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (WORM, "wormphase wormangle", "worm phase|worm angle|worm position|worm pos|schneckenwinkel|schneckenphase"),
     (
         OTHER,
-        "",
-        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
+        "diff dev",
+        "temperat|backlash|lost motion|flankenspiel|verdrehspiel|"
+        "error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
         "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
     ),
     (
@@ -47,7 +48,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
     (
         TIME,
-        "t time temps tiempo tempo hora ora heure datum date fecha clock epoch stamp millis micros nanos",
+        "t ts time temps tiempo tempo hora ora heure datum date fecha clock epoch stamp millis micros nanos elapsed",
         "zeit|timestamp|time stamp|unix ?time|horodatage",
     ),
     (ANGLE, "phi theta φ θ ϕ ϑ angle angles angulo angolo", "winkel|angle|angulo|angolo"),
@@ -81,7 +82,16 @@ NAME_LIMIT = 200
 _COMPOSITE = re.compile(r"(?<![^\W\d_])[Ff]_?i_?\s?(?P<primes>(?:['\u2032\u2019\u00b4`]|[\"\u2033\u201d\u02ba]){1,2})")
 """F_i', the tangential composite deviation of ISO 1328-1, and F_i'', the radial one of ISO 1328-2."""
 
-CLOCKS = {"millis": "ms", "micros": "us", "nanos": "ns"}
+CLOCKS = {
+    "millis": "ms",
+    "milliseconds": "ms",
+    "micros": "us",
+    "microseconds": "us",
+    "nanos": "ns",
+    "nanoseconds": "ns",
+    "seconds": "s",
+    "sekunden": "s",
+}
 """Words of programs for the time since they began, with its unit."""
 
 PERCENT = ("pct", "percent", "prozent", "pourcent", "porcentaje", "percento", "perc")
