@@ -156,11 +156,21 @@ def test_what_a_map_may_say_of_jumps(tmp_path: Path, line: str) -> None:
         chart(tmp_path, f"columns.{line}")
 
 
+def test_a_shaft_that_goes_on_at_another_speed_says_nothing() -> None:
+    """Two recordings were strung together, and the counters went on."""
+    t = np.arange(ROWS) / RATE
+    speed = np.where(np.arange(ROWS) < AT, 180.0, 300.0)
+    theta = np.cumsum(speed) / RATE
+    time = t - t[AT] * (np.arange(ROWS) >= AT)
+    assert clock_jumps(time, [theta, RATIO * theta]) == []
+    assert clock_jumps(time, [180.0 * t, RATIO * 180.0 * t]) != []
+
+
 def test_stamps_that_come_late_and_catch_up_are_no_jumps() -> None:
     """A busy computer stamps some samples late; the next ones follow at once."""
     t = np.arange(ROWS) / RATE
     late = t.copy()
-    late[AT : AT + 30] = np.maximum(late[AT : AT + 30], t[AT] + 0.5)
+    late[AT : AT + 80] = np.maximum(late[AT : AT + 80], t[AT] + 1.5)
     assert clock_jumps(late, [180.0 * t + 2.0 * np.sin(t)]) == []
 
 

@@ -71,6 +71,8 @@ def holds(read: Recording, *, half: float) -> None:
     assert read.time_s is not None and made.time_s is not None
     true = shafts(made.time_s + (FIRST[0] - read.time_s[0] if read.time_s[0] == 0.0 else 0.0))[0]
     columns = np.column_stack([np.ones(true.size), np.sin(2.0 * np.pi * true), np.cos(2.0 * np.pi * true)])
+    # Counted in lines, as they were made; the first and the last are a line off at most.
+    assert abs(np.ptp(made.theta_1) / (2.0 * np.pi) - np.ptp(true)) < 2.0 / LINES
     level, sine, cosine = np.linalg.lstsq(columns, made.te, rcond=None)[0]
     rest = made.te - columns @ [level, sine, cosine]
     assert abs(np.hypot(sine, cosine) - AMPLITUDE) < half

@@ -15,14 +15,14 @@ from gearpoly.recording.survey import survey
 from gearpoly.recording.unwrapping import gaps
 from tests.made_texts import RATIO, own, written
 
-TURNS = 20
+TURNS = 40
 
 
 def ramp(*, down: bool, turn: float) -> dict[str, np.ndarray]:
-    """Even pulses of a shaft that runs up from rest in 40 s, or down to it, with readings that begin again at a
+    """Even pulses of a shaft that runs up from rest in 10 s, or down to it, with readings that begin again at a
     ``turn``."""
     angle = np.arange(0.0, 360.0 * TURNS, 2.0)
-    time = 40.0 * np.sqrt(angle / angle[-1])
+    time = 10.0 * np.sqrt(angle / angle[-1])
     if down:
         time = time[-1] - time[::-1]
     te = np.degrees(40e-6 * np.sin(np.radians(angle)))

@@ -72,6 +72,13 @@ def test_what_is_as_stated_is_not_doubted(tmp_path: Path, turns: float, mesh: in
     assert not survey(file)[0].doubts
 
 
+def test_waves_of_the_stated_turn_speak_against_another_one(tmp_path: Path) -> None:
+    """A part of the drive may turn 57.3 times as fast as the shaft, but both errors cannot be of one unit."""
+    theta, driven = turned(10.0)
+    driven = driven + np.degrees(45e-6) * np.sin(2.0 * np.pi * theta / (2.0 * np.pi))
+    assert not survey(file_of(tmp_path, (theta, driven), stated="deg", true="deg"))[0].doubts
+
+
 def test_noise_alone_says_nothing(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     theta = np.linspace(0.0, 400.0, N)

@@ -69,8 +69,9 @@ def unit_doubts(table: Table) -> list[Doubt]:
     if not held or (len(held) == 1 and not errors):
         return []
     units = [table.units.get(name, UNITS[ANGLE]["deg"]) for name in held]
-    numbers = [table.columns[name] / unit.size for name, unit in zip(held, units, strict=True)]
-    error = table.columns[errors[0]] if len(held) == 1 else None
+    some = 50 * LOOKED_AT
+    numbers = [table.columns[name][:some] / unit.size for name, unit in zip(held, units, strict=True)]
+    error = table.columns[errors[0]][:some] if len(held) == 1 else None
     if len({one.name for one in units}) > 1:
         return []
     like = _looks_like(numbers, error, units[0])
@@ -100,11 +101,8 @@ def check_units(file: Path, table: Table) -> None:
     for doubt in unit_doubts(table):
         asks = f"in a map, if so: {' '.join(doubt.ask)}"
         held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
-        if (
-            COMES_BACK in doubt.says
-            and not table.mapped & set(ANGLE_COLUMNS)
-            and max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
-        ):
+        quick = max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
+        if quick and COMES_BACK in doubt.says and not table.mapped & set(ANGLE_COLUMNS):
             raise InputFileError(file, found=doubt.says, wish=f"want {asks}")
         table.remarks.append(f"{doubt.says}; {asks}")
 
@@ -114,7 +112,7 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
     every = [*numbers, *([error] if error is not None else [])]
     if any(one.size != every[0].size for one in every):
         return None
-    read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one[: 50 * LOOKED_AT]) for one in every]))
+    read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in every]))
     if read.size < FEWEST:
         return None
     first = [one[read] for one in numbers]
