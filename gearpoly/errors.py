@@ -57,6 +57,23 @@ def shown_value(value: object) -> str:
         return "a huge value"
 
 
+def told_beside(value: float, limit: float, decimals: int) -> str:
+    """``value`` with as many decimals, or as few more as it takes to be seen on its side of the ``limit`` that it
+    breaks: 0.998 is no 1.00 where at least 1 is wanted."""
+    for more in range(decimals, decimals + 16):
+        text = f"{value:.{more}f}"
+        if (float(text) > limit) == (value > limit) and (float(text) < limit) == (value < limit):
+            return text
+    return repr(value)
+
+
+def told_at_most(limit: float, decimals: int) -> str:
+    """The ``limit`` rounded down: what is told as a cure has to be one."""
+    # Not by a product, which may round up to the next whole number.
+    text = f"{limit:.{decimals}f}"
+    return text if float(text) <= limit else f"{float(text) - 10.0**-decimals:.{decimals}f}"
+
+
 class GearpolyError(Exception):
     """Root of all errors that a user can cure; its message is one line, safe to print."""
 

@@ -91,6 +91,7 @@ def test_columns_of_waves_are_as_small_as_means_make_them(compared: Comparison) 
     whole, part = compared.aligned[0], found.comparison.aligned[0]
     n = part.theta_2.size
     means = columns_of(wave, whole)[: 4 * n].reshape(n, 4, 2).mean(axis=1)
-    # A sum over four samples is larger than their integral, sin(x)/x, by x^2/6 of a sample's x = pi 6.85/100: 0.8 %.
-    # Columns are drawn at estimated angles, which noise of 0.3 um at 17 mm moves by 2e-5 rad times 123: 0.2 % each.
-    np.testing.assert_allclose(columns_of(wave, part), means, atol=0.9e-2 + 5 * 0.2e-2)
+    # A sum over four samples is larger than their integral, sin(x)/x, by x^2/6 of a sample's x = pi 6.85/100: 0.8 %;
+    # columns are drawn at estimated angles, whose noise is another for means.
+    drawn = columns_of(wave, part)
+    assert float(np.sum(drawn * means) / np.sum(means**2)) == pytest.approx(1.0 - 0.008, abs=0.002)

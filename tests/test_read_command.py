@@ -48,7 +48,8 @@ def test_gaps_and_a_clock_that_runs_back(tmp_path: Path) -> None:
     t = RUN["time_s"].copy()
     t[500:] += 0.37
     t[1200:] -= 0.9
-    found = survey(written(tmp_path, table([t, *list(RUN.values())[1:]], GERMAN)))[0]
+    angles = [np.mod(one + np.where(np.arange(2000) < 1200, 0.0, 100.0), 360.0) for one in list(RUN.values())[1:3]]
+    found = survey(written(tmp_path, table([t, *angles, RUN["torque_nm"]], GERMAN)))[0]
     assert found.clock is not None
     assert found.clock.gaps == ((500, pytest.approx(0.38, abs=1e-9)),)
     assert found.clock.backs == (1201,)

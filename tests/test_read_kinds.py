@@ -185,13 +185,7 @@ def test_a_trace_of_a_controller_with_pairs_of_keys_and_values(tmp_path: Path) -
     text = head + "".join(
         f"{10 * k}\t{a:.5f}\t{10 * k}\t{b:.5f}\n" for k, a, b in zip(ROWS, DRIVING, DRIVEN, strict=True)
     )
-    holds(
-        cured(
-            written(tmp_path, text),
-            tmp_path,
-            ('from = "Time (column 1)", unit = "s"', 'from = "Time (column 1)", unit = "ms"'),
-        )
-    )
+    holds(cured(written(tmp_path, text), tmp_path))
 
 
 def test_joints_of_a_robot_between_words(tmp_path: Path) -> None:

@@ -237,7 +237,7 @@ def test_pieces_too_short_are_said(pair: Pair) -> None:
     long = usable(runs)
     assert [run.source.name for run in long] == ["test.csv#1", "test.csv#3"]
     assert any("too short to use: run 2 of 3 in test.csv" in said for said in long[0].remarks)
-    with pytest.raises(InputFileError, match=r"2 runs forth and back, none of more than 0\.9"):
+    with pytest.raises(InputFileError, match=r"2 runs forth and back, the longest of 0\.9"):
         usable(runs_of(recorded(pair.made, motion((0.7, -0.7)), rng())))
 
 

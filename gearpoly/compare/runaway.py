@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.slow import slow_curves
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_beside
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import RATIO_LIMIT
 from gearpoly.recording.recording import SHAFTS, Recording
@@ -57,7 +57,8 @@ def without_course(recording: Recording, pair: GearPair) -> Recording:
         return recording
     far = f"{runs / pair.driven.gear.tau:.2g} pitches"
     if runs > NO_ERROR * travel:
-        found = f"a transmission error that runs {runs / travel:.0%} of what the shafts turn, {far}: no teeth slip so"
+        share = told_beside(100.0 * runs / travel, 100.0 * NO_ERROR, 0)
+        found = f"a transmission error that runs {share}% of what the shafts turn, {far}: no teeth slip so"
         wish = "want theta_2 - z_1/z_2 theta_1 in its unit: te_um (along the line of action), te_urad or te_arcsec"
         raise InputFileError(recording.source, found=found, wish=wish)
     says = (

@@ -12,7 +12,7 @@ import numpy as np
 from gearpoly.compare.align import Laid, Stated
 from gearpoly.compare.curve import Cycle
 from gearpoly.compare.place import Place
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_beside
 from gearpoly.mesh.pair import Flank
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, FloatArray
@@ -153,7 +153,8 @@ def _base(recordings: Sequence[Recording], shaft: Literal["driving", "driven"], 
     if apart[high] - apart[low] > math.pi / z:
         later = max(low, high)
         other = held[min(low, high)][0] if min(low, high) else origin
-        found = f"{held[later][1] / DEG:.3f}, {(apart[high] - apart[low]) / DEG:.3f} deg from that of {other.source}"
+        off = told_beside((apart[high] - apart[low]) / DEG, 180.0 / z, 3)
+        found = f"{held[later][1] / DEG:.3f}, {off} deg from that of {other.source}"
         wish = (
             f"want readings of one zero, to half a tooth ({180.0 / z:.3f} deg), since recordings of one set share it; "
             "or compare them one by one"

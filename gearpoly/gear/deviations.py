@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gearpoly.errors import GeometryError
+from gearpoly.errors import GeometryError, told_at_most
 from gearpoly.gear.gear import Gear
 from gearpoly.units import FloatArray, read_only
 
@@ -252,7 +252,7 @@ def tip_relief(gear: Gear, *, amount: float, length: float, shape: str) -> Relie
     r_relief = gear.r_a - length
     if r_relief <= gear.r_b:
         raise GeometryError(
-            f"tip relief of length {length:g} mm starts below the base circle; at most {gear.r_a - gear.r_b:.3f} "
-            "mm would do"
+            f"tip relief of length {length:g} mm starts below the base circle; at most "
+            f"{told_at_most(gear.r_a - gear.r_b, 3)} mm would do"
         )
     return Relief(amount, gear.roll_length(r_relief), {"linear": 1, "parabolic": 2}[shape])

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearpoly.errors import GeometryError, NotConvergedError
+from gearpoly.errors import GeometryError, NotConvergedError, told_at_most
 from gearpoly.gear.deviations import Deviations, Scatter, Shape, Span, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.root import Root, draw_root
@@ -191,7 +191,7 @@ def _chipped(gear: Gear, deviations: Deviations, root: Root, n: int, *, span: Sp
         if height >= most:
             raise GeometryError(
                 f"tooth {tooth} misses {height:g} mm of its tip, which leaves nothing of its flanks above the form "
-                f"circle; at most {math.floor(1e3 * most) / 1e3:.3f} mm would do"
+                f"circle; at most {told_at_most(most, 3)} mm would do"
             )
         r, drive, coast = _drawn(gear, deviations, root, n, span=span, r_tip=gear.r_a - height)
         out[tooth] = Sides(r=read_only(r), drive=read_only(drive[tooth]), coast=read_only(coast[tooth]))

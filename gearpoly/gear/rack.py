@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from gearpoly.errors import GeometryError
+from gearpoly.errors import GeometryError, told_at_most
 from gearpoly.units import DEG
 
 FULL = 1e-9
@@ -32,17 +32,18 @@ class Rack:
         if self.rho_fP_max < 0.0:
             raise GeometryError(
                 f"dedendum = {self.h_fP:g}: at this pressure angle the flanks of the cutting rack's tooth meet before "
-                f"that depth; a dedendum of at most {self.h_fP_max:.4f} would do"
+                f"that depth; a dedendum of at most {told_at_most(self.h_fP_max, 4)} would do"
             )
         if self.half_land < 0.0:
             raise GeometryError(
                 f"the cutting rack's tip round root_radius = {self.rho_fP:g} does not fit its tooth; at this pressure "
                 "angle "
-                f"and dedendum at most {self.rho_fP_max:.4f} would do"
+                f"and dedendum at most {told_at_most(self.rho_fP_max, 4)} would do"
             )
         if self.depth_round < -self.h_aP:
             raise GeometryError(
-                f"root_radius = {self.rho_fP:g} is larger than the whole rack tooth; use at most {self.rho_fP_max:.4f}"
+                f"root_radius = {self.rho_fP:g} is larger than the whole rack tooth; use at most "
+                f"{told_at_most(self.rho_fP_max, 4)}"
             )
 
     @property

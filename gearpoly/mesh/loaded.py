@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.errors import NotConvergedError, OutOfRangeError
+from gearpoly.errors import NotConvergedError, OutOfRangeError, told_at_most
 from gearpoly.mesh.condition import check_torque
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
 from gearpoly.mesh.transmission import FlankContacts
@@ -153,7 +153,7 @@ def _least_lever(compliance: PairCompliance) -> float:
         raise OutOfRangeError(
             f"friction_coefficient = {mu:g}: where the driven tip enters, friction takes more than "
             f"{1.0 - LOCKING:.0%} of the torque and the teeth lock; "
-            f"want at most {(1.0 - LOCKING) * gear.r_b / gear.l_a:.2f} for these gears"
+            f"want at most {told_at_most((1.0 - LOCKING) * gear.r_b / gear.l_a, 2)} for these gears"
         )
     return least
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError
+from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError, told_at_most
 from gearpoly.gear.gear import inv
 from gearpoly.gear.rack import STANDARD, free_round
 from gearpoly.mesh.bodies import WIDE_SHARE
@@ -272,7 +272,7 @@ def _root_advice(pair: GearPair) -> str:
         free = free_round(alpha=rack.alpha, h_fP=rack.h_fP, h_aP=h_aP)
         if rack.rho_fP <= free + STANDARD:
             continue
-        cure = f"a root_radius of at most {free:.4f}" if free > 0.0 else f"a dedendum above {h_aP:g}"
+        cure = f"a root_radius of at most {told_at_most(free, 4)}" if free > 0.0 else f"a dedendum above {h_aP:g}"
         said += f"the {name} gear's root_radius = {rack.rho_fP:g} may stand in the way of its mate's tip ({cure} "
         said += "leaves it free); "
     return said

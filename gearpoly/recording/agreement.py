@@ -7,11 +7,12 @@ finer than it is would be refused without a fault.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_at_most, told_beside
 from gearpoly.units import FloatArray, IntArray
 
 LOOKED_AT = 4096
@@ -63,6 +64,11 @@ def _whole(values: FloatArray) -> bool:
     return bool(np.all(np.abs(values) < 10.0**DIGITS) and np.all(np.abs(values - np.rint(values)) <= TINY))
 
 
+def _decimals(value: float, digits: int) -> int:
+    """Decimals by which a ``value`` has so many digits that count."""
+    return max(0, digits - 1 - math.floor(math.log10(value))) if value > 0.0 else 0
+
+
 def check_agreement(
     file: Path,
     names: tuple[str, str],
@@ -93,6 +99,9 @@ def check_agreement(
     if beyond[worst] <= 0.0:
         return
     at = worst if row is None else int(row[worst])
-    found = f"{' and '.join(names)} differ by {abs(apart[worst]):.3g} {unit}, where rounding makes {bound[worst]:.2g}"
+    off, most = abs(float(apart[worst])), float(bound[worst])
+    differ = told_beside(off, most, _decimals(off, 3))
+    rounded = told_at_most(most, _decimals(most, 2))
+    found = f"{' and '.join(names)} differ by {differ} {unit}, where rounding makes {rounded}"
     wish = "want columns that agree where they state one thing; leave one of them out"
     raise InputFileError(file, where=f"row {at + 1}", found=found, wish=wish)

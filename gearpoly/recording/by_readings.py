@@ -38,7 +38,22 @@ def since_1970(values: FloatArray) -> Unit | None:
     for unit in (UNITS[TIME][one] for one in ("s", "ms", "us", "ns")):
         if SINCE_1970[0] < held.min() * unit.size and held.max() * unit.size < SINCE_1970[1]:
             return unit
+    for before in TICKS_BEFORE_S.values():
+        if SINCE_1970[0] < held.min() * TICK.size - before and held.max() * TICK.size - before < SINCE_1970[1]:
+            return TICK
     return None
+
+
+TICK = Unit(name="100 ns", dimension=TIME, size=1e-7)
+"""What clocks of Windows count."""
+
+TICKS_BEFORE_S = {1601: 11_644_473_600.0, 1: 62_135_596_800.0}
+"""Seconds from the years in which they begin to 1970: that of its files, and that of its programs."""
+
+
+def told_since(unit: Unit) -> str:
+    """How a time in that ``unit`` is said to count."""
+    return "in ticks of 100 ns, as Windows counts" if unit is TICK else f"{unit.name} since 1970"
 
 
 def are_days(values: FloatArray) -> bool:
@@ -92,23 +107,119 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
     return None, 0
 
 
+def begins_again_at(values: FloatArray) -> float | None:
+    """The number at which readings (n,) of any unit begin again, to three digits, by jumps that agree; or ``None``."""
+    held = values[np.isfinite(values)][:ENOUGH]
+    steps = np.diff(held)
+    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    jumps = np.abs(steps[np.abs(steps) > 0.5 * span])
+    if span == 0.0 or not 3 <= jumps.size <= held.size // 8 or np.ptp(jumps) > WRAP_TOLERANCE * 5.0 * span:
+        return None
+    modulus = float(f"{np.median(jumps) + np.median(np.abs(steps)):.3g}")
+    return modulus if 0.95 * modulus < span < 1.01 * modulus else None
+
+
 COUNTERS = range(8, 33)
 """Bits of counters that go round."""
 
+ROUND = (1000, 1200, 2000, 2400, 2500, 2880, 4000, 4800, 5000, 7200, 8000, 10_000, 14_400, 20_000, 40_000, 72_000)
+"""Counts of a turn that encoders have beside powers of two; the others are units of an angle too."""
+
+
+FILLED, NEARLY = 0.99, 0.9
+"""Parts of what a counter goes round at that its largest reading reaches: round numbers lie as near as 4 % to one
+another and to powers of two, and these a factor of two apart."""
+
 
 def counter_modulus(values: FloatArray) -> int | None:
-    """The number at which whole readings (n,) begin again, a power of two that they nearly fill, or ``None``."""
+    """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
+    they fill, or ``None``."""
     held = values[np.isfinite(values)][:ENOUGH]
     if held.size < 8 or held.min() < 0.0 or np.any(held != np.rint(held)):
         return None
-    modulus = next((2**bits for bits in COUNTERS if held.max() < 2**bits), None)
-    jumps = np.abs(np.diff(held)) > 0.5 * (modulus or 1)
-    return modulus if modulus and held.max() >= 0.9 * modulus and 1 <= np.sum(jumps) <= held.size // 4 else None
+    top, steps = float(held.max()), np.abs(np.diff(held))
+    power = next((1 << bits for bits in COUNTERS if top < 2**bits), None)
+    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if top < one]
+    for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
+        jumps = steps > 0.5 * modulus
+        if top >= share * modulus and 1 <= np.sum(jumps) <= held.size // 4:
+            return modulus
+    return None
 
 
 def are_row_numbers(values: FloatArray) -> bool:
     """Whether readings (n,) count the rows, from 0 or 1 on."""
     return bool(values.size > 1 and values[0] in (0.0, 1.0) and np.all(np.diff(values) == 1.0))
+
+
+WHOLE_TURNS = 0.01
+"""Part of a turn by which a counter's turn may miss a whole one; next to a power of two the nearest numbers of counts
+that anybody sets are 2 % off (1000 and 1024)."""
+
+
+def are_whole_turns(degrees: float) -> bool:
+    """Whether an angle is one turn or a few, as what readings begin again at is."""
+    return abs(degrees / 360.0 - max(1.0, round(degrees / 360.0))) <= WHOLE_TURNS
+
+
+def rises(values: FloatArray) -> bool:
+    """Whether readings (n,) rise all along and never fall, as those of a clock do."""
+    held = values[np.isfinite(values)]
+    return bool(held.size > 1 and held[-1] > held[0] and np.all(np.diff(held) >= 0.0))
+
+
+COUNTS_LEAST = 800.0
+"""Whole numbers, two turns in gons, beyond which readings that never begin again are counts."""
+
+FEWEST = 200
+"""Readings from which that is told, and what a channel is that is no angle."""
+
+
+def are_counts(values: FloatArray) -> bool:
+    """Whether readings (n,) are whole numbers that only go on, for more than any unit's turn has of them."""
+    held = values[np.isfinite(values)][: 10 * ENOUGH]
+    if held.size < FEWEST or np.any(np.abs(held - np.rint(held)) > 1e-6):
+        return False
+    steps = np.diff(held)
+    return float(np.ptp(held)) > COUNTS_LEAST and bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+
+
+LEVEL = 0.1
+"""Part of the range of a channel within which a reading is at one of its two levels."""
+
+
+def are_levels(values: FloatArray) -> bool:
+    """Whether readings (n,) switch between two levels, as a channel of an encoder does."""
+    held = values[np.isfinite(values)][: 10 * ENOUGH]
+    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    if span == 0.0:
+        return False
+    share = (held - held.min()) / span
+    high = share > 0.5
+    clear = np.count_nonzero((share < LEVEL) | (share > 1.0 - LEVEL))
+    return bool(clear > 0.95 * held.size and np.count_nonzero(high[1:] != high[:-1]) >= 8)
+
+
+def level_changes(values: FloatArray) -> int:
+    """How often readings (n,) pass from one of two levels to the other."""
+    held = values[np.isfinite(values)]
+    high = held > 0.5 * (held.min() + held.max())
+    return int(np.count_nonzero(high[1:] != high[:-1]))
+
+
+SWINGS = 20.0
+"""Times its range that a channel goes without ever beginning again, from which it swings and turns no shaft: forth and
+back ten times."""
+
+
+def swings(values: FloatArray) -> bool:
+    """Whether readings (n,) stand still or swing to and fro without a wrap, as no angle of a shaft does."""
+    held = values[np.isfinite(values)][:ENOUGH]
+    if held.size < FEWEST:
+        return False
+    steps = np.abs(np.diff(held))
+    span = float(np.ptp(held))
+    return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS * span)
 
 
 EVEN = 1e-6

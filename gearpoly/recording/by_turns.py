@@ -14,7 +14,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.recording import ANGLE_COLUMNS, RAW_COLUMNS, TE_COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
 from gearpoly.recording.table import Table
-from gearpoly.recording.unwrapping import GAP_STEPS
+from gearpoly.recording.unwrapping import gaps
 from gearpoly.units import FloatArray
 
 TOGETHER = 0.01
@@ -60,5 +60,5 @@ def bring_together(file: Path, table: Table) -> None:
 def _with_gaps(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rising times (n,) in s and readings (n,) with a drop-out in each gap, so that nothing is read there."""
     steps = np.diff(time)
-    wide = np.flatnonzero(steps > GAP_STEPS * np.median(steps)) if steps.size else np.empty(0, dtype=np.int64)
+    wide = np.flatnonzero(gaps(steps, float(np.median(steps)))) if steps.size else np.empty(0, dtype=np.int64)
     return np.insert(time, wide + 1, time[wide] + 0.5 * steps[wide]), np.insert(values, wide + 1, np.nan)

@@ -13,11 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_at_most, told_beside
 from gearpoly.recording.deeds import Deed, note, so_many
+from gearpoly.recording.looks_like import COMES_BACK
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.reversals import backward_limit
+from gearpoly.recording.rows import check_time, first_row, row_of
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.stated_twice import check_error, check_errors
 from gearpoly.recording.steady import RAMP_SHARE, steady
@@ -127,7 +129,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         raise _too_short(recording, f"{keep.size} samples without drop-outs or repeats")
     time_s = recording.time_s
     position = keep.astype(np.float64) if time_s is None else time_s[keep]
-    _check_time(recording, keep, position)
+    check_time(recording, keep, position)
     if time_s is not None and 2 * np.count_nonzero(np.diff(position) == 0.0) > keep.size:
         note(done, "clock", keep.size, "samples on a clock that is coarser than the samples; times not used")
         time_s, position = None, keep.astype(np.float64)
@@ -160,10 +162,10 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     keep, theta_1, theta_2, te = keep[left], theta_1[left], theta_2[left], te[left]
     turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
     if turns < TURNS_LEAST:
-        raise _too_short(recording, f"{turns:.2f} driving turns")
+        raise _too_short(recording, f"{told_beside(turns, TURNS_LEAST, 2)} driving turns")
     if turns < AGAIN:
-        says = f"{turns:.2f} driving turns{_in_rad(recording)}: nothing of the driving shaft has come a second time"
-        done.append(Deed("short", 0, says))
+        says = f"{told_beside(turns, AGAIN, 2)} driving turns{_in_rad(recording)}: nothing of the driving shaft has "
+        done.append(Deed("short", 0, f"{says}come a second time"))
     for shaft, angle in (("driving", theta_1), ("driven", theta_2)):
         if shaft in shafts:
             _check_forward(recording, shaft, angle, keep, done)
@@ -195,7 +197,7 @@ def _note_stops(recording: Recording, keep: IntArray, stops: BoolArray, done: li
     edges = np.flatnonzero(np.diff(np.concatenate(([False], stops, [False])))).reshape(-1, 2)
     if not edges.size:
         return
-    ends = keep[edges - [0, 1]] + _first_row(recording)
+    ends = keep[edges - [0, 1]] + first_row(recording)
     places = [f"rows {min(a, b)} to {max(a, b)}" for a, b in ends[:STOPS_NAMED].tolist()]
     more = f" and {len(edges) - STOPS_NAMED} more" if len(edges) > STOPS_NAMED else ""
     what = "a stop" if len(edges) == 1 else f"{len(edges)} stops"
@@ -209,36 +211,14 @@ def _too_short(recording: Recording, found: str) -> TooShortError:
 
 
 def _in_rad(recording: Recording) -> str:
-    """A word about angles that were written in rad and read as deg, where those would be turns enough."""
+    """A word about angles that were written in rad and read as deg, where those would be turns enough, or the one that
+    was said of their unit."""
+    if said := next((one for one in recording.remarks if COMES_BACK in one), ""):
+        return f" ({said})"
     angle = recording.driving_angle_rad if recording.driving_angle_rad is not None else recording.driven_angle_rad
     read = np.empty(0) if angle is None else angle[np.isfinite(angle)]
     turns = float(np.ptp(read)) / DEG / TURN if read.size else 0.0
     return f" (were they written in rad, it would be {turns:.3g} turns)" if turns >= AGAIN else ""
-
-
-def _row(recording: Recording, sample: int) -> str:
-    """A sample's place for a message: its row of the file from 1, and its time."""
-    at = "" if recording.time_s is None else f" (time_s {recording.time_s[sample]:.6g})"
-    return f"row {sample + _first_row(recording)}{at}"
-
-
-def _first_row(recording: Recording) -> int:
-    """The row of the file, from 1, that holds the first sample."""
-    return recording.run.rows[0] if recording.run is not None else 1
-
-
-def _check_time(recording: Recording, keep: IntArray, position: FloatArray) -> None:
-    """Time must not run back: files that were strung together, or a clock that was set."""
-    back = np.flatnonzero(np.diff(position) < 0.0)
-    if 2 * back.size > position.size:
-        found = f"a time that falls from row to row, from {position[0]:g} to {position[-1]:g} s"
-        wish = "want the oldest row first: sort the rows by their times"
-        raise InputFileError(recording.source, where="column time_s", found=found, wish=wish)
-    if back.size:
-        sample = int(keep[back[0] + 1])
-        found = f"a time {position[back[0]] - position[back[0] + 1]:g} s before the row above"
-        wish = "want one recording in the order of time; cut it there"
-        raise InputFileError(recording.source, where=f"{_row(recording, sample)}", found=found, wish=wish)
 
 
 def _continuous(
@@ -319,10 +299,12 @@ def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: In
         # The turn-round itself is the highest reading before.
         turned = int(np.argmax(angle[: real[0] + 1]))
         found = (
-            f"the {shaft} angle runs back, by {back[real[0]] / DEG:.2f} deg up to {_row(recording, int(keep[real[0]]))}"
+            f"the {shaft} angle runs back, by {told_beside(back[real[0]] / DEG, limit / DEG, 2)} deg up to "
+            f"{row_of(recording, int(keep[real[0]]))}"
         )
-        wish = f"want one direction (up to {limit / DEG:.2g} deg back is taken for jitter); cut the recording there"
-        raise InputFileError(recording.source, where=_row(recording, int(keep[turned])), found=found, wish=wish)
+        wish = f"want one direction (up to {told_at_most(limit / DEG, 2)} deg back is taken for jitter); cut the "
+        wish += "recording there"
+        raise InputFileError(recording.source, where=row_of(recording, int(keep[turned])), found=found, wish=wish)
     steps = int(np.count_nonzero(np.diff(angle) < 0.0))
     says = f"steps of the {shaft} angle backwards, by at most {back.max() / DEG:.2g} deg, taken for jitter and kept"
     note(done, f"{shaft} jitter", steps, says)

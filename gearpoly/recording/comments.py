@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
@@ -9,6 +10,16 @@ from gearpoly.files.toml import load
 from gearpoly.files.traces import shorten
 from gearpoly.recording.reader import check_short, is_key
 from gearpoly.recording.recording import check_key
+from gearpoly.recording.words import RADIAL, quantity_of
+
+
+def said_radial(lines: Iterable[str]) -> list[str]:
+    """A remark where ``lines`` above the rows say that it was a double-flank test."""
+    for line in lines:
+        if quantity_of(line) == RADIAL:
+            said = f'"{shorten(line.strip().lstrip("#").strip())}" above the rows'
+            return [f"{said}: a double-flank test has radial composite deviations, which are no transmission error"]
+    return []
 
 
 def read_comment(file: Path, where: str, text: str, keys: dict[str, object], places: dict[str, str]) -> None:

@@ -27,7 +27,7 @@ from gearpoly.files.traces import (
     split_row,
     unreadable,
 )
-from gearpoly.recording.comments import read_comment
+from gearpoly.recording.comments import read_comment, said_radial
 from gearpoly.recording.quantities import TIME
 from gearpoly.recording.reader import (
     NAME_CUTOFF,
@@ -148,6 +148,8 @@ def read_table(file: Path) -> Table:
     except OSError as error:
         raise unreadable(file, error) from None
     table = Table(columns=dict(zip(names, columns, strict=True)), keys=keys)
+    with file.open(encoding="utf-8-sig") as stream:
+        table.remarks += said_radial(itertools.islice(stream, head_lines - 1))
     pass_over(table)
     return table
 

@@ -14,7 +14,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.hdf5_columns import Series, above, few, kept_elsewhere, one_text, text_of
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import TIME, unit_written
 from gearpoly.recording.stated_units import UNIT_NAMES
 from gearpoly.recording.words import quantity_of

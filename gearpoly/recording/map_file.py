@@ -16,7 +16,7 @@ from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text, shorten
 from gearpoly.recording.quantities import DOUBTFUL, Unit, column_unit, known_units, unit_written, units_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key
-from gearpoly.recording.table import MAPPED_AXIS
+from gearpoly.recording.table import MAPPED_AXIS, PULSE_TIMES
 from gearpoly.recording.text.cells import APOSTROPHES, BLANKS
 from gearpoly.recording.text.fixed_width import WIDTH_LIMIT
 from gearpoly.recording.text.stamps import ORDERS
@@ -38,7 +38,9 @@ TEXT = (
     "torn_lines",
     "widths",
 )
-COLUMN = ("from", "unit", "scale", "sign", "zero", "wraps")
+COLUMN = ("from", "unit", "scale", "sign", "zero", "wraps", "jumps")
+
+JUMPS = ("taken out", "kept")
 
 LINES_LIMIT = 10_000_000
 """Largest number of a line or of a recording."""
@@ -50,7 +52,7 @@ class Source:
 
     Its numbers, after ``wraps`` (the number at which they begin again) are undone, times ``scale`` are in ``unit``;
     ``sign`` is -1 where they count the other way. ``zero`` is the number at which the quantity is 0. ``unit`` is
-    ``None`` where that of the file holds.
+    ``None`` where that of the file holds. ``jumps`` says what is done with those of a clock that was set.
     """
 
     channel: str
@@ -59,6 +61,7 @@ class Source:
     sign: int = 1
     zero: float | None = None
     wraps: float | None = None
+    jumps: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +88,7 @@ def read_map(path: Path | str) -> RecordingMap:
         raise _fault(file, "leave_out", left, 'a list of names, such as ["Winkel Tisch"]')
     columns = {}
     for name, inside in tables["columns"].items():
-        if name not in (*COLUMNS, *MAPPED_AXIS):
+        if name not in (*COLUMNS, *MAPPED_AXIS, *PULSE_TIMES):
             wish = f'the nearest known column is "{nearest(name, COLUMNS)}" (known: {", ".join(COLUMNS)})'
             raise InputFileError(file, where=f"columns.{shorten(name)}", found="unknown column", wish=wish)
         columns[name] = _source(file, name, _table(file, f"columns.{name}", inside))
@@ -146,6 +149,10 @@ def _source(file: Path, column: str, raw: Mapping[str, object]) -> Source:
         raise _fault(file, f"{where}.wraps", raw["wraps"], "the number at which the readings begin again, above 0")
     if numbers.get("sign", 1.0) not in (1.0, -1.0):
         raise _fault(file, f"{where}.sign", raw["sign"], "1, or -1 where the numbers count the other way")
+    jumps = raw.get("jumps", "")
+    if jumps != "" and not (column == "time_s" and jumps in JUMPS):
+        wish = " or ".join(f'"{one}"' for one in JUMPS) if column == "time_s" else "jumps for time_s alone"
+        raise _fault(file, f"{where}.jumps", jumps, wish)
     return Source(
         channel=channel,
         unit=unit,
@@ -153,6 +160,7 @@ def _source(file: Path, column: str, raw: Mapping[str, object]) -> Source:
         sign=int(numbers.get("sign", 1.0)),
         zero=numbers.get("zero"),
         wraps=numbers.get("wraps"),
+        jumps=str(jumps),
     )
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gearpoly.errors import escaped
-from gearpoly.recording.meaning import entry, quoted
+from gearpoly.recording.asked import angles_known
+from gearpoly.recording.map_lines import LEFT, each_once, entry, quoted
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.survey import Seen, Survey
-from gearpoly.recording.taken import angles_known
 
 OFFERED = 12
 """Columns that are offered for an angle; a recording has a handful."""
@@ -25,9 +25,14 @@ def map_text(found: Survey) -> str:
         lines.append(f"# section = {found.number}")
     lines += [f"text.{k} = {held if k == 'widths' else quoted(held)}" for k, held in found.layout.items() if held]
     lines += [_line(one) for one in found.channels if one.sure and one.column]
+    stated = {line.partition(" = ")[0] for line in lines}
+    left = each_once(ask for doubt in found.doubts for ask in doubt.ask if ask.startswith(LEFT))
     for doubt in found.doubts:
         lines.append(f"# {escaped(doubt.says)}")
-        lines += [f"# {ask}" for ask in doubt.ask]
+        if any(ask.partition(" = ")[0] in stated for ask in doubt.ask):
+            lines.append("# (in the place of its line above)")
+        lines += [f"# {ask}" for ask in doubt.ask if not ask.startswith(LEFT)]
+    lines += [f"# {line}" for line in left]  # at the end, since a map states each key once
     lines += _angles_asked(found)
     return "\n".join(lines) + "\n"
 

@@ -10,9 +10,10 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
-from gearpoly.recording.by_readings import contradicting, counter_modulus, since_1970
+from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus, since_1970
+from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.meaning import header_unit, quoted
+from gearpoly.recording.map_lines import entry, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -21,11 +22,6 @@ from gearpoly.units import FloatArray
 SLIP = 0.75
 """Likeness (difflib, 0..1) from which a name in a map is one of the file misspelt: two letters exchanged in six give
 0.83, and "angle in" is to "angle away" 0.67."""
-
-
-WHOLE_TURNS = 0.01
-"""Part of a turn by which a counter's turn may miss a whole one; next to a power of two the nearest numbers of counts
-that anybody sets are 2 % off (1000 and 1024)."""
 
 
 def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
@@ -47,6 +43,7 @@ def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: R
         if column in ANGLE_COLUMNS and source.wraps is None:
             _check_unit(chart, column, one, source, unit)
         put(out, times, column, one, replace(source, channel=name, unit=unit))
+        out.mapped.add(column)
         out.remarks.append(f'"{shorten(name)}" taken for {column}: the map says so')
         if column in ANGLE_COLUMNS:
             shaft = column.partition("_")[0]
@@ -89,8 +86,7 @@ def _unit(chart: RecordingMap, column: str, name: str, one: Channel, *, own: boo
 def _check_unit(chart: RecordingMap, column: str, one: Channel, source: Source, unit: Unit) -> None:
     """Raise ``InputFileError`` of the map where readings begin again after one turn in another unit than its own."""
     modulus = counter_modulus(one.values)
-    turns = 0.0 if modulus is None else modulus * source.scale * unit.size / 360.0
-    if modulus is not None and abs(turns - max(1.0, round(turns))) > WHOLE_TURNS:
+    if modulus is not None and not are_whole_turns(modulus * source.scale * unit.size):
         found = f"{unit.name}, and the readings are counts that begin again after {modulus}"
         wish = f'want wraps = {modulus}, and scale: what a count is of a {unit.name}; unit = "rev" and scale = '
         wish += f"{1.0 / modulus!r} if that is one turn"
@@ -144,7 +140,7 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
         values[read] = np.unwrap(values[read], period=source.wraps)
     if column == "time_s" and (counted := since_1970(values)) is not None and counted.size == factor:
         values = values - values[np.isfinite(values)][0]  # small, so that no digit is lost where it is used
-        out.remarks.append(f'"{shorten(source.channel)}" counts from 1970, and is taken from its first reading on')
+        out.remarks.append(f'"{shorten(source.channel)}" counts from long ago, and is taken from its first reading on')
     if column not in ANGLE_COLUMNS:  # an angle's zero and direction are keys, so that readings stay the encoder's own
         values = values - source.zero if source.zero else values
         factor *= source.sign
@@ -154,6 +150,11 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
             values = values * factor
     if values is one.values:  # which may be read again: a recording takes over the numbers it gets, unless sealed
         values.setflags(write=False)
+    if column == "time_s":
+        more = [f"scale = {source.scale!r}"] * (source.scale != 1.0) + [f"zero = {source.zero!r}"] * bool(source.zero)
+        out.jumps = source.jumps
+        out.time_entry = entry(column, source.channel, unit, *more, 'jumps = "taken out"')
+    out.units[column] = unit
     out.columns[column] = values
     out.taken_from[column] = source.channel
     if one.time is not None:

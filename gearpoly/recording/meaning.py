@@ -6,7 +6,6 @@ its unit and its shaft are all stated, or shown by the readings. Everything else
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +13,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.errors import shown
-from gearpoly.recording.by_readings import are_days, contradicting, runs_evenly, since_1970, wrapped_unit
+from gearpoly.recording.by_readings import (
+    are_days,
+    are_whole_turns,
+    contradicting,
+    counter_modulus,
+    rises,
+    runs_evenly,
+    since_1970,
+    swings,
+    told_since,
+    wrapped_unit,
+)
+from gearpoly.recording.header import COUNTED, header_unit, is_clock
+from gearpoly.recording.map_lines import (
+    analog_entry,
+    counter_entry,
+    counts_entries,
+    entry,
+    likely_time,
+    quoted,
+    scaled,
+)
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -32,18 +52,22 @@ from gearpoly.recording.quantities import (
 )
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, SHAFTS
 from gearpoly.recording.table import AXIS_ERROR, MAPPED_AXIS, WORM_ANGLE, Channel
-from gearpoly.recording.words import AXIS, NAME_LIMIT, OTHER, TE, WORM, by_letter, plain, quantity_of, shaft_of, tokens
+from gearpoly.recording.words import (
+    AXIS,
+    CLOCKS,
+    OTHER,
+    PERCENT,
+    RADIAL,
+    TE,
+    WORM,
+    by_letter,
+    plain,
+    quantity_of,
+    run_of,
+    shaft_of,
+    tokens,
+)
 from gearpoly.units import FloatArray
-
-_BRACKETS = (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*\{([^{}]*)\}", r"(.*\S)\s*<([^<>]*)>")
-
-_SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
-
-COUNTED = ("count", "counts", "inc", "incs", "inkremente", "impulse", "pulses", "ticks", "cts")
-"""Units of nothing but an encoder's counts."""
-
-NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
-"""Units that no ending of a name after a line below is: ``angle_in`` is no inch, ``speed_min`` no minute."""
 
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
 
@@ -56,6 +80,7 @@ class Meaning:
     column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
     ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
     whether words of the name tell it, and not the unit alone; ``twice``, whether another channel is called so too.
+    ``shaft`` and ``run`` are those that its name says, the run where several stand side by side.
     """
 
     channel: str
@@ -67,6 +92,8 @@ class Meaning:
     named: bool = True
     twice: bool = False
     ask: tuple[str, ...] = ()
+    shaft: str = ""
+    run: str = ""
 
 
 def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
@@ -74,7 +101,8 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     # "in" is a word of German and an inch; beside an "out" it is a shaft.
     outs = any("out" in tokens(one.leaf or name) for name, one in channels.items())
     shafts = _shafts(channels, outs=outs)
-    found = [_meaning(name, one, shaft=shafts[name]) for name, one in channels.items()]
+    found = [replace(_meaning(name, one, shaft=shafts[name]), shaft=shafts[name]) for name, one in channels.items()]
+    found = _of_runs(channels, found)
     open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shafts[one.channel]]
     taken = {one.column for one in found if not one.doubt}
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
@@ -95,6 +123,25 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
                 ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
+
+
+RUN = "one of several runs"
+"""Stands for the quantity of a channel whose name says its run, and neither shaft nor quantity."""
+
+
+def _of_runs(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
+    """What was ``found``, of runs side by side with the run of each; columns of one run each are no two shafts."""
+    runs = {one.channel: run_of(header_unit(channels[one.channel].leaf or one.channel)[0]) for one in found}
+    if len(set(runs.values()) - {""}) < 2:
+        return list(found)
+    out = []
+    for one in found:
+        run = runs[one.channel]
+        told = one.shaft or not run or one.dimension not in ("", ANGLE, COUNT) or (one.column and not one.doubt)
+        doubt = "one of several runs side by side, and its name says no shaft"
+        other = Meaning(channel=one.channel, dimension=RUN, why=one.why, doubt=doubt)
+        out.append(replace(one if told else other, run=run))
+    return out
 
 
 def _without_twins(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
@@ -152,22 +199,6 @@ def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
     }
 
 
-def header_unit(header: str) -> tuple[str, str]:
-    """The name and the unit in a header such as ``Winkel Antrieb [°]``, ``torque / Nm``, ``t (s)`` or ``angle_deg``."""
-    text = header.strip()
-    if len(text) > NAME_LIMIT:
-        return text, ""
-    if found := re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", text):
-        return found[1].strip(), found[2].strip()
-    for pattern in (*_BRACKETS, r"(.*\S)\s*/\s*(\S.*)", r"(.*\S)\s+in\s+(\S+)", _SUFFIX):
-        found = re.fullmatch(pattern, text)
-        known = found is not None and (units_written(found[2]) or found[2].strip().lower() in DOUBTFUL)
-        ended = pattern is _SUFFIX and found is not None and (found[2].lower() in NO_SUFFIX or found[2][:1].isdigit())
-        if found and known and not ended:
-            return found[1].strip(), found[2].strip()
-    return text, ""
-
-
 def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     own = held.leaf or channel
     name, in_name = header_unit(own)
@@ -177,31 +208,51 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         quantity = AXIS if "ra" in tokens(name) else OTHER
     if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
-    if quantity == OTHER:
-        return Meaning(channel=channel)
+    if quantity in (OTHER, RADIAL):
+        return Meaning(channel=channel, dimension=quantity, why=f'"{name}"' if quantity == RADIAL else "")
+    if not stated and tokens(name) & set(PERCENT):
+        stated = "%"
     doubt = ""
+    if not quantity and not stated and is_clock(name, held.values):
+        quantity, stated = TIME, name.strip()
     letter = by_letter(name) and name.strip() != "t"
     if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
         if stated.strip().lower() in COUNTED:
             dimensions = {COUNT}
         if len(dimensions) != 1:
-            return Meaning(channel=channel)
+            long = unit_written(stated, LENGTH) is not None and not dimensions
+            return Meaning(channel=channel, dimension=LENGTH if long else "")
         quantity = dimensions.pop()
         # Nothing else of a drive is told in seconds and runs on evenly.
         timed = quantity == TIME and unit_written(stated, TIME) is not None and runs_evenly(held.values)
         doubt = "" if timed else f"known by its unit alone, {stated}"
+        if quantity == TIME and not rises(held.values) and not rises(-held.values):
+            return Meaning(channel=channel, unit=unit_written(stated, TIME), dimension=TIME)
+        if quantity == ANGLE and swings(held.values):
+            return Meaning(channel=channel, dimension=OTHER)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):
             doubt = "a date as spreadsheets count them, in days"
             ask = (entry("time_s", channel, UNITS[TIME]["d"]),)
-            return Meaning(channel=channel, column="time_s", dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask)
+            unit = UNITS[TIME]["d"]
+            return Meaning(
+                channel=channel, column="time_s", unit=unit, dimension=TIME, why=f'"{name}"', doubt=doubt, ask=ask
+            )
         counted = since_1970(held.values) if unit is None and not stated else None
         if counted is not None:
-            why = f'"{name}", {counted.name} since 1970'
+            why = f'"{name}", {told_since(counted)}'
             return Meaning(channel=channel, column="time_s", unit=counted, dimension=TIME, why=why)
-        return replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
+        clock = next((CLOCKS[one] for one in tokens(name) if one in CLOCKS), "") if not stated else ""
+        if clock and rises(held.values):
+            unit, stated = UNITS[TIME][clock], clock
+        settled = replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
+        if unit is None and not stated:
+            likely, lasts = likely_time(held.values)
+            ask = (entry("time_s", channel, likely),)
+            settled = replace(settled, unit=likely, doubt=settled.doubt + lasts, ask=ask)
+        return settled
     if quantity == COUNT:
         doubt = "counts of an encoder whose lines are not stated"
         found = Meaning(channel=channel, dimension=COUNT, why=f'"{name}"', doubt=doubt)
@@ -234,6 +285,11 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
             f"the unit {stated or unit.name}, and its readings begin again after one turn as in {other.name}{many}"
         )
         unit = other
+    modulus = counter_modulus(held.values) if quantity == ANGLE and unit is not None and other is None else None
+    if unit is not None and modulus is not None and not are_whole_turns(modulus * unit.size):
+        doubt = f"the unit {stated}, and its readings are counts that begin again after {modulus}"
+        ask = (counter_entry(columns[ANGLE], channel, modulus),)
+        return Meaning(channel=channel, column=columns[ANGLE], dimension=ANGLE, why=f'"{name}"', doubt=doubt, ask=ask)
     if quantity == TORQUE and shaft == "driving":
         doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
     elif quantity == SPEED and shaft == "driven":
@@ -241,14 +297,14 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
     settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    if quantity == ANGLE and unit is None:
+        settled = replace(settled, ask=(analog_entry(columns[ANGLE], channel, held.values, stated=bool(stated)),))
     return replace(settled, named=not doubt)
 
 
 def _counted(one: Meaning, shaft: str) -> Meaning:
     """Counts as those of a ``shaft``, with the lines of a map that say so."""
-    own, column = f"keys.{shaft}", f"{shaft}_count"
-    ask = (entry(column, one.channel, None), f"{own}_lines = 1000", f"{own}_counts_per_line = 4")
-    return replace(one, column=column, ask=ask)
+    return replace(one, column=f"{shaft}_count", ask=counts_entries(shaft, one.channel))
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:
@@ -265,8 +321,11 @@ def _settled(
     channel: str, name: str, column: str, unit: Unit | None, stated: str, dimension: str, doubt: str
 ) -> Meaning:
     """The meaning of a channel whose quantity is known; without a unit it is a doubt."""
+    ask: tuple[str, ...] = (entry(column, channel, unit),)
     if unit is None:
         what = f'its unit "{shown(stated)}" is none of {dimension}' if stated else f"no unit of {dimension} is stated"
+        if stated:
+            what, ask = scaled(channel, column, stated, dimension, what)
         doubt = f"{doubt}, and {what}" if doubt else what
     known = f"unit {stated}" if stated else "its readings begin again after one turn"
     return Meaning(
@@ -276,22 +335,8 @@ def _settled(
         dimension=dimension,
         why=f'"{name}", {known}' if unit is not None else f'"{name}"',
         doubt=doubt,
-        ask=(entry(column, channel, unit, *(["scale = 1.0"] if stated and unit is None else [])),) if doubt else (),
+        ask=ask if doubt else (),
     )
-
-
-def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
-    """The line of a map that gives the ``column`` to a channel, in the contract's unit where none is known."""
-    held = [f"from = {quoted(channel)}"]
-    if column_unit(column).dimension != COUNT:
-        held.append(f"unit = {quoted((unit or column_unit(column)).name)}")
-    return f"columns.{column} = {{ {', '.join([*held, *more])} }}"
-
-
-def quoted(text: str) -> str:
-    """A text as TOML writes it, whatever it holds; what does not print is escaped, so that it can be copied."""
-    held = json.dumps(text, ensure_ascii=False)
-    return held if held.isprintable() else "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in held)
 
 
 def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit | None:

@@ -9,7 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.files.traces import shorten
+from gearpoly.recording.quantities import TIME
 from gearpoly.recording.table import Table
+from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
 _LAST = re.compile(r"(.*?)[\s_.,/\[(]*([A-Za-z]+|°|'|\"|''|\u2032|\u2033)[\])]?", re.DOTALL)
@@ -33,9 +35,33 @@ def join_parts(table: Table) -> None:
         found = _LAST.fullmatch((one.leaf or name)[:200].strip())
         if found is not None and found[1]:
             by_stem.setdefault(f"{one.group(name)}/{found[1]}", {}).setdefault(found[2].lower(), name)
+    _join_millis(table)
     for held in by_stem.values():
         _join_time(table, held)
         _join_angle(table, held)
+
+
+MILLIS = frozenset({"millitm", "millisecond", "milliseconds", "millisekunden", "millis", "msec", "ms"})
+
+PER_MILLI = 1e3
+"""Milliseconds, which begin again at the second."""
+
+
+def _join_millis(table: Table) -> None:
+    """Add a column of milliseconds to the stamps in whole seconds beside it."""
+    parts = [name for name, one in table.others.items() if (one.leaf or name).strip().lower() in MILLIS]
+    stamps = [name for name, one in table.others.items() if one.unit == "s" and quantity_of(one.leaf or name) == TIME]
+    if len(parts) != 1 or len(stamps) != 1 or parts[0] == stamps[0]:
+        return
+    milli, second = table.others[parts[0]].values, table.others[stamps[0]].values
+    if second.shape != milli.shape or not (_whole(second) and _whole(milli) and _within(milli, PER_MILLI)):
+        return
+    if not np.any(np.diff(milli) < 0.0):
+        return
+    first = float(milli[np.isfinite(milli)][0])  # stamps are told after the first of them
+    table.others[stamps[0]] = replace(table.others[stamps[0]], values=second + (milli - first) / PER_MILLI)
+    del table.others[parts[0]]
+    table.remarks.append(f"{_named([stamps[0], parts[0]])} are one time, in s after the first")
 
 
 def _join_time(table: Table, held: Mapping[str, str]) -> None:

@@ -17,14 +17,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError
+from gearpoly.errors import GearpolyError, InputFileError, MissingExtraError, told_at_most, told_beside
 from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
-from gearpoly.recording.by_readings import contradicting
+from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus
 from gearpoly.recording.by_turns import bring_together
+from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
-from gearpoly.recording.meaning import entry
+from gearpoly.recording.in_name import in_name
+from gearpoly.recording.looks_like import check_units
+from gearpoly.recording.map_lines import counter_entry, entry
+from gearpoly.recording.pulse_times import angles_from_pulse_times
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
 from gearpoly.recording.recording import (
@@ -40,7 +44,7 @@ from gearpoly.recording.recording import (
     check_key,
     recording_from_columns,
 )
-from gearpoly.recording.table import AXIS_ERROR, Table
+from gearpoly.recording.table import AXIS_ERROR, PULSE_TIMES, Table
 from gearpoly.recording.worm import at_the_worm
 from gearpoly.units import ARCSEC, URAD, FloatArray
 
@@ -135,6 +139,8 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
     ``worm``."""
     if AXIS_ERROR in table.columns:
         table = at_the_worm(file, table, worm)
+    if any(name in PULSE_TIMES for name in table.columns):
+        table = angles_from_pulse_times(file, table)
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:
@@ -142,12 +148,22 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         raise InputFileError(file, found=found, wish="want one value in each column for every sample")
     if not next(iter(lengths.values())):
         raise InputFileError(file, found="columns without rows", wish="want rows of numbers")
+    check_units(file, table)
+    for doubt in in_name(file, table.keys, table.columns):
+        table.remarks.append(f"{doubt.says}, in a map: {' '.join(doubt.ask)}")
+    for doubt in on_one_clock(table):
+        table.remarks.append(f"{doubt.says}; in a map, if the clock was set: {' '.join(doubt.ask)}")
     bring_together(file, table)
     for name in ANGLE_COLUMNS:
         other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
         if other is not None:
             wish = f"want degrees, or a map with {entry(name, name, other)}"
             found = f"readings that begin again after one turn as in {other.name}"
+            raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
+        modulus = counter_modulus(table.columns[name]) if name in table.columns else None
+        if modulus is not None and not are_whole_turns(modulus):
+            wish = f"want degrees, or a map with {counter_entry(name, name, modulus)}"
+            found = f"readings that are counts, and begin again after {modulus}"
             raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if "te_urad" in table.columns and "te_arcsec" in table.columns:
         _take_one_error(file, table)
@@ -243,8 +259,9 @@ def check_numbers(file: Path, count: int, *, beside: int = 0) -> None:
     needed, limit = NUMBER_BYTES * count + beside, memory_limit(file)
     if needed > limit:
         size = file.stat().st_size
-        found = f"{count} numbers, which take {needed / 2**20:.0f} MB to read, in a file of {size / 2**20:.3g} MB"
-        wish = f"want at most {limit / 2**20:.0f} MB for a file of that size; split it"
+        takes = told_beside(needed / 2**20, limit / 2**20, 0)
+        found = f"{count} numbers, which take {takes} MB to read, in a file of {size / 2**20:.3g} MB"
+        wish = f"want at most {told_at_most(limit / 2**20, 0)} MB for a file of that size; split it"
         if limit < RECORDING_LIMIT_BYTES:
             wish += ", or store it without compression"
         raise InputFileError(file, found=found, wish=wish)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, told_beside
 from gearpoly.recording.clean import TURNS_LEAST
 from gearpoly.recording.lost_motion import LostMotion, between
 from gearpoly.recording.recording import SHAFTS, Flank, Recording
@@ -112,7 +112,7 @@ def usable(runs: Sequence[Recording]) -> list[Recording]:
     short = [says(one) for one in runs if not is_long(one, runs)]
     if not long:
         file, most = next((one.run.file, one.run.turns) for one in _longest_first(runs) if one.run is not None)
-        found = f"{len(runs)} runs forth and back, none of more than {most:.3g} driving turns"
+        found = f"{len(runs)} runs forth and back, the longest of {told_beside(most, TURNS_LEAST, 2)} driving turns"
         wish = f"want at least {TURNS_LEAST:g} driving turn one way; gearpoly read tells the lost motion all the same"
         raise InputFileError(file, found=found, wish=wish)
     if not short:

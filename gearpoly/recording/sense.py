@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gearpoly.recording.finite import all_finite
-from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, thinned
+from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, gaps, thinned
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 FEWEST = 8
@@ -80,7 +80,7 @@ def pauses_between(time: FloatArray | None, rows: IntArray) -> Pauses:
         held = time[rows] if rows.size < time.size else time
         position = np.nan_to_num(held, nan=0.0, posinf=0.0, neginf=0.0) if not np.isfinite(held).all() else held
     length = np.diff(position)
-    ordinary = length <= GAP_STEPS * float(np.median(thinned(length)))
+    ordinary = ~gaps(length, float(np.median(thinned(length))))
     if int(rows[-1]) - int(rows[0]) >= rows.size:  # some were left out between
         ordinary &= np.diff(rows) == 1
     return Pauses(length, ordinary)

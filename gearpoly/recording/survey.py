@@ -12,12 +12,18 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import GearpolyError
+from gearpoly.recording.asked import angles_known
 from gearpoly.recording.clean import clean
+from gearpoly.recording.clock_set import on_one_clock
+from gearpoly.recording.in_name import in_name
+from gearpoly.recording.looks_like import unit_doubts
 from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
+from gearpoly.recording.map_lines import turns_in
 from gearpoly.recording.mapped import stated_unit
 from gearpoly.recording.meaning import Meaning
-from gearpoly.recording.quantities import Unit, column_unit
+from gearpoly.recording.pulse_times import asked_of_pulses
+from gearpoly.recording.quantities import ANGLE, Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables
 from gearpoly.recording.reader import recording_from_table
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, Recording
@@ -26,7 +32,7 @@ from gearpoly.recording.runs import is_long, lost_motions, runs_of, says, usable
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
 from gearpoly.recording.turning import FEWEST, Turning, turning_of
-from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS
+from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, gaps
 from gearpoly.units import FloatArray
 
 ASTRAY = 1.0
@@ -38,13 +44,14 @@ of themselves and add up stray farther within 1000 samples (0.05 sqrt(1000) = 1.
 class SampleTimes:
     """Times of the samples: ``rate_hz`` of the usual step, or of all between gaps where they are even and rounded, the
     ``spread`` of the steps (5 to 95 %, relative), ``seconds`` from first to last, ``gaps`` of more than three steps as
-    (row, s) and ``backs``, rows before which the time runs back."""
+    (row, s) and ``backs``, rows before which the time runs back; ``alike`` samples share a time where most do."""
 
     rate_hz: float
     spread: float
     seconds: float
     gaps: tuple[tuple[int, float], ...]
     backs: tuple[int, ...]
+    alike: int = 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,7 +149,17 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
     except GearpolyError as error:
         refusal = str(error)
     out, found = assigned(file, table, chart)
-    doubts = [*table.doubts, *(Doubt(says=_doubt(one), ask=one.ask) for one in found if one.doubt)]
+    said = len(out.remarks)
+    doubts = [
+        *table.doubts,
+        *(Doubt(says=_doubt(one, table), ask=one.ask) for one in found if one.doubt),
+        *on_one_clock(out),
+    ]
+    pulses = asked_of_pulses(found, table.others) if not angles_known(out.columns) else None
+    if pulses is not None:  # in place of the same columns as times of samples
+        doubts = [*table.doubts, Doubt(says=pulses[0], ask=pulses[1])]
+    doubts += unit_doubts(out)
+    doubts += in_name(file, out.keys, [*out.columns, *(one.column for one in found)])
     time = next((v for v in (out.columns.get("time_s"), _likely_time(table, found)) if v is not None), None)
     channels = _channels(table, out, found, time)
     return Survey(
@@ -156,7 +173,7 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         keys=out.keys,
         layout=table.layout,
         doubts=tuple(doubts),
-        remarks=tuple(table.remarks),
+        remarks=(*table.remarks, *out.remarks[said:]),
         refusal=refusal,
         runs=tuple(
             RunSeen(says=says(one), run=one.run, back=one.backward, flank=one.flank, short=not is_long(one, runs))
@@ -194,8 +211,9 @@ def _copied(table: Table) -> Table:
     return replace(table, columns=dict(table.columns), keys=dict(table.keys), remarks=list(table.remarks))
 
 
-def _doubt(one: Meaning) -> str:
-    return f'"{one.channel}": {one.doubt}'
+def _doubt(one: Meaning, table: Table) -> str:
+    bare = one.dimension == ANGLE and one.unit is None and not stated_unit(one.channel, table.others[one.channel])
+    return f'"{one.channel}": {one.doubt}{turns_in(table.others[one.channel].values) if bare else ""}'
 
 
 def _likely_time(table: Table, found: list[Meaning]) -> FloatArray | None:
@@ -256,11 +274,21 @@ def _clock(time: FloatArray) -> SampleTimes:
     sense = 1.0 if 2 * np.count_nonzero(some < 0.0) < some.size else -1.0
     rising = sense * some[sense * some > 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3
-    wide = np.flatnonzero(steps > GAP_STEPS * usual)
+    seconds = abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0
+    if seconds and 2 * np.count_nonzero(some == 0.0) > some.size:
+        # Times are coarser than the samples: how many there are in all is their rate.
+        changes = np.count_nonzero(steps)
+        backs = tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0))
+        late = tuple((int(rows[k]) + 1, float(steps[k])) for k in np.flatnonzero(sense * steps > GAP_STEPS * usual))
+        return SampleTimes(
+            rate_hz=steps.size / seconds, spread=0.0, seconds=seconds, gaps=late, backs=backs,
+            alike=round(rows.size / (changes + 1)),
+        )  # fmt: skip
+    wide = np.flatnonzero(gaps(sense * steps, usual))
     return SampleTimes(
         rate_hz=_rate(sense * steps, usual),
         spread=(high - low) / usual,
-        seconds=abs(float(time[rows[-1]] - time[rows[0]])) if rows.size else 0.0,
+        seconds=seconds,
         gaps=tuple((int(rows[k]) + 1, float(steps[k])) for k in wide),
         backs=tuple(int(rows[k + 1]) + 1 for k in np.flatnonzero(steps < 0.0)),
     )

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from gearpoly.recording.quantities import Unit
 from gearpoly.units import FloatArray
 
 AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE = "axis_error_arcsec", "axis_correction_arcsec", "worm_angle_deg"
@@ -15,6 +16,16 @@ pair."""
 
 MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
 """Those of them that a table under names of its own may have."""
+
+
+PULSE_TIME, PULSE_CHANNEL = "pulse_time_s", "pulse_channel"
+PULSE_TIMES = (
+    *(f"{shaft}_{kind}" for shaft in ("driving", "driven") for kind in ("pulse_s", "interval_s")),
+    PULSE_TIME,
+    PULSE_CHANNEL,
+)
+"""Columns that a map may give in the place of angles: the times of each shaft's pulses, the times between them, or the
+time of any pulse beside its channel, which is 0 for the driving shaft."""
 
 
 WORDS = "of words"
@@ -67,7 +78,9 @@ class Table:
     the header of a column); names and units, or a map, say which columns they are. ``layout`` says how a text file was
     read, key by key of a map. ``places`` is half of the last place that a column was written to, where its numbers no
     longer show it. ``unread`` is what else the file holds and was not read, and the cure. ``worm_period_s`` is that of
-    a telescope's worm, where the file states it, else 0.
+    a telescope's worm, where the file states it, else 0. ``units`` are those that columns were in, ``mapped`` the
+    columns that a map gives. ``jumps`` is what a map says of jumps of the time, and ``time_entry`` the line of a map
+    that takes them out.
     """
 
     columns: dict[str, FloatArray]
@@ -80,3 +93,7 @@ class Table:
     taken_from: dict[str, str] = field(default_factory=dict)
     unread: tuple[str, str] | None = None
     worm_period_s: float = 0.0
+    units: dict[str, Unit] = field(default_factory=dict)
+    mapped: set[str] = field(default_factory=set)
+    jumps: str = ""
+    time_entry: str = ""

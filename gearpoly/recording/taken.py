@@ -15,25 +15,15 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
-from gearpoly.recording.by_readings import are_row_numbers, counter_modulus, runs_evenly
+from gearpoly.recording.asked import SETTLE, angles_known, ask, wish_for
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.mapped import put, take_mapped
-from gearpoly.recording.meaning import Meaning, entry, meanings
-from gearpoly.recording.quantities import ANGLE, SPEED, TIME, TORQUE, UNITS
+from gearpoly.recording.meaning import Meaning, meanings
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
-from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, SHAFTS, TE_COLUMNS, raw_channels
+from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, TE_COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
-from gearpoly.recording.table import AXIS_ERROR, WORDS, WORM_ANGLE, Channel, Table
+from gearpoly.recording.table import AXIS_ERROR, WORM_ANGLE, Channel, Table
 from gearpoly.units import FloatArray
-
-SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
-
-ASKED = (TIME, TORQUE)
-"""Quantities that are asked for where their names say them and no more, beside angles: left out they would change what
-is found without a word."""
-
-ASKED_AT_ONCE = 4
-"""Columns in doubt that one message names: time, both angles and a torque."""
 
 SAME_SPEED = 0.01
 """Relative. A speed display is as true, and speeds of the two shafts differ by a tooth or more, unless they are one."""
@@ -55,12 +45,12 @@ def taken(file: Path, table: Table, chart: RecordingMap | None = None) -> Table:
     """
     if table.doubts:
         first = table.doubts[0]
-        raise InputFileError(file, found=first.says, wish=_wish(first.ask))
+        raise InputFileError(file, found=first.says, wish=wish_for(first.ask))
     if not table.others and chart is None and (table.unread is None or angles_known(table.columns)):
         return table
     out, found = assigned(file, table, chart)
     _check_names(file, table, [one.channel for one in found if one.channel not in out.taken_from.values()])
-    _ask(file, found, out, table.others)
+    ask(file, found, out, table.others)
     return out
 
 
@@ -167,101 +157,6 @@ def _by_meaning(
         put(out, times, one.column, held[one.channel], Source(channel=one.channel, unit=one.unit))
         if one.channel != one.column:
             out.remarks.append(f'"{shorten(one.channel)}" taken for {one.column}: {one.why}')
-
-
-def angles_known(names: Iterable[str]) -> bool:
-    """Whether columns suffice for a transmission error."""
-    held = set(names)
-    shafts = sum(
-        angle in held or bool({"a", "count"} & set(raw_channels(held, shaft)))
-        for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
-    )
-    return shafts == 2 or (shafts == 1 and any(name in held for name in TE_COLUMNS)) or AXIS_ERROR in held
-
-
-def _ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str, Channel]) -> None:
-    """Raise where what a comparison needs is in doubt, of the ``channels`` of a file."""
-    doubtful = [one for one in meant if one.doubt and one.column not in out.columns]
-    needed = [one for one in doubtful if one.twice or (one.dimension in ASKED and one.named)]
-    if not angles_known(out.columns):
-        angles = [one for one in doubtful if one.dimension == ANGLE] or [
-            one for one in doubtful if one.dimension not in (*ASKED, SPEED)
-        ]
-        needed = [*angles, *(one for one in needed if one not in angles)]
-        if not angles:
-            there = shorten(", ".join(one.channel for one in meant), width=200)
-            lacking = [name for name in ANGLE_COLUMNS if name not in out.columns]
-            lacks = " and ".join(lacking)
-            used = out.taken_from.values()
-            free = [one for one in meant if one.channel not in used and one.dimension not in (TIME, SPEED)]
-            ask = _offered([*([] if "time_s" in out.columns else ["time_s"]), *lacking], free, channels)
-            if meant and all(one.channel == f"column {k}" for k, one in enumerate(meant, start=1)):
-                wish = f"want a line of names above them, or {_wish(ask).removeprefix('want ')}"
-                if len(meant) == len(ANGLE_COLUMNS):
-                    wish += "; above seconds and arcsec of a telescope's periodic error: Time [s] and PE [arcsec]"
-                raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
-            if out.unread is not None and (len(free) < len(lacking) or not out.unread[0].endswith(WORDS)):
-                found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
-                raise InputFileError(file, found=found, wish=out.unread[1])
-            every = _each_once([*ask, *(line for one in needed for line in one.ask)])
-            if len(free) < len(lacking):
-                wish = "want the readings of both shafts, or of one and a transmission error, in one file"
-                raise InputFileError(file, found=f"no column that is surely {lacks}, only {there}", wish=wish)
-            raise InputFileError(
-                file,
-                found=f"no column that is surely {lacks}, only {there}",
-                wish=_wish(every),
-            )
-    if needed:
-        raise _in_doubt(file, needed)
-
-
-def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
-    """The error for columns in doubt: what each may be, and a line of a map for each that asks for another key."""
-    named = needed[:ASKED_AT_ONCE]
-    by_doubt: dict[str, list[str]] = {}
-    ask: dict[str, str] = {}
-    for one in named:
-        by_doubt.setdefault(one.doubt, []).append(f'"{shorten(one.channel)}"')
-        for line in one.ask:
-            ask.setdefault(line.partition(" = ")[0], line)
-    (doubt, columns), *others = by_doubt.items()
-    says = "".join(f"; {' and '.join(channels)}: {other}" for other, channels in others)
-    beyond = f" (and {len(needed) - len(named)} more in doubt)" if len(needed) > len(named) else ""
-    where = f"column{'s' * (len(columns) > 1)} {' and '.join(columns)}"
-    return InputFileError(file, where=where, found=f"{doubt}{says}{beyond}", wish=_wish(list(ask.values())))
-
-
-def _each_once(lines: Sequence[str]) -> list[str]:
-    """The lines of a map, the first of each key."""
-    return list({line.partition(" = ")[0]: line for line in reversed(lines)}.values())[::-1]
-
-
-def _offered(lacking: Sequence[str], free: Sequence[Meaning], channels: Mapping[str, Channel]) -> tuple[str, ...]:
-    """The lines of a map for the angles, and the time, that no name says, one channel for each: those that say the
-    least else, and for the time the first where its readings run evenly."""
-    likely = sorted(free, key=lambda one: bool(one.dimension))
-    rows = [one for one in likely if one.channel in channels and are_row_numbers(channels[one.channel].values)]
-    likely = [one for one in likely if one not in rows] + rows
-    first = channels.get(likely[0].channel) if len(likely) >= len(lacking) else None
-    if lacking[0] == "time_s" and not (first is not None and runs_evenly(first.values)):
-        lacking = lacking[1:]
-    return tuple(_offer(angle, one.channel, channels) for angle, one in zip(lacking, likely, strict=False))
-
-
-def _offer(column: str, name: str, channels: Mapping[str, Channel]) -> str:
-    """The line of a map that gives a ``column`` to the channel of that ``name``; a counter's says how many counts are a
-    turn, if one turn is where it begins again."""
-    held = channels.get(name)
-    modulus = counter_modulus(held.values) if held is not None and column in ANGLE_COLUMNS else None
-    if modulus is None:
-        return entry(column, name, None)
-    return entry(column, name, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
-
-
-def _wish(ask: Sequence[str]) -> str:
-    each = ", each on a line" if len(ask) > 1 else ""
-    return f"want in a map, if so{each}: {' '.join(ask)} ({SETTLE})"
 
 
 def _say_left(found: Iterable[Meaning], out: Table) -> None:

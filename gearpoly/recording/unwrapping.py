@@ -67,7 +67,7 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     """
     step, pause = np.diff(reading), np.diff(position)
     usual = float(np.median(thinned(pause)))
-    ordinary = pause <= GAP_STEPS * usual
+    ordinary = ~gaps(pause, usual)
     if abs(int(sample[-1]) - int(sample[0])) >= sample.size:  # none is left out elsewhere
         ordinary &= np.abs(np.diff(sample)) == 1
     if not ordinary.any():
@@ -75,6 +75,10 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
     whole = bool(ordinary.all())
     usually = thinned(step if whole else step[ordinary]), thinned(pause if whole else pause[ordinary])
     expected = _speed(*usually) * pause
+    slow = np.flatnonzero(ordinary & (pause > GAP_STEPS * usual))
+    if slow.size:  # the shaft was slower there: it went on as by the steps beside, not at its usual speed
+        beside = np.clip(slow + np.array([[-1], [1]]), 0, step.size - 1)
+        expected[slow] = np.median(without_turns(step[beside]), axis=0)
     off = np.subtract(expected, step, out=step)
     low, high = np.quantile(thinned(reading), [0.005, 0.995])
     wrapped = bool(high - low <= WRAPPED_SPAN * TURN)
@@ -88,6 +92,23 @@ def continuous(reading: FloatArray, position: FloatArray, sample: IntArray) -> C
         angle = reading.copy()
         angle[far[0] + 1 :] += np.repeat(TURN * np.cumsum(turns[far]), np.diff(far, append=step.size))
     return Continuous(angle=angle, wraps=turns, ordinary=ordinary, wrapped=wrapped, expected=expected)
+
+
+def gaps(pause: FloatArray, usual: float) -> BoolArray:
+    """Which steps (m,) of a time are gaps: more than ``GAP_STEPS`` of the ``usual`` one, unless the steps beside lead
+    up to them by less than as much from one to the next. Pulses of a shaft that runs up come so, and none is
+    missing."""
+    wide = np.asarray(pause > GAP_STEPS * usual)
+    if not wide.any() or wide.all():
+        return wide
+    large, small = np.maximum(pause[1:], pause[:-1]), np.minimum(pause[1:], pause[:-1])
+    broken = np.concatenate([[0], np.cumsum(large > GAP_STEPS * small)])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], wide.astype(np.int8), [0]])))
+    begin, end = edges[::2], edges[1::2]
+    smooth = broken[np.minimum(end, pause.size - 1)] == broken[np.maximum(begin - 1, 0)]
+    for first, last in zip(begin[smooth].tolist(), end[smooth].tolist(), strict=True):
+        wide[first:last] = False
+    return wide
 
 
 def only_goes_on(angle: FloatArray) -> bool:

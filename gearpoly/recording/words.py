@@ -8,13 +8,22 @@ import unicodedata
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE
 
 TE, OTHER = "transmission error", "something else"
+RADIAL = "radial composite deviation"
 AXIS, WORM = "error of a telescope's axis", "angle of the worm"
 
 QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (
+        RADIAL,
+        "",
+        "zweiflanken|double flank|dual flank|doppelflanken|radial composite|composite radial|double flanc|"
+        "doppio fianco|doble flanco|achsabstand|wellenabstand|cent(?:re|er) dist|entraxe|interasse|"
+        "distancia entre ejes|radial.*transmission error|transmission error.*radial",
+    ),
+    (
         TE,
         "te drehwegfehler",
-        "transmission error|transmissionerror|drehfehler|drehwegabweichung|einflanken|ubertragungsfehler|"
+        "tangential composite|single flank|kinematic error|kinematisch|transmission error|transmissionerror|drehfehler|"
+        "drehwegabweichung|einflanken|ubertragungsfehler|"
         "uebertragungsfehler|erreur de transmission|error de transmision|errore di trasmissione",
     ),
     (
@@ -26,8 +35,9 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (WORM, "wormphase wormangle", "worm phase|worm angle|worm position|worm pos|schneckenwinkel|schneckenphase"),
     (
         OTHER,
-        "",
-        "temperat|error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
+        "diff dev",
+        "temperat|backlash|lost motion|flankenspiel|verdrehspiel|"
+        "error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
         "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
     ),
     (
@@ -38,13 +48,13 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (TORQUE, "m par md couple coppia", "drehmoment|moment|torque"),
     (
         TIME,
-        "t time temps tiempo tempo hora ora heure datum date fecha clock epoch stamp",
+        "t ts time temps tiempo tempo hora ora heure datum date fecha clock epoch stamp millis micros nanos elapsed",
         "zeit|timestamp|time stamp|unix ?time|horodatage",
     ),
     (ANGLE, "phi theta φ θ ϕ ϑ angle angles angulo angolo", "winkel|angle|angulo|angolo"),
     (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
 )
-"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The fourth
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The fifth
 row is of quantities that no column holds, some of which have an angle in their names. A word of one letter counts only
 with a unit that fits, but for a name that is t."""
 
@@ -69,8 +79,50 @@ NAME_LIMIT = 200
 """Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
 
+_COMPOSITE = re.compile(r"(?<![^\W\d_])[Ff]_?i_?\s?(?P<primes>(?:['\u2032\u2019\u00b4`]|[\"\u2033\u201d\u02ba]){1,2})")
+"""F_i', the tangential composite deviation of ISO 1328-1, and F_i'', the radial one of ISO 1328-2."""
+
+CLOCKS = {
+    "millis": "ms",
+    "milliseconds": "ms",
+    "micros": "us",
+    "microseconds": "us",
+    "nanos": "ns",
+    "nanoseconds": "ns",
+    "seconds": "s",
+    "sekunden": "s",
+}
+"""Words of programs for the time since they began, with its unit."""
+
+PERCENT = ("pct", "percent", "prozent", "pourcent", "porcentaje", "percento", "perc")
+"""Words for per cent in a name."""
+
+INTERVALS = (
+    *("dt", "period", "periods", "interval", "intervals", "periode", "perioden", "periodendauer", "intervall"),
+    *("intervalle", "periodo", "intervalo", "intervallo"),
+)
+"""Words for the time between two pulses."""
+
+RUN_WORDS = (
+    "run|lauf|laufe|trial|messung|measurement|meas|versuch|essai|mesure|prova|prueba|medicion|misura|wiederholung|"
+    "repeat|repetition|rep|durchgang|durchlauf|pass|test"
+)
+"""Words that are counted where several recordings stand side by side. A series is none: spreadsheets call any column
+so."""
+
+
+def run_of(name: str) -> str:
+    """The number of the run that a channel's name says (``run 2 in``), or nothing."""
+    found = re.search(rf"\b(?:{RUN_WORDS}) (?:nr |no |number )?(\d{{1,3}})\b", plain(name))
+    return found[1] if found else ""
+
+
 def quantity_of(name: str) -> str:
     """The quantity that the words of a channel's name say, or nothing."""
+    composite = _COMPOSITE.search(name[:NAME_LIMIT])
+    if composite is not None:
+        primes = composite["primes"]
+        return RADIAL if len(primes) > 1 or primes in '"\u2033\u201d\u02ba' else TE
     words, whole_words = plain(name), tokens(name)
     for quantity, whole, parts in QUANTITIES:
         if (set(whole.split()) & whole_words) or re.search(parts, words):

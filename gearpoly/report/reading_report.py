@@ -89,6 +89,8 @@ def _taken(one: Seen) -> str:
 
 def _clock_words(clock: SampleTimes) -> str:
     words = [f"{clock.seconds:.6g} s at {clock.rate_hz:.5g} samples per second"]
+    if clock.alike > 1:
+        words.append(f"of which {clock.alike} share a time")
     if clock.spread > 0.01:
         words.append(f"steps vary by {clock.spread:.0%}")
     words.append(_places("gap", [f"{wide:.4g} s after row {row}" for row, wide in clock.gaps]))

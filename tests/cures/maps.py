@@ -39,6 +39,14 @@ CURES = [
     line("leave out", "a list of names, such as", 'leave_out = "M"\n', 'leave_out = ["M"]\n'),
     line("no table", "a table: [text] on a line of its own", "text = 1\n"),
     line("whole", "a whole number, counted from 1", "section = 0\n", "section = 1\n"),
+    text(
+        "jumps",
+        '"taken out" or "kept"',
+        LOG,
+        file="log.txt",
+        chart=GOOD.replace('unit = "s"', 'unit = "s", jumps = "out"'),
+        cured=GOOD.replace('unit = "s"', 'unit = "s", jumps = "taken out"'),
+    ),
     line("toml", "want", "section = \n", "section = 1\n"),
     line("mark", 'want ";"', 'text.separator = "x"\n', 'text.separator = ";"\n'),
     line(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.keys.sections import WormSection
-from tests.cures.cure import Cure, text
+from tests.cures.cure import Cure, by_its_lines, text
 from tests.cures.formats import h5, written
 from tests.made_guide_log import EQ6
 from tests.made_texts import run, table
@@ -42,6 +42,15 @@ COUNTS = table(
 OF_TURNS = ", ".join(('unit = "rev"', "scale = 1.52587890625e-05", "wraps = 65536"))
 
 
+COUNTED = COUNTS.replace("t [s],in,out", "time_s,driving_angle_deg,driven_angle_deg")
+
+
+def beside(names: tuple[str, str]) -> str:
+    """A run's time and both angles under ``names``."""
+    held = [RUN[one] for one in RUN_NAMES[:3]]
+    return table(held, ("Time [s]", *names), separator=",", decimal=".")
+
+
 def counted(form: str) -> str:
     return "".join(
         f'columns.{column} = {{ from = "{name}", {form} }}\n'
@@ -62,7 +71,50 @@ def channels(begins: tuple[str, str]) -> Callable[[Path], None]:
     return h5(fill)
 
 
+OWN_COUNTS = "".join(f'columns.{column} = {{ from = "{column}", {OF_TURNS} }}\n' for column in RUN_NAMES[1:3])
+
+
+TURNED = 6.0 * 30.0 * np.arange(4000) / 50.0
+WAVES = np.degrees(4e-5 * np.sin(np.radians(TURNED)))
+QUICK_FROM = (("driving_angle_deg", "Input angle [rev]"), ("driven_angle_deg", "Output angle [rev]"))
+QUICK = table(
+    [np.arange(4000) / 50.0, TURNED, 0.72 * TURNED + WAVES], ("t [s]", *(name for _, name in QUICK_FROM)),
+    separator=",", decimal=".",
+)  # fmt: skip
+
+
 CURES = [
+    text(
+        "two runs side by side",
+        "Run 1 input angle [deg], Run 1 output angle [deg]",
+        beside(("Run 1 [deg]", "Run 2 [deg]")),
+        beside(("Run 1 input angle [deg]", "Run 1 output angle [deg]")),
+    ),
+    text(
+        "a double-flank test",
+        "want a single-flank test: both shafts' angles",
+        beside(("Input angle [deg]", "Fi'' [um]")),
+        beside(("Input angle [deg]", "Output angle [deg]")),
+    ),
+    text(
+        "one shaft alone",
+        "want the readings of both shafts",
+        "\n".join(row.rpartition(",")[0] for row in beside(("angle [deg]", "x")).splitlines()) + "\n",
+        beside(("Input angle [deg]", "Output angle [deg]")),
+    ),
+    by_its_lines(
+        "an angle and a length",
+        'columns.te_um = { from = "a_um", unit = "um", sign = 1 }',
+        beside(("Input angle [deg]", "a_um")),
+    ),
+    text(
+        "degrees under a header of turns",
+        'unit = "deg"',
+        QUICK,
+        file="log.txt",
+        cured="".join(f'columns.{column} = {{ from = "{name}", unit = "deg" }}\n' for column, name in QUICK_FROM),
+    ),
+    text("counts under the name of degrees", "wraps = 65536", COUNTED, file="log.txt", cured=OWN_COUNTS),
     curve("no period", "want the worm's period in s, above 0", CURVE.replace("Period=479", "Period=0")),
     curve("few rows", "want at least 16 rows", "\n".join(CURVE.splitlines()[:9]) + "\n"),
     curve("rows turned", "want rows in their order", CURVE.replace("\n7 ", "\n5 ")),

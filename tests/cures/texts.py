@@ -53,8 +53,6 @@ LINES = "# driving_lines = 1000\n"
 PER = "# driving_counts_per_line = 4\n"
 SWITCHING = (np.mod(np.floor(WHOLE / 20.0), 2) > 0).astype(float)
 BACK = np.where(np.arange(N) < N // 2, WHOLE, 2.0 * WHOLE[N // 2] - WHOLE)
-BROKEN = T.copy()
-BROKEN[600:] -= 3.0
 BY_TURNS = "\n".join([HEAD, *(",".join(cells(k, *row.split(","))) for k, row in enumerate(ROWS))]) + "\n"
 SPOILT = BASE.replace(ROWS[300], ROWS[300].rpartition(",")[0] + ",Not A Read")
 TWICE = own({**RUN, "time": T + 1.0}).replace(",time\n", ",time_s\n")
@@ -273,8 +271,8 @@ CLEAN = [
     text(
         "time runs back",
         "want one recording in the order of time; cut it there",
-        with_columns(time_s=BROKEN),
-        rows(*ROWS[:600]),
+        rows(*ROWS[:550], *ROWS[:150]),
+        rows(*ROWS[:550]),
         ratio=RATIO,
     ),
     text("newest first", "sort the rows by their times", rows(*ROWS[::-1]), BASE, ratio=RATIO),

@@ -16,8 +16,8 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten
 from gearpoly.recording.arrow import joined_codes
-from gearpoly.recording.comments import read_comment
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.comments import read_comment, said_radial
+from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
 from gearpoly.recording.table import WORDS, Channel, Doubt, Table
@@ -116,6 +116,7 @@ def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *
             table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
+        table.remarks += said_radial(lines[block.head[0] - 1 : (block.header or block.rows[0]) - 1])
         ways = {"widths": str(list(writing.widths))} if writing.widths else {"separator": separator}
         table.layout = {"encoding": encoding, **ways, **table.layout}
         table.remarks.insert(

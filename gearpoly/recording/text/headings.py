@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gearpoly.recording.meaning import header_unit
+from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import DOUBTFUL, UNSTATED, units_written
 from gearpoly.recording.text.cut import part_read, split
 from gearpoly.recording.words import quantity_of

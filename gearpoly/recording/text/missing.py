@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from gearpoly.recording.meaning import quoted
+from gearpoly.recording.map_lines import quoted
 from gearpoly.recording.text.lines import TextLines
 
 LONGEST_WORD = 40

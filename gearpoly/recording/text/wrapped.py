@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from gearpoly.recording.text.cells import is_number
+from gearpoly.recording.text.channels import numbered_channels
 from gearpoly.recording.text.cut import split
 from gearpoly.recording.text.lines import TextLines
 
@@ -54,7 +55,7 @@ def unwrapped(lines: TextLines) -> tuple[TextLines, str]:
     turned = _turned(sample) if len(lines) <= CHANNELS_MOST else None
     if turned is not None:
         return TextLines(turned.encode("utf-8"), "utf-8"), TURNED
-    return lines, ""
+    return numbered_channels(lines)
 
 
 def _decimal(found: re.Match[str]) -> str:

@@ -1,0 +1,189 @@
+"""The unit that angles which never begin again look like: errors of gears and encoders come back once a turn.
+
+Derived here. What the driven shaft is off its even way repeats with either shaft's turn. If it comes back after 6.283
+of the numbers and not after 360 these are rad, whatever their header says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearpoly.errors import InputFileError
+from gearpoly.recording.by_readings import COUNTERS, FEWEST, ROUND, are_counts
+from gearpoly.recording.map_lines import counts_entries, entry
+from gearpoly.recording.quantities import ANGLE, UNITS, Unit
+from gearpoly.recording.recording import ANGLE_COLUMNS, TE_COLUMNS
+from gearpoly.recording.table import Doubt, Table
+from gearpoly.units import FloatArray
+
+LOOKED_AT = 4000
+"""Samples that are looked at; the waves of a shaft's turn have hundreds of them."""
+
+TURNS_LEAST = 4.0
+"""Turns in the other unit from which it is told: fewer waves are like any slow course."""
+
+STEP_MOST = 0.25
+"""Part of a turn from sample to sample up to which two waves of it are seen."""
+
+EXPLAINED = 0.3
+"""Part of the error's square that waves of either shaft's turn make at least in the unit that it looks like. Noise of
+4000 samples makes 0.002."""
+
+AGAINST = 0.1
+"""The same in the stated unit, as a share of that, up to which it contradicts."""
+
+OFF_PEAK = 0.1
+"""How far the period may be off that of the waves, in periods over the whole recording: 57 teeth have a period of 6.316
+deg, which is 0.3 off 6.283 in one turn."""
+
+ONE_COUNT = 1.0
+"""Standard deviation of the error in whole numbers up to which it may be their rounding, which repeats in step with the
+samples."""
+
+SAME = 0.9
+"""Part of the best share from which another number of counts explains as much."""
+
+STATED_IN = ("deg", "rad", "rev", "gon")
+"""Units that people exchange."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Like:
+    """What numbers look like: the ``turn`` of a shaft in them, and how it is called."""
+
+    turn: float
+    name: str
+    counts: int = 0
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
+def unit_doubts(table: Table) -> list[Doubt]:
+    """The doubt that a ``table``'s angles are in another unit than stated, by what repeats in them; none where they
+    begin again."""
+    held = [name for name in ANGLE_COLUMNS if name in table.columns]
+    errors = [name for name in TE_COLUMNS if name in table.columns]
+    if not held or (len(held) == 1 and not errors):
+        return []
+    units = [table.units.get(name, UNITS[ANGLE]["deg"]) for name in held]
+    some = 50 * LOOKED_AT
+    numbers = [table.columns[name][:some] / unit.size for name, unit in zip(held, units, strict=True)]
+    error = table.columns[errors[0]][:some] if len(held) == 1 else None
+    if len({one.name for one in units}) > 1:
+        return []
+    like = _looks_like(numbers, error, units[0])
+    called = {name: table.taken_from.get(name, name) for name in held}
+    if like is None:
+        if table.mapped & set(held) or not all(are_counts(one) for one in numbers):
+            return []
+        says = f"the angles are stated in {units[0].name}, and are whole numbers that never begin again, as counts are"
+        ask = [line for name in held for line in counts_entries(name.partition("_")[0], called[name], stated=True)]
+        return [Doubt(says=says, ask=tuple(ask))]
+    says = f"the angles are stated in {units[0].name}, and their error {COMES_BACK} {like.turn:.6g} of the numbers, "
+    says += f"as of {like.name}"
+    more = [f"scale = {1.0 / like.counts!r}"] if like.counts else []
+    unit = UNITS[ANGLE]["rev" if like.counts else like.name]
+    return [Doubt(says=says, ask=tuple(entry(name, called[name], unit, *more) for name in held))]
+
+
+COMES_BACK = "comes back after"
+"""How it is said that an error repeats."""
+
+HALF_TURN_DEG = 180.0
+
+
+def check_units(file: Path, table: Table) -> None:
+    """Say in a remark that a ``table``'s angles look like those of another unit; raise ``InputFileError`` where they
+    would turn by more than half a turn from sample to sample in the stated one."""
+    for doubt in unit_doubts(table):
+        asks = f"in a map, if so: {' '.join(doubt.ask)}"
+        held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
+        quick = max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
+        if quick and COMES_BACK in doubt.says and not table.mapped & set(ANGLE_COLUMNS):
+            raise InputFileError(file, found=doubt.says, wish=f"want {asks}")
+        table.remarks.append(f"{doubt.says}; {asks}")
+
+
+def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated: Unit) -> _Like | None:
+    """What ``numbers`` (n,) of one or both shafts look like, if not as in the unit that is ``stated``."""
+    every = [*numbers, *([error] if error is not None else [])]
+    if any(one.size != every[0].size for one in every):
+        return None
+    read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in every]))
+    if read.size < FEWEST:
+        return None
+    first = [one[read] for one in numbers]
+    steps = np.diff(first[0])
+    sense = float(np.sign(first[0][-1] - first[0][0]))
+    if not sense or np.mean(sense * steps < 0.0) > 0.01 or np.max(np.abs(steps)) > 0.5 * float(np.ptp(first[0])):
+        return None  # wrapped, or forth and back
+    off = error[read] if error is not None else None
+    own = 360.0 / stated.size
+    known = _explained(first, off, own)
+    if known is not None and known > EXPLAINED:
+        return None
+    likes = [_Like(turn=360.0 / UNITS[ANGLE][name].size, name=name) for name in STATED_IN if name != stated.name]
+    if all(np.array_equal(one, np.rint(one)) for one in first):
+        if (
+            off is None
+            and float(np.std(first[-1] - np.polynomial.Polynomial.fit(first[0], first[-1], 1)(first[0]))) <= ONE_COUNT
+        ):
+            return None
+        counts = sorted({*ROUND, *(1 << bits for bits in COUNTERS if bits <= 24)})
+        likes += [_Like(turn=float(one), name=f"counts, {one} a turn", counts=one) for one in counts]
+    found = [
+        (share, one)
+        for one in likes
+        if (share := _explained(first, off, one.turn, waves=1 if one.counts else 2)) is not None
+    ]
+    if not found:
+        return None
+    found.sort(key=lambda pair: pair[0], reverse=True)
+    share, best = found[0]
+    if best.counts and len(found) > 1 and found[1][0] > SAME * share:
+        return None  # a wave of one shaft is one of the other with as many counts less as their ratio
+    if share < EXPLAINED or (known is not None and known > AGAINST * share) or not _at_peak(first, off, best.turn):
+        return None
+    return best
+
+
+def _explained(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, *, waves: int = 2) -> float | None:
+    """The part of the error's square that ``waves`` a ``turn`` of each shaft make; ``None`` where such turns are too
+    few or too quick."""
+    x = shafts[0]
+    span = abs(float(x[-1] - x[0]))
+    if span < TURNS_LEAST * turn:
+        return None
+    usual = float(np.median(np.abs(np.diff(x))))
+    if usual > STEP_MOST * turn:
+        return None
+    every = max(1, min(x.size // LOOKED_AT, int(STEP_MOST * turn / usual) if usual > 0.0 else 1))
+    some = [one[::every][:LOOKED_AT] for one in shafts]
+    if abs(float(some[0][-1] - some[0][0])) < TURNS_LEAST * turn:
+        return None
+    return _share(some, None if error is None else error[::every][:LOOKED_AT], turn, waves)
+
+
+def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, count: int) -> float:
+    x = shafts[0] - shafts[0][0]
+    slow = np.vander(x / max(float(np.max(np.abs(x))), 1e-300), 3)
+    off = shafts[-1] if error is None else error
+    off = off - slow @ np.linalg.lstsq(slow, off, rcond=None)[0]
+    total = float(off @ off)
+    if not total > 0.0:
+        return 0.0
+    phases = [2.0 * np.pi / turn * k * one for one in shafts for k in range(1, count + 1)]
+    waves = np.column_stack([slow, *(wave(one) for one in phases for wave in (np.cos, np.sin))])
+    rest = off - waves @ np.linalg.lstsq(waves, off, rcond=None)[0]
+    return 1.0 - float(rest @ rest) / total
+
+
+def _at_peak(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float) -> bool:
+    """Whether waves explain most with just this ``turn``, and not with one beside it, as those of the mesh would."""
+    turns = min(abs(float(shafts[0][-1] - shafts[0][0])) / turn, 0.5 * LOOKED_AT)
+    low, middle, high = (_explained(shafts, error, turn / (1.0 + k / (2.0 * turns))) or 0.0 for k in (-0.5, 0.0, 0.5))
+    bend = 2.0 * middle - low - high
+    return bend > 0.0 and abs(0.25 * 0.5 * (high - low) / bend) <= OFF_PEAK

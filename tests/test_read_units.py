@@ -1,0 +1,113 @@
+"""Angles that run on and on under the wrong unit: what repeats once a turn says in which the numbers are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.errors import InputFileError
+from gearpoly.recording.read import read_recording
+from gearpoly.recording.survey import survey
+from tests.made_texts import DEGREE, RATIO, chart, same, table, written
+
+N = 4000
+SIZES = {"deg": 1.0, "rad": 180.0 / np.pi, "rev": 360.0, "gon": 0.9}
+LINE = re.compile(r"(?:columns|keys)\.\w+ = (?:\{[^}]*\}|[\d.]+)")
+
+
+def turned(turns: float, *, mesh: int = 18, lines: float = 1.0, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Both shafts in deg: eccentric gears (times ``lines``), a wave of the mesh and noise."""
+    theta = np.linspace(3.0, 3.0 + 360.0 * turns, N)
+    x = theta * DEGREE
+    te = lines * (20e-6 * np.sin(x + 1.0) + 12e-6 * np.sin(RATIO * x)) + 8e-6 * np.sin(mesh * x)
+    te += 2e-6 * np.random.default_rng(seed).standard_normal(N)
+    return theta, RATIO * theta + te / DEGREE
+
+
+def file_of(
+    tmp_path: Path, angles: tuple[np.ndarray, np.ndarray], *, stated: str, true: str, own: bool = False
+) -> Path:
+    columns = [np.arange(N) / 500.0, *(one / SIZES[true] for one in angles)]
+    names = ("t [s]", f"Input angle [{stated}]", f"Output angle [{stated}]")
+    names = ("time_s", "driving_angle_deg", "driven_angle_deg") if own else names
+    return written(tmp_path, table(columns, names, separator=",", decimal=".", digits=9))
+
+
+@pytest.mark.parametrize(("stated", "true"), [(a, b) for a in SIZES for b in SIZES if a != b])
+def test_another_unit_than_stated_is_told_by_what_repeats(tmp_path: Path, stated: str, true: str) -> None:
+    angles = turned(60.0)
+    file = file_of(tmp_path, angles, stated=stated, true=true)
+    (found,) = survey(file)
+    (doubt,) = [one for one in found.doubts if "comes back after" in one.says]
+    assert doubt.says.endswith(f"as of {true}")
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(doubt.ask)))
+    same(read.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
+    assert not any("comes back" in one for one in read.remarks)
+    # As of more than half a turn from sample to sample they are nothing at all.
+    if SIZES[stated] / SIZES[true] * 360.0 * 60.0 / N > 180.0:
+        with pytest.raises(InputFileError, match=f"as of {true}"):
+            read_recording(file)
+    else:
+        assert any("comes back" in one for one in read_recording(file).remarks)
+
+
+def test_radians_under_the_own_name_of_degrees(tmp_path: Path) -> None:
+    angles = turned(60.0)
+    file = file_of(tmp_path, angles, stated="deg", true="rad", own=True)
+    (said,) = [one for one in read_recording(file).remarks if "comes back" in one]
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(LINE.findall(said))))
+    same(read.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
+
+
+@pytest.mark.parametrize("turns", [1.05, 1.5, 3.0, 7.3, 60.0])
+@pytest.mark.parametrize("mesh", [18, 56, 57, 58])
+@pytest.mark.parametrize("lines", [1.0, 0.0])
+@pytest.mark.parametrize("unit", ["deg", "rad", "rev"])
+def test_what_is_as_stated_is_not_doubted(tmp_path: Path, turns: float, mesh: int, lines: float, unit: str) -> None:
+    """57 teeth come by once in 6.316 deg, and 2 pi is 6.283; gears without any wave of their shafts say nothing."""
+    file = file_of(tmp_path, turned(turns, mesh=mesh, lines=lines), stated=unit, true=unit)
+    assert not survey(file)[0].doubts
+
+
+def test_waves_of_the_stated_turn_speak_against_another_one(tmp_path: Path) -> None:
+    """A part of the drive may turn 57.3 times as fast as the shaft, but both errors cannot be of one unit."""
+    theta, driven = turned(10.0)
+    driven = driven + np.degrees(45e-6) * np.sin(2.0 * np.pi * theta / (2.0 * np.pi))
+    assert not survey(file_of(tmp_path, (theta, driven), stated="deg", true="deg"))[0].doubts
+
+
+def test_noise_alone_says_nothing(tmp_path: Path) -> None:
+    rng = np.random.default_rng(8)
+    theta = np.linspace(0.0, 400.0, N)
+    angles = theta, RATIO * theta + 1e-3 * rng.standard_normal(N)
+    assert not survey(file_of(tmp_path, angles, stated="deg", true="deg"))[0].doubts
+
+
+def test_a_transmission_error_beside_one_angle_tells_it_too(tmp_path: Path) -> None:
+    theta, driven = turned(60.0)
+    te = (driven - RATIO * theta) * 3600.0
+    text = table([theta * DEGREE, te], ("driving_angle_deg", "te_arcsec"), separator=",", decimal=".", digits=8)
+    (doubt,) = survey(written(tmp_path, text))[0].doubts
+    assert doubt.says.endswith("as of rad")
+
+
+@pytest.mark.parametrize(("per", "says"), [(4096, "as of counts, 4096 a turn"), (10_000, "as counts are")])
+def test_counts_that_never_begin_again(tmp_path: Path, per: int, says: str) -> None:
+    """They are whole; waves larger than a count tell how many are a turn. Of 18 and 25 teeth a wave in 10 000 of the
+    one shaft is one in 7200 of the other, and encoders have either."""
+    theta = np.linspace(0.0, 360.0 * 50.0, N)
+    for size, wanted in ((0.0, "as counts are"), (3e-3, says)):
+        te = size / DEGREE * np.sin(theta * DEGREE)
+        counts = [np.floor(one / 360.0 * per) for one in (theta, RATIO * theta + te)]
+        text = table([np.arange(N) / 500.0, *counts], ("t [s]", "Input angle [deg]", "Output angle [deg]"),
+                     separator=",", decimal=".", digits=(4, 0, 0))  # fmt: skip
+        file = written(tmp_path, text)
+        (doubt,) = survey(file)[0].doubts
+        assert doubt.says.endswith(wanted)
+        lines = "\n".join(doubt.ask).replace("lines = 1000", f"lines = {per // 4}")
+        read = read_recording(file, chart=chart(tmp_path, lines))
+        assert read.driving_angle_rad is not None
+        assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 50.0) < 2.0 / per
