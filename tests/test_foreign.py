@@ -61,7 +61,9 @@ def at_turns(recorded: Callable[[FloatArray], FloatArray], orders: list[float]) 
     turns += np.sin(2.0 * np.pi * turns * 0.7) * 0.3 / 200.0
     theta = 2.0 * np.pi * turns
     angles = theta * 7.0 / 5.0, theta
-    aligned = SimpleNamespace(residual=recorded(theta), theta_1=angles[0], theta_2=theta, estimated=angles, time_s=None)
+    aligned = SimpleNamespace(
+        residual=recorded(theta), theta_1=angles[0], theta_2=theta, estimated=angles, time_s=None, averaged=0.0
+    )
     waves = [SimpleNamespace(kind="shaft_order", gear="driven", order=order, hz=None, moment=None) for order in orders]
     return SimpleNamespace(aligned=[aligned]), [(0, one) for one in waves]
 

@@ -25,6 +25,12 @@ SAMPLES = 40960
 to come from all of them (teeth imitate the first orders of their shaft to a thousandth), so they decide the time."""
 
 
+LONGEST, COARSER = 65536, 2
+"""Samples that two hunting cycles may have, so that columns are known at all of them, and times as coarse as they may
+be made for that: 12 samples to the mesh tell orders up to 6 of it. Of 82 629 samples of a run-up a search took more
+than four minutes."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Shortening:
     """How one recording is shortened: means of ``group`` neighbours each, ``size`` of them from its beginning; the
@@ -70,7 +76,9 @@ def shortening(u: FloatArray, *, z_1: int, z_2: int) -> Shortening:
     cycles = whole_cycles(u[:SAMPLES], period)
     # Fewer than two whole cycles do not repeat: rather search a longer stretch then.
     if cycles < 2 and whole_cycles(u, period) >= 2:
-        cycles = 2
+        coarser = -(-int(np.searchsorted(u, u[0] + 2.0 * period)) // LONGEST)
+        if coarser <= COARSER:
+            group, u, cycles = group * coarser, _means(u, coarser), 2
     size = int(np.searchsorted(u, u[0] + cycles * period)) if cycles >= 2 else SAMPLES
     return Shortening(group=group, size=size, spacing=spacing)
 

@@ -61,7 +61,9 @@ class Checked:
             names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
             without, with_ = self.rms
             why = "fit no better with it than without"
-            if with_ < without and with_ > WELL_ABOVE * self.noise:
+            if with_ > without and self.named < self.as_built:
+                why = "are left larger with it than without"
+            elif with_ < without and with_ > WELL_ABOVE * self.noise:
                 why = f"are left {with_ / self.noise:.2g} times the noise, so that more is in them than is understood"
             yield (
                 f"not named, since unseen data {why}: {names} (mean square "

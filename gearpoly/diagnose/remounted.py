@@ -41,9 +41,10 @@ class Remounted:
         """What the engineer should know."""
         return (
             f"recordings {self.first} and {self.other} are of the same flank, and differ by a wave of "
-            f"{self.wave / UM:.3g} um once per turn of the {GEARS[self.gear]} shaft: a gear, a coupling or an encoder "
-            "was mounted anew between them, and the stated zeros are not of one mounting; no physics is named of such "
-            "a set; record it without taking anything apart, or diagnose each recording alone"
+            f"{self.wave / UM:.3g} um once per turn of the {GEARS[self.gear]} shaft: no one mounting does that. A "
+            "gear, a coupling or an encoder may have been mounted anew between them, a counter may have begun anew, or "
+            'one ran on the other flank (flank = "coast" says so); no physics is named of such a set; record it '
+            "without taking anything apart, or diagnose each recording alone"
         )
 
 
