@@ -11,7 +11,16 @@ import pytest
 
 from gearpoly.diagnose.as_built import GearPrior, make_as_built, on_its_own
 from gearpoly.diagnose.built import built_gears
-from gearpoly.diagnose.limits import Exceeded, allowance, exceeded, figures_of, grade_kept, grade_needed, limits_of
+from gearpoly.diagnose.limits import (
+    Exceeded,
+    allowance,
+    exceeded,
+    figures_of,
+    grade_kept,
+    grade_needed,
+    graded_by_iso,
+    limits_of,
+)
 from gearpoly.diagnose.linear import Layout
 from gearpoly.diagnose.running import Running
 from gearpoly.files.models import GearSection, PairFile
@@ -288,3 +297,10 @@ def test_what_two_graded_gears_lean_alike_accuses_neither() -> None:
         assert one.coast is not None
         assert one.coast.slope == pytest.approx(np.full(one.coast.slope.size, apart))
         assert {found.flank for found in one.exceeded} == {"coast"}
+
+
+def test_iso_grades_gears_of_half_a_module_and_five_millimetres_on() -> None:
+    """ISO 1328-1:2013, clause 1: modules from 0.5 mm and reference diameters from 5 mm on."""
+    assert not graded_by_iso(section(60, module_mm=0.3))
+    assert not graded_by_iso(section(9, module_mm=0.5))
+    assert graded_by_iso(section(17, module_mm=0.5))

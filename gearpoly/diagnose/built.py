@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, limits_of
+from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, graded_by_iso, limits_of
 from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
@@ -54,6 +54,9 @@ def _ungraded(search: Search, file: PairFile, gear: int) -> str:
     """Why the teeth of a gear say nothing of a grade, in words; "" where they do."""
     if file.worm is not None and gear == 1:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
+    section = gear_section(file, gear)
+    if not graded_by_iso(section):
+        return f"is of a size for which ISO 1328-1 ({section.grade_edition}) has no tolerances, and no grade is told"
     z = search.model.as_built.gears[gear].z
     met = [
         np.mod(np.rint((scene.samples.theta_1, scene.samples.theta_2)[gear] * (z / (2.0 * math.pi))), z)

@@ -166,6 +166,11 @@ def _graded(section: GearSection, grade: int) -> list[Limit]:
     return [Limit(kind=kind, low=-bound / UM, high=bound / UM, grade=grade) for kind, bound in kinds]
 
 
+def graded_by_iso(section: GearSection) -> bool:
+    """Whether the stated edition of ISO 1328-1 has tolerances for a gear of this size."""
+    return any(_graded(section, grade) for grade in GRADES[section.grade_edition])
+
+
 def grade_needed(section: GearSection, figures: Sequence[Figures]) -> int | None:
     """The finest ISO 1328-1 grade of which no limit of single pitch, cumulative pitch and profile slope is broken;
     None where none is so coarse, or none is defined for such a gear."""

@@ -16,7 +16,7 @@ from gearpoly.compare.entries import Entry, named, says
 from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.on_sky import Sky, arcsec_words, sky_of
 from gearpoly.compare.scale import Scale
-from gearpoly.compare.zeros import Zeros
+from gearpoly.compare.zeros import Alignment, Zeros
 from gearpoly.report.alike import together
 from gearpoly.report.lost_motion_report import lost_json, lost_rows
 from gearpoly.units import DEG, NM, RPM, UM
@@ -155,9 +155,10 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     for k, one in enumerate(comparison.aligned):
         table.add_row(f"recording {k}", _recording_words(comparison, k, one))
     table.add_row("zeros", _zero_words(comparison))
-    for k, rival in enumerate(comparison.alignment.rivals[:3]):
+    others = zeros_apart(comparison.alignment)
+    for k, rival in enumerate(others[:3]):
         table.add_row("or perhaps" if k == 0 else "", f"{_readings(rival)}: {rival.rms / UM:.3f} um rms left")
-    more = len(comparison.alignment.rivals) - 3
+    more = len(others) - 3
     if more > 0:
         table.add_row("", f"and {more} more that fit nearly as well")
     repeats = located.repeatable_rms
@@ -215,6 +216,18 @@ def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
         f"{one.cycles:.3g} hunting cycles; left {one.rms / UM:.3f} um rms about {one.mean / UM:+.3f} um, "
         f"noise {noise:.3f} um"
     )
+
+
+def zeros_apart(found: Alignment) -> list[Zeros]:
+    """The other zeros that fit nearly as well, best first: those that read otherwise. Where one shaft alone was read,
+    places that differ in the other's turns do not."""
+    read = {_readings(found.zeros)}
+    out = []
+    for one in found.rivals:
+        if _readings(one) not in read:
+            read.add(_readings(one))
+            out.append(one)
+    return out
 
 
 def _readings(zeros: Zeros) -> str:

@@ -10,6 +10,7 @@ from gearpoly.compare.zeros import Zeros
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.page.typeset import typeset
 from gearpoly.report.alike import together
+from gearpoly.report.compare_report import zeros_apart
 from gearpoly.report.diagnosis_findings import Shown
 from gearpoly.report.diagnosis_report import LISTED, grade_words
 from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number
@@ -96,7 +97,7 @@ def alignment(diagnosis: Diagnosis) -> Shown:
     """How the recordings lie on the teeth, and the other ways in which they might."""
     found = diagnosis.comparison.alignment
     rows = [_zeros_row("chosen", found.zeros, found.std_driving, found.std_driven)]
-    rows += [_zeros_row("or perhaps", one) for one in found.rivals[:3]]
+    rows += [_zeros_row("or perhaps", one) for one in zeros_apart(found)[:3]]
     if found.contradicted is not None:
         rows.append(_zeros_row("fits much better, against the stated zeros", found.contradicted))
     return {
@@ -104,7 +105,7 @@ def alignment(diagnosis: Diagnosis) -> Shown:
         "stated": found.numbering == "stated",
         "numbered": NUMBERED[found.numbering],
         "rows": rows,
-        "more": max(0, len(found.rivals) - 3),
+        "more": max(0, len(zeros_apart(found)) - 3),
     }
 
 
