@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from gearpoly.compare.entries import Entry
 from gearpoly.report.alike import runs, together
+from gearpoly.report.compare_report import _entry_lines
 
 
 @pytest.mark.parametrize(
@@ -31,3 +33,22 @@ def test_other_numbers_are_told_once_and_counted() -> None:
 def test_two_recordings_and_other_words_stay_as_they_are() -> None:
     said = ["recording 0: a gap", "recording 1: a gap", "recording 2: a stop", "recording 0 reads both: rounding"]
     assert together(said) == said
+
+
+def wave(order: float, size_um: float, recording: int, *, beside: str | None = None) -> Entry:
+    return Entry(
+        kind="shaft_order", gear="driving", order=order, amplitude_um=size_um, std_um=0.01, p_value=1e-9,
+        recordings=(recording,), companion_of=beside,
+    )  # fmt: skip
+
+
+def test_the_same_wave_of_two_recordings_is_told_with_their_numbers() -> None:
+    lines = _entry_lines((wave(3.0, 1.0, 0), wave(3.0, 1.2, 1), wave(4.0, 0.5, 0)), None)
+    assert [line.endswith(f"(recording {k})") for k, line in enumerate(lines)] == [True, True, False]
+
+
+def test_of_many_companions_eight_are_named() -> None:
+    many = tuple(wave(30.0 + k, 0.05, 0, beside="driving tooth 7") for k in range(20))
+    (line,) = _entry_lines(many, None)
+    assert line.startswith("With driving tooth 7 come 20 weaker ones: order 30 of the driving shaft, ")
+    assert line.endswith("order 37 of the driving shaft and 12 more")

@@ -16,6 +16,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import Step, compare
+from gearpoly.compare.describe import ECHO_WAVE
 from gearpoly.compare.division import LEAST, holds
 from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.locate import Located
@@ -96,9 +97,29 @@ def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntA
 
 
 def _accompanied(entries: Sequence[Entry]) -> list[Entry]:
-    """The ``entries``, alone where what they came with is not told."""
+    """The ``entries``, alone where what they came with is not told; small whole orders of a shaft with the largest of
+    its teeth: what a fit leaves of one tooth's shape is all of them. Of a spall of 28 um a hundred ghost orders of 0.04
+    to 0.08 um were listed."""
     told = {named(one) for one in entries}
-    return [one if one.companion_of in told else replace(one, companion_of=None) for one in entries]
+    teeth: dict[str | None, Entry] = {}
+    for one in sorted((one for one in entries if one.kind == "tooth"), key=_size):
+        teeth[one.gear] = one
+    return [
+        one
+        if one.companion_of in told
+        else replace(one, companion_of=named(teeth[one.gear]) if _left_of(one, teeth.get(one.gear)) else None)
+        for one in entries
+    ]
+
+
+def _left_of(one: Entry, tooth: Entry | None) -> bool:
+    """Whether a wave may be left of the shape of a ``tooth`` that is told."""
+    whole = one.kind == "shaft_order" and one.order_std is None and not one.parts
+    return tooth is not None and whole and _size(one) < ECHO_WAVE * _size(tooth)
+
+
+def _size(one: Entry) -> float:
+    return abs(one.amplitude_um or one.rms_um or 0.0)
 
 
 def _of_teeth(residual: FitResidual, first: Located, left: Located) -> list[Entry]:

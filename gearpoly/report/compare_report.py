@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from typing import Any
 
 from rich.console import Console
@@ -23,6 +24,9 @@ from gearpoly.units import DEG, NM, RPM, UM
 
 SINGLY = 3
 """Entries that come along with another one and still get a line each; more are summed up."""
+
+FIRST = 8
+"""Of these so many are named, those that were told first; --json lists all."""
 
 
 def _deg(angle: float | None, digits: int = 4) -> float | None:
@@ -200,11 +204,23 @@ def _entry_lines(entries: tuple[Entry, ...], sky: Sky | None) -> list[str]:
         if entry.companion_of is not None:
             along.setdefault(entry.companion_of, []).append(entry)
     alone = [e for e in entries if e.companion_of is None or len(along[e.companion_of]) <= SINGLY]
-    out = [_capital(entry_words(e, sky)) for e in alone]
+    twice = {name for name, count in Counter((e.kind, named(e)) for e in alone).items() if count > 1}
+    out = []
+    for e in alone:
+        # What two recordings show alike is told of each.
+        where = f" (recording {e.recordings[0]})" if (e.kind, named(e)) in twice and _of_one(e) else ""
+        out.append(_capital(entry_words(e, sky)) + where)
     for parent, several in along.items():
         if len(several) > SINGLY:
-            out.append(f"With {parent} come {len(several)} weaker ones: {', '.join(named(e) for e in several)}")
+            names = ", ".join(named(e) for e in several[:FIRST])
+            more = f" and {len(several) - FIRST} more" if len(several) > FIRST else ""
+            out.append(f"With {parent} come {len(several)} weaker ones: {names}{more}")
     return out
+
+
+def _of_one(entry: Entry) -> bool:
+    """Whether it is a wave of one recording, whose words do not say of which."""
+    return len(entry.recordings) == 1 and not (entry.drift or entry.moment or entry.burst) and entry.kind != "condition"
 
 
 def _recording_words(comparison: Comparison, k: int, one: Aligned) -> str:
