@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.foreign import faded
 from gearpoly.diagnose.kept import Kept
@@ -77,7 +78,7 @@ class Fit:
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes)) if trial is None else None
         nuisance = nuisance_of(model, scenes, laws)
-        first = noises(model, model.residuals(scenes))
+        first = noises(model, _without_jumps(model, model.residuals(scenes), foreign))
         fit = cls(
             model=model,
             foreign=foreign,
@@ -320,3 +321,16 @@ class Fit:
     def deflection(self) -> float:
         """The largest mean deflection in mm of any recording."""
         return max(self.deflections, default=0.0)
+
+
+def _without_jumps(model: Model, residuals: list[FloatArray], foreign: list[FloatArray]) -> list[FloatArray]:
+    """The ``residuals`` (n_k,) in mm less the ``foreign`` waves and jumps (n_k, q), of recordings that jump, as they
+    fit beside a slow course: noise that was estimated with slips of 60 um in it wanders by as much, and hides them."""
+    out = []
+    for one, rest, columns in zip(model.observed, residuals, foreign, strict=True):
+        if one.jumps and columns.shape[1]:
+            beside = np.concatenate([columns, slow_curves(one.samples.theta_2)], axis=1)
+            heights = np.linalg.lstsq(beside, rest, rcond=None)[0][: columns.shape[1]]
+            rest = rest - columns @ heights
+        out.append(rest)
+    return out
