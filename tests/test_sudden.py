@@ -68,6 +68,15 @@ def test_how_long_a_slip_takes_is_told_to_a_third(samples: int) -> None:
     assert 0.75 * samples <= width <= max(2, 1.4 * samples)
 
 
+def test_near_the_ends_of_a_record_a_slip_stays_where_it_is() -> None:
+    data = slipped(made(3, cycles=0.2), (0.05, 30.0, 1))
+    at = int(0.05 * data.residual.size)
+    assert at < 20
+    middle, width = took(data.residual, at)
+    assert middle == pytest.approx(at, abs=2)
+    assert width <= 2
+
+
 def test_three_slips_leave_the_noise_what_it_is() -> None:
     """They were noise of 17 um before, and one of them a jump by 4 um."""
     slips = ((0.2, -40.0, 40), (0.5, -25.0, 40), (0.8, -60.0, 40))

@@ -78,7 +78,9 @@ def took(residual: FloatArray, at: int) -> tuple[int, int]:
         """Squares that such a jump beside a slow course leaves."""
         ramp = np.clip((x - middle + 0.5 * (width + 1)) / width, 0.0, 1.0)
         columns = np.concatenate([slow, ramp[:, None]], axis=1)
-        return float(np.linalg.lstsq(columns, residual[low:high], rcond=None)[1].sum())
+        _, square, rank, _ = np.linalg.lstsq(columns, residual[low:high], rcond=None)
+        # Beyond the ends of the record a jump is a level.
+        return float(square[0]) if rank == columns.shape[1] and square.size else math.inf
 
     best, least, width = (at, 1), math.inf, 1
     while width <= WIDEST:
