@@ -10,8 +10,9 @@ import pytest
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
+from gearpoly.compare.reduce import Shortening
 from gearpoly.compare.template import make_template
-from gearpoly.diagnose.fitted_part import LONG, fitted_part
+from gearpoly.diagnose.fitted_part import LONG, _means, fitted_part
 from gearpoly.diagnose.foreign import columns_of
 from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Recording
@@ -83,6 +84,36 @@ def test_what_means_do_not_show_is_told_as_it_was_located(compared: Comparison) 
     image = 2.0 * np.abs(np.mean(one.residual * np.exp(1j * (PER_MESH / 4 * 18 - FAST) * one.theta_1)))
     # Noise of 0.3 um, halved by the means: 0.15 * sqrt(4/34 000) um of amplitude, four times that at most.
     assert image < 4.0 * 0.15 * UM * np.sqrt(4.0 / one.theta_2.size)
+
+
+def test_of_a_run_up_every_speed_is_kept(compared: Comparison, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearpoly.diagnose.fitted_part.runs_up", lambda theta_1, time_s: (1.0, 2.0))
+    one = fitted_part(compared).comparison.aligned[0]
+    # 200 000 samples as means of three: 66 666, and the last two are left.
+    assert one.theta_2.size == N // 3
+    assert one.time_s is not None
+    assert one.time_s[-1] * RATE == pytest.approx(3 * (N // 3) - 2)
+
+
+def test_cycles_are_cut_where_nothing_is_averaged(compared: Comparison) -> None:
+    """Every fourth sample, 25 to the mesh, twice over: more hunting cycles than are fitted, and no two to a mean."""
+    whole = compared.aligned[0]
+    every = Shortening(group=4, size=N // 4, spacing=1 / PER_MESH)
+    thin = replace(_means(whole, every), averaged=0.0)
+    u = thin.theta_2
+    twice = np.concatenate([u, u + float(np.ptp(u)) * u.size / (u.size - 1)])
+    names = ("theta_1", "theta_2", "te", "keep")
+    cleaned = replace(
+        thin.cleaned, **{name: np.tile(getattr(thin.cleaned, name), 2) for name in names},
+        time_s=np.arange(2 * u.size) * 4.0 / RATE,
+    )  # fmt: skip
+    long = replace(
+        thin, cleaned=cleaned, theta_2=twice, recorded=np.tile(thin.recorded, 2), residual=np.tile(thin.residual, 2)
+    )
+    part = fitted_part(replace(compared, aligned=(long,))).comparison.aligned[0]
+    assert long.theta_2.size > LONG
+    assert part.averaged == 0.0
+    assert part.theta_2.size == pytest.approx(3 * 450 * 25, abs=2)
 
 
 def test_columns_of_waves_are_as_small_as_means_make_them(compared: Comparison) -> None:

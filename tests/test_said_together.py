@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gearpoly.compare.entries import Entry
-from gearpoly.report.alike import runs, together
+from gearpoly.report.alike import ranges, together
 from gearpoly.report.compare_report import _entry_lines
 
 
@@ -14,7 +14,7 @@ from gearpoly.report.compare_report import _entry_lines
     [([0], "0"), ([0, 1], "0 and 1"), ([0, 1, 2], "0 to 2"), ([0, 2, 3, 4, 9], "0, 2 to 4, 9")],
 )
 def test_rising_numbers_are_ranges(numbers: list[int], words: str) -> None:
-    assert runs(numbers) == words
+    assert ranges(numbers) == words
 
 
 def test_the_same_of_many_recordings_is_one_sentence() -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from gearpoly.compare.bursts import LOUDER, MEDIAN_OF_SQUARE
 from gearpoly.compare.entries import Entry, Gear
-from gearpoly.compare.model import State
+from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
 from gearpoly.units import FloatArray
 
@@ -46,6 +46,19 @@ class _Place:
     @property
     def middle(self) -> float:
         return 0.5 * (self.low + self.high)
+
+
+def come_again(
+    entries: Sequence[Entry], search: JointModel, solution: Solution, *, numbered: tuple[bool, bool]
+) -> list[Entry]:
+    """The ``entries`` with bursts and slow courses that several recordings show alike as one place of the pair."""
+    slow = [solution.beta[places["slow"][1:]] for places in search.places]
+    courses = [s.slow[:, 1:] @ beta for s, beta in zip(search.states, slow, strict=True)]
+    entries = of_the_teeth(
+        entries, search.states, solution, numbered=numbered,
+        encoder_deg=lambda gear, tooth: search.gears[gear - 1].encoder_deg(tooth),
+    )  # fmt: skip
+    return of_the_angle(entries, search.states, courses)
 
 
 def of_the_teeth(

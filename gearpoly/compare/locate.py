@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.bursts import burst_entries
-from gearpoly.compare.comes_again import of_the_angle, of_the_teeth
+from gearpoly.compare.comes_again import come_again
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.describe_places import condition_entries, phase_entries, tooth_entries
@@ -152,12 +152,7 @@ def locate(
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)
-    entries = of_the_teeth(
-        entries, states, solution, numbered=numbered, encoder_deg=lambda gear, tooth: gears[gear - 1].encoder_deg(tooth)
-    )
-    slow = [solution.beta[places["slow"][1:]] for places in search.places]
-    courses = [s.slow[:, 1:] @ beta for s, beta in zip(states, slow, strict=True)]
-    entries = of_the_angle(entries, states, courses)
+    entries = come_again(entries, search, solution, numbered=numbered)
     entries += tooth_entries(search, solution, numbered=numbered)
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)

@@ -16,6 +16,7 @@ import numpy as np
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.fast import BELOW
+from gearpoly.compare.noise import spacing_of
 from gearpoly.compare.reduce import SAMPLES, Shortening, shortening
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.foreign import columns_of, is_foreign
@@ -42,20 +43,29 @@ def fitted_part(comparison: Comparison) -> FittedPart:
     aligned: list[Aligned] = []
     beyond: list[Entry] = []
     for k, one in enumerate(comparison.aligned):
-        if one.theta_2.size <= LONG or runs_up(one.theta_1, one.time_s) is not None:
+        if one.theta_2.size <= LONG:
             aligned.append(one)
             continue
         z_1, z_2 = (gear.z for gear in comparison.gears)
-        cut = shortening(one.theta_2 * (z_2 / (2.0 * np.pi)), z_1=z_1, z_2=z_2)
+        cut = _cut(one, z_1=z_1, z_2=z_2)
         fast = [e for e in comparison.located.entries if k in e.recordings and _is_fast(e, one, cut, z=(z_1, z_2))]
         aligned.append(_means(_without(one, fast), cut))
         late = [e for e in comparison.located.entries if e.recordings == (k,) and _is_late(e, one, aligned[-1])]
         beyond += [e for e in (*fast, *late) if e not in beyond]
-    if not any(one.averaged for one in aligned):
+    if all(mine is its for mine, its in zip(aligned, comparison.aligned, strict=True)):
         return FittedPart(comparison=comparison)
     entries = tuple(e for e in comparison.located.entries if e not in beyond)
     located = replace(comparison.located, entries=entries)
     return FittedPart(comparison=replace(comparison, aligned=tuple(aligned), located=located), beyond=tuple(beyond))
+
+
+def _cut(one: Aligned, *, z_1: int, z_2: int) -> Shortening:
+    """How a long recording is shortened. Of a run-up all is kept, since it meets every speed once."""
+    u = one.theta_2 * (z_2 / (2.0 * np.pi))
+    if runs_up(one.theta_1, one.time_s) is None:
+        return shortening(u, z_1=z_1, z_2=z_2)
+    group = -(-u.size // LONG)
+    return Shortening(group=group, size=u.size // group, spacing=spacing_of(u))
 
 
 def _is_fast(entry: Entry, one: Aligned, cut: Shortening, *, z: tuple[int, int]) -> bool:

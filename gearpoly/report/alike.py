@@ -32,13 +32,13 @@ def _told(group: list[tuple[str, str | None]]) -> list[str]:
     first = group[0][0]
     same = [k for (said, _), k in zip(group, numbers, strict=True) if said == first]
     others = [k for k in numbers if k not in same]
-    out = f"recording{'s' * (len(same) > 1)} {runs(same)}: {first}"
+    out = f"recording{'s' * (len(same) > 1)} {ranges(same)}: {first}"
     return [
-        out + (f" (and so recording{'s' * (len(others) > 1)} {runs(others)}, with other numbers)" if others else "")
+        out + (f" (and so recording{'s' * (len(others) > 1)} {ranges(others)}, with other numbers)" if others else "")
     ]
 
 
-def runs(numbers: list[int]) -> str:
+def ranges(numbers: list[int]) -> str:
     """Rising whole numbers in words, those that follow one another as a range."""
     parts: list[list[int]] = []
     for k in numbers:
