@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, take_back, with_and_without
+from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, swells, take_back, with_and_without
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
@@ -113,6 +115,34 @@ def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
 
 
+def test_a_wave_too_small_beside_another_for_a_name_stays_in_the_fit(tmp_path: Path) -> None:
+    """0.12 um of driving order 33, made by another part of the drive, beside a pitch wave of 40 um: it was dropped for
+    its size, and the fit left with it gone was worse than before the pitch wave, which was refused then."""
+    true = rough((19, 24), bends=False)
+    assert true.driven.inspection is not None
+    wave = 40.0 * np.cos(2.0 * np.pi * np.arange(24) / 24 - 1.0)
+    sheet = true.driven.inspection
+    moved = sheet.model_copy(update={"pitch_um": tuple((np.array(sheet.pitch_um) + wave).tolist())})
+    (one,) = recorded(on_gear(true, 1, inspection=moved), (Condition(torque_nm=0.0),), np.random.default_rng(6),
+                      cycles=2.0, per_mesh=10)  # fmt: skip
+    assert one.driven_angle_rad is not None and one.driving_angle_rad is not None
+    other = 0.12 * UM / scope_of(true).gears[1].r_b * np.cos(33 * one.driving_angle_rad)
+    path = tmp_path / "pair.toml"
+    shaken = [replace(one, driven_angle_rad=one.driven_angle_rad + other)]
+    model = prepare(true, compare(true, shaken, path=path), path=path)
+    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    pitch = Claim(physics=catalogue()["cumulative_pitch"], place=Place(gear=1, order=1, flank="drive"),
+                  values=(21.6, 33.7))  # fmt: skip
+    line = Claim(physics=catalogue()["encoder_interpolation"], place=Place(gear=0, order=33), values=(1.0, 0.0))
+    search.join([pitch, line])
+    search.settle()
+    before = search.linear.system.misfit
+    search.drop_idle()
+    assert [claim.physics.name for claim in search.model.claims] == ["cumulative_pitch"]
+    assert [one.claim.place.order for one in search.model.unnamed] == [33]
+    assert search.linear.system.misfit < before + 10.0  # without the wave it rises by 300
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("grows", [False, True])
 def test_what_swells_is_no_eccentricity(grows: bool, tmp_path: Path) -> None:
@@ -134,3 +164,32 @@ def test_what_swells_is_no_eccentricity(grows: bool, tmp_path: Path) -> None:
     else:
         assert {finding.claim.place.gear for finding in diagnosis.findings} == {1}
         assert len(diagnosis.findings) == 1
+
+
+@pytest.mark.parametrize("shown", ["steady", "swells"])
+@pytest.mark.parametrize("drive", [0.0, 8.0])
+@pytest.mark.parametrize("off", [2.0, 7.3])
+def test_a_wave_of_the_drive_beside_an_order_does_not_make_a_tooth_swell(shown: str, drive: float, off: float) -> None:
+    """One tooth of 36 over 4.4 turns, with a wave of the drive ``off`` so many cycles from an order of its shaft and
+    none: it swells where it does from a half to one and a half, and only there."""
+    rng = np.random.default_rng(7)
+    turns = np.linspace(0.0, 4.4, 2200)
+    along = np.linspace(-1.0, 1.0, turns.size)
+    tooth = 10.0 * ((turns - 0.3) % 1.0 < 1.0 / 36.0)
+    angle = 2.0 * np.pi * (1.0 + off / 4.4) * turns
+    columns = np.column_stack((np.cos(angle), np.sin(angle), tooth))
+    target = tooth * (1.0 + along if shown == "swells" else 1.0) + drive * np.cos(angle + 0.4)
+    target = target + rng.standard_normal(turns.size)
+    system = System(white=[columns], target=[target], precision=1e-9 * np.eye(3), prior=np.zeros(3))
+    layout = SimpleNamespace(claims=[slice(2, 3)], foreign=slice(0, 2), places=lambda k: [2])
+    noise = SimpleNamespace(whitened=lambda a: a)
+    linear: Any = SimpleNamespace(system=system, layout=layout, noises=[noise], columns=[columns])
+    seen = SimpleNamespace(along=along, theta_1=2.0 * np.pi * 1.5 * turns, theta_2=2.0 * np.pi * turns)
+    claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=3, flank="drive"), values=(1.0,))
+    model: Any = SimpleNamespace(
+        claims=[claim],
+        strangers=((0, 1),),
+        observed=[SimpleNamespace(samples=seen)],
+        scope=SimpleNamespace(run_ups=()),
+    )
+    assert swells(linear, model, 0) == (shown == "swells")

@@ -14,7 +14,7 @@ from gearpoly.compare.entries import says
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.heldout import Checked
+from gearpoly.diagnose.heldout import Checked, foretold_to
 from gearpoly.diagnose.leftovers import taken_back, with_causes
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unearned import Unearned
@@ -172,11 +172,33 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
 
 def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
     wave, tooth = claim("eccentricity", 0, 1.0, 0.0), claim("tooth_pitch", 0, 3.0)
-    figures = {"declared": 1.2, "as_built": 1.1, "named": 1.15, "std": 0.02, "rms": (2e-3, 3e-3), "noise": 1e-3}
+    figures = {
+        "declared": 1.2,
+        "as_built": 1.1,
+        "named": 1.15,
+        "std": 0.02,
+        "rms": (2e-3, 3e-3),
+        "noise": 1e-3,
+        "expected": 1e-3,
+    }
     refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=((tooth, 2e-3),)).says
     assert "unseen data fit no better" in refused and "rms 3 um with names, 2 without" in refused
     assert "mean square" in refused and "eccentricity" in refused and "1.15 with names" in refused
     assert "not named" in unchecked and "tooth pitch" in unchecked and "came once only" in unchecked
+
+
+def test_half_a_recording_foretells_the_other_as_well_as_it_knows_it() -> None:
+    """A mean of n samples of noise s is known to s / sqrt(n): the other half is expected at s^2 (1 + 1/n), and twice
+    the scatter of that square, which is one of 1 freedom in either half: (2 + 2 sqrt(4)) / 2n = 3 / n at most."""
+    n, noise = 50, 0.3
+    columns = np.ones((2 * n, 1))
+    white = System(white=[columns / noise], target=[np.zeros(2 * n)], precision=np.zeros((1, 1)), prior=np.zeros(1))
+    linear: Any = SimpleNamespace(system=white, columns=[columns])
+    first = np.arange(2 * n) < n
+    assert foretold_to(linear, [first], noise, hold=[]) == pytest.approx(noise * math.sqrt(1.0 + 3.0 / n), rel=1e-6)
+    # What is held is known, and where nothing is held out nothing is foretold.
+    assert foretold_to(linear, [first], noise, hold=[0]) == noise
+    assert foretold_to(linear, [np.ones(2 * n, dtype=bool)], noise, hold=[]) == noise
 
 
 @pytest.mark.parametrize(

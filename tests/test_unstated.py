@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import t
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.as_built import IDEAL
+from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built
 from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
 from gearpoly.diagnose.unstated import (
-    EFFICIENCY,
     SEEN,
     _step,
     as_fitted,
@@ -26,6 +26,7 @@ from gearpoly.diagnose.unstated import (
     grade_of,
     like_its_mate,
     limited,
+    spread_of,
     wider,
     without_waves,
 )
@@ -33,6 +34,7 @@ from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.infer.unknown import plainest_first
+from gearpoly.physics.place import Place
 from tests.physics_cases import Condition, recorded
 
 Z = 40
@@ -152,13 +154,55 @@ def test_twice_the_limits_are_twice_the_deviations() -> None:
     assert np.allclose(twice.pitch, coarse.pitch, atol=3.1 * IDEAL**2)  # the doubt that any gear has
 
 
-@pytest.mark.parametrize("z", [13, 40])
-def test_a_scale_that_was_read_off_few_teeth_makes_outliers_common(z: int) -> None:
-    """Student's log density against its middle, from the textbook; with many teeth it is the normal one, and nothing
-    gains nothing."""
-    for gain in (0.0, 4.0, 29.0, 400.0):
-        told = beyond_scale(z, gain)
-        nu = EFFICIENCY * z
-        assert told == pytest.approx(2.0 * (t(nu).logpdf(0.0) - t(nu).logpdf(math.sqrt(gain))), rel=1e-12, abs=1e-12)
-        assert told <= gain
-    assert beyond_scale(10**7, 29.0) == pytest.approx(29.0, rel=1e-4)
+@pytest.mark.parametrize("freedom", [13.0, 40.0])
+def test_teeth_of_unknown_scale_make_outliers_common(freedom: float) -> None:
+    """Against quadrature over the scale s under 1/s: so many values with this sum of squares, and with the gain on top.
+    With many teeth of just the spread that was thought it is the normal one, and nothing gains nothing."""
+
+    scale = np.linspace(-5.0, 15.0, 200_001)
+
+    def evidence(squares: float) -> float:
+        return float(np.sum(np.exp(-freedom * scale - 0.5 * squares * np.exp(-2.0 * scale))))
+
+    for spread in (8.0, freedom, 60.0):
+        for gain in (0.0, 4.0, 29.0, 100.0):
+            apart = 2.0 * math.log(evidence(spread) / evidence(spread + gain))
+            assert beyond_scale(gain, spread=spread, freedom=freedom) == pytest.approx(apart, rel=1e-6, abs=1e-6)
+    assert beyond_scale(29.0, spread=1e7, freedom=1e7) == pytest.approx(29.0, rel=1e-4)
+    # Teeth that scatter more than was thought make it worth less, and the other way round.
+    assert beyond_scale(29.0, spread=80.0, freedom=40.0) < 29.0 < beyond_scale(29.0, spread=20.0, freedom=40.0)
+
+
+@pytest.mark.parametrize("wider_by", [1.0, 2.0])
+def test_the_spread_of_teeth_is_that_of_their_prior(wider_by: float) -> None:
+    """Teeth drawn from a prior have a chi-square of as many freedoms about it, those of half that scale a quarter of
+    it; all teeth as one have no scale. What the recordings do not tell of a tooth is expected to be as the prior has
+    it. A tooth's claim takes one freedom, a wave's two. To four standard errors of a mean of 200 chi-squares."""
+    z, rng = 25, np.random.default_rng(5)
+    covariance = chain(z, single=10.0, cumulative=35.0)
+    gears = tuple(
+        GearPrior(z=n, pitch=chain(n, single=10.0 * wider_by, cumulative=35.0 * wider_by), slope=1.0, mean_slope=1.0,
+                  crowning=1.0, thickness=1.0, shared=(0.5, 0.5), own=(0.0, 0.0), graded=True)
+        for n in (18, z)
+    )  # fmt: skip
+    teeth = make_as_built((gears[0], gears[1]), ["drive"])
+    at, draws = teeth.start("drive", 1), []
+    tooth, wave = (SimpleNamespace(place=Place(gear=1, tooth=k), physics=SimpleNamespace(mean_tooth=False),
+                                   values=(1.0, 1.0)) for k in (3, None))  # fmt: skip
+    mate = SimpleNamespace(place=Place(gear=0, tooth=3), physics=SimpleNamespace(mean_tooth=False), values=(1.0,))
+    for _ in range(200):
+        solution = np.zeros(teeth.size)
+        solution[at : at + z] = rng.multivariate_normal(np.zeros(z), covariance)
+        system = SimpleNamespace(
+            precision=teeth.precision, solution=solution, covariance=np.zeros_like(teeth.precision)
+        )
+        linear: Any = SimpleNamespace(layout=SimpleNamespace(built=slice(0, teeth.size)), system=system)
+        model: Any = SimpleNamespace(as_built=teeth, claims=[tooth, wave, mate])
+        draws.append(spread_of(linear, model, 1))
+    assert np.mean([spread for spread, _ in draws]) == pytest.approx(
+        1.0 + (z - 1.0) / wider_by**2, rel=4.0 * math.sqrt(2.0 / z / 200)
+    )
+    assert {freedom for _, freedom in draws} == {z - 3.0}
+    linear.system.solution[:] = 0.0
+    linear.system.covariance = np.linalg.inv(teeth.precision)
+    assert spread_of(linear, model, 1)[0] == pytest.approx(z, rel=1e-9)

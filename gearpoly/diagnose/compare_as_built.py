@@ -77,7 +77,11 @@ def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntA
     whole = all(seen.size == one.theta_2.size for seen, one in zip(seen_at, comparison.aligned, strict=True))
     residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in left.noises])
     repeats = [one.whole for one in fit.model.observed]
-    entries = [*_of_teeth(residual, first, left), *_of_no_pair(residual, first, left, all_samples=whole)]
+    of_no_pair = _of_no_pair(residual, first, left, all_samples=whole)
+    # At a line of another part of the drive what teeth leave is no second line.
+    told = {(one.gear, one.order) for one in of_no_pair if one.order is not None}
+    of_teeth = [one for one in _of_teeth(residual, first, left) if (one.gear, one.order) not in told]
+    entries = [*of_teeth, *of_no_pair]
     entries = sorted(_accompanied(comparison.named(entries)), key=lambda one: -one.gain)
     taken = [
         float(np.std(one.residual[seen] - rest))

@@ -3,6 +3,7 @@ end."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,14 +16,26 @@ from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
-from gearpoly.physics.base import Scope
+from gearpoly.physics.base import Claim, Scope
 from gearpoly.scene import Scene
+from gearpoly.units import FloatArray
 
 Recordings = Sequence[int]
 
 SWELLS, CERTAIN = 0.05, 40.0
 """Part of a claim's gain that letting it swell or fade gains from which it is not steady (one that grows from half to
 one and a half has 0.08), and the least of that gain: six standard deviations."""
+
+BESIDE = 3.0
+"""Cycles per recording by which a wave has to be off a line to have nothing in common with a slow swell of it: of
+Legendre's polynomials of degree 1 and 2 a hundredth of the power is left there, spherical Bessel functions at 3 pi."""
+
+MOST_OF = 0.5
+"""Part of what waves of unknown make gain that a swell has to gain without them, to be what made them: a drive's wave
+2 cycles per recording off an order gains 30 times as much as a swell that mimics it. A judgement."""
+
+ONE_SIZE = 1e-6
+"""Unevenness of cosine squared plus sine squared from which on columns are no wave of one size."""
 
 
 def conditions(scope: Scope) -> list[list[int]]:
@@ -89,28 +102,62 @@ def elsewhere(search: Search, k: int) -> float | None:
 def swells(linear: Linear, model: Model, k: int) -> bool:
     """Whether what claim ``k`` explains swells or fades along recordings: no gear does within minutes, and no encoder.
 
-    Its columns times Legendre's polynomials 1 and 2 over every recording are weighed against the claim, without waves
-    of unknown make: those have taken what one steady wave leaves at its own order. What is slow, and a resonance in a
-    run-up, is not steady by its nature.
+    Its columns times Legendre's polynomials 1 and 2 over every recording are weighed against the claim, beside all
+    else and again without waves of unknown make near its own orders: those may have taken what a swell leaves there,
+    and have, where a swell does most of what they do. What is slow, and a resonance in a run-up, is not steady by its
+    nature.
     """
     claim = model.claims[k]
     if claim.physics.slow or (claim.physics.fixed_amplitudes and model.scope.run_ups):
         return False
-    mine = linear.layout.claims[k]
-    # Steps between recordings, and wandering, stay: a claim that swells would stand for them.
-    foreign = [linear.layout.foreign.start + column for wave in model.strangers for column in wave]
-    bare = linear.system.without(foreign)
-    gain = linear.system.without([*foreign, *linear.layout.places(k)]).misfit - bare.misfit
-    columns = []
+    ramps = _ramps(linear, model, k)
+    near = [
+        linear.layout.foreign.start + column
+        for wave in model.strangers
+        if _beats(linear, model, claim, wave)
+        for column in wave
+    ]
+    for gone in ([], near) if near else ([],):
+        bare = linear.system.without(gone)
+        gain = linear.system.without([*gone, *linear.layout.places(k)]).misfit - bare.misfit
+        swelling = bare.misfit - bare.with_columns(ramps).misfit
+        theirs = bare.misfit - linear.system.misfit
+        if swelling > max(CERTAIN, SWELLS * gain, MOST_OF * theirs):
+            return True
+    return False
+
+
+def _ramps(linear: Linear, model: Model, k: int) -> list[FloatArray]:
+    """White columns (n_k, q) of what claim ``k`` does where it swells along each recording by itself."""
+    mine, columns = linear.layout.claims[k], []
     for j, (noise, own, one) in enumerate(zip(linear.noises, linear.columns, model.observed, strict=True)):
-        amplitudes = own[:, mine][:, : claim.physics.amplitudes]
+        amplitudes = own[:, mine][:, : model.claims[k].physics.amplitudes]
         x = one.samples.along[:, None]
         ramps = noise.whitened(np.concatenate((amplitudes * x, amplitudes * (1.5 * x**2 - 0.5)), axis=1))
         wide = np.zeros((ramps.shape[0], len(linear.noises) * ramps.shape[1]))
         wide[:, j * ramps.shape[1] : (j + 1) * ramps.shape[1]] = ramps
         columns.append(wide)
-    swelling = bare.misfit - bare.with_columns(columns).misfit
-    return swelling > max(CERTAIN, SWELLS * gain)
+    return columns
+
+
+def _beats(linear: Linear, model: Model, claim: Claim, wave: Sequence[int]) -> bool:
+    """Whether a ``wave`` of unknown make, by its foreign columns, is so near a whole order of a claim's shaft in any
+    recording that a swell of the claim would look like it, or is no wave of one frequency."""
+    if len(wave) % 2:
+        return True
+    shaft = claim.place.gear or 0
+    for own, one in zip(linear.columns, model.observed, strict=True):
+        pairs = [own[:, linear.layout.foreign.start + np.array(two)] for two in zip(wave[::2], wave[1::2], strict=True)]
+        turns = float(np.ptp((one.samples.theta_1, one.samples.theta_2)[shaft])) / (2.0 * math.pi)
+        for pair in pairs:
+            if not np.any(pair):
+                continue
+            if np.ptp(np.sum(pair**2, axis=1)) > ONE_SIZE:
+                return True
+            cycles = abs(float(np.ptp(np.unwrap(np.arctan2(pair[:, 1], pair[:, 0]))))) / (2.0 * math.pi)
+            if abs(cycles / turns - round(cycles / turns)) * turns < BESIDE:
+                return True
+    return False
 
 
 def take_back(search: Search) -> bool:

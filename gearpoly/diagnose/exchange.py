@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,11 +13,15 @@ from gearpoly.diagnose.fit import BETTER
 from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.unnamed import leave
+from gearpoly.diagnose.weigh import FAMILY, Weigh
 from gearpoly.errors import GearpolyError
+from gearpoly.infer.prior import kind_of, order_of
+from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.physics.tooth_pitch import PHYSICS as PITCH
-from gearpoly.units import UM
+from gearpoly.units import UM, FloatArray
 
 ALIKE = 0.1
 """Part of its mean by which a value of twins may differ for both to be alike."""
@@ -217,8 +222,11 @@ class Exchange(Weigh):
                 return
             gone, begun = self.model.claims[weakest], self.kept()
             promised = self.promised(gone)
+            waves = self._wave_without_name(ones[weakest])
             try:
                 del self.model.claims[weakest]
+                if waves is not None:
+                    leave(self, waves)
                 self.settle()
             except GearpolyError:  # gears that cannot run without it need it
                 self.restore(begun)
@@ -228,6 +236,16 @@ class Exchange(Weigh):
             if gone.simulated and self.significant(replace(ones[weakest], gain=lost)):
                 self.restore(begun)
                 needed.add(gone.key)
+
+    def _wave_without_name(self, one: Candidate) -> list[FloatArray] | None:
+        """Columns (n_k, q) of the order of a claim that goes; None where it is about no order, or chance gains so."""
+        order = order_of(one.claim)
+        if order is None or kind_of(one.claim) != "wave" or one.log_chance(tests=1) >= math.log(FAMILY):
+            return None
+        effect = self.model.change(self.scenes, one.claim, one.claim.values, but=one.claim)
+        rms = self.model.rms_of(self.scenes, one.claim)
+        self.model.unnamed = (*self.model.unnamed, Unearned(claim=one.claim, rms=rms, posterior=None, seen=True))
+        return at_place(one.claim, self.scenes, order=order, effect=effect)
 
 
 def freedoms(claims: Sequence[Claim]) -> int:

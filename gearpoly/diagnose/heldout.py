@@ -40,7 +40,8 @@ noise" was said of 1.01."""
 class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
-    of held-out samples without names and with them, of which ``noise`` is to be left. ``refused``: names that were
+    of held-out samples without names and with them, of which ``noise`` is to be left and ``expected``, with what one
+    part of the recordings cannot know of the other. ``refused``: names that were
     taken back, each with the rms in mm of what it does; ``unchecked``: those that were since nothing repeats them, so
     that nothing unseen tells of them; ``unfinished``: those that were since time ended before all was asked."""
 
@@ -50,6 +51,7 @@ class Checked:
     std: float
     rms: tuple[float, float]
     noise: float
+    expected: float
     refused: tuple[tuple[Claim, float], ...] = ()
     unchecked: tuple[tuple[Claim, float], ...] = ()
     unfinished: tuple[tuple[Claim, float], ...] = ()
@@ -63,7 +65,7 @@ class Checked:
             why = "fit no better with it than without"
             if with_ > without and self.named < self.as_built:
                 why = "are left larger with it than without"
-            elif with_ < without and with_ > WELL_ABOVE * self.noise:
+            elif with_ < without and with_ > WELL_ABOVE * self.expected:
                 why = f"are left {with_ / self.noise:.2g} times the noise, so that more is in them than is understood"
             yield (
                 f"not named, since unseen data {why}: {names} (mean square "
@@ -108,6 +110,26 @@ def cross_validated(
         seen.append(_square(x, columns, linear.target, fit))
         unseen.append(_square(x, columns, linear.target, rest))
     return Rms(seen=_root(seen), unseen=_root(unseen))
+
+
+def foretold_to(linear: Linear, masks: list[Mask], noise: float, *, hold: list[int]) -> float:
+    """The rms in mm that unseen samples may be left at, ``noise`` (mm) and what the part that was seen does not tell
+    of the others: the variance of a prediction (Bishop 2006, equation 3.59), and twice what it scatters by itself, as a
+    sum of few squares. Half of a recording that holds one hunting cycle hardly knows a wave beside an order of a shaft
+    from that order."""
+    system, columns = linear.system.without(hold), linear.columns
+    keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(hold, dtype=np.int64))
+    others = [~mask for mask in masks]
+    if not all(np.any(mask) for mask in others):
+        return noise
+    mean, variance, count = 0.0, 0.0, 0
+    for fit, rest in ((masks, others), (others, masks)):
+        unseen = [own[mask][:, keep] for own, mask in zip(columns, rest, strict=True)]
+        doubt = system.at(fit).covariance @ sum(a.T @ a for a in unseen)
+        mean += float(np.trace(doubt))
+        variance += 2.0 * float(np.sum(doubt * doubt.T))
+        count += sum(a.shape[0] for a in unseen)
+    return math.hypot(noise, math.sqrt(max(0.0, mean + 2.0 * math.sqrt(max(0.0, variance))) / max(1, count)))
 
 
 def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Observed]:

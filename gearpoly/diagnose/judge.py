@@ -18,7 +18,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
-from gearpoly.diagnose.unstated import beyond_scale, is_unstated
+from gearpoly.diagnose.unstated import beyond_scale, is_unstated, spread_of
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import (
     ABSENT,
@@ -121,7 +121,7 @@ def judge(
             explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
-    less -= 0.5 * _by_scale(model, claim, gain) / trial.dispersion
+    less -= 0.5 * _by_scale(model, linear, claim, gain) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations, effect)
@@ -129,7 +129,7 @@ def judge(
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
 
-def _by_scale(model: Model, claim: Claim, gain: float) -> float:
+def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
     """Part of a ``gain`` that teeth may make whose scale nobody stated: nothing of what all teeth do."""
     gear = claim.place.gear
     if (
@@ -139,7 +139,8 @@ def _by_scale(model: Model, claim: Claim, gain: float) -> float:
         or not model.as_built.gears[gear].graded
     ):
         return 0.0
-    return max(0.0, gain - beyond_scale(model.as_built.gears[gear].z, gain))
+    spread, freedom = spread_of(linear, model, gear)
+    return gain - beyond_scale(gain, spread=spread, freedom=freedom)
 
 
 def _behind(claim: Claim, refit: Refitted, gain: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import form_of, graded_prior
 from gearpoly.diagnose.shortened import FEW, shortened
@@ -43,10 +44,6 @@ wanders in five telescope logs makes it 1 to 3.7, teeth of six printed gears 19 
 
 WIDER = 1.2
 """Times the limits that it was first seen to have from which on a gear is taken to be coarser: half a grade."""
-
-EFFICIENCY = 0.37
-"""Part of the teeth that a median takes its scale from as well as a standard deviation takes it from all: of normal
-values it needs 1 / 0.37 times as many (Rousseeuw and Croux 1993, J. Am. Stat. Assoc. 88, 1273)."""
 
 BY_CHANCE = 1e-3
 """Chance of a wave of random teeth that is taken for a fault of finer ones. Of 1000 gears each of 12 to 60 teeth, drawn
@@ -173,15 +170,30 @@ def _over_limits(fit: Fit, gear: int) -> float:
     return math.sqrt(3.0) * most / teeth.gears[gear].single if most > IDEAL else 0.0
 
 
-def beyond_scale(z: int, gain: float) -> float:
-    """What is left of a ``gain`` in misfit against teeth of a normal scale where that scale was read off ``z`` teeth by
-    their median: twice the log of Student's density with so many degrees of freedom, at the middle over there.
+def beyond_scale(gain: float, *, spread: float, freedom: float) -> float:
+    """What is left of a ``gain`` in misfit against teeth whose scale nobody stated: these teeth have so much ``spread``
+    in so many degrees of ``freedom`` beside what gained it, as ``spread_of`` has both.
 
-    The one tooth in forty that deviates most is no fault where nobody says what all may have. Of a 13/40 of grade 10 as
-    printed, 16 um of one tooth gained 29 against the normal scale of grade 7 to 8 that the others told, and 17 so.
+    The scale is integrated out under the prior that is flat in its logarithm: the misfit of S in n freedoms then weighs
+    n log S in the stead of S, and the gain n log(1 + gain / S), as in Student's density (Box and Tiao 1973, 2.4). Where
+    the limits were taken too narrow, the teeth have more spread than freedoms and the gain counts for less; where too
+    wide, for more.
     """
-    freedom = EFFICIENCY * z
-    return (freedom + 1.0) * math.log1p(gain / freedom)
+    return freedom * math.log1p(gain / spread)
+
+
+def spread_of(linear: Linear, model: Model, gear: int) -> tuple[float, float]:
+    """Sum of squares of the index deviations of a gear over what their prior takes them to be, as it is expected after
+    the fit, and its degrees of freedom: the teeth of every flank less the coordinates of the claims about them."""
+    teeth, start = model.as_built, linear.layout.built.start
+    z = teeth.gears[gear].z
+    at = np.concatenate([start + teeth.start(flank, gear) + np.arange(z) for flank in teeth.flanks])
+    known = linear.system.precision[np.ix_(at, at)]
+    pitch, covariance = linear.system.solution[at], linear.system.covariance[np.ix_(at, at)]
+    spread = float(pitch @ known @ pitch) + float(np.sum(known * covariance))
+    mine = [one for one in model.claims if one.place.gear == gear and not one.physics.mean_tooth]
+    taken = sum(1 if one.place.tooth is not None else len(one.values) for one in mine)
+    return max(spread, 1.0), max(1.0, float(at.size - taken))
 
 
 def _finer(model: Model, gear: int) -> GearPrior:
