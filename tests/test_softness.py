@@ -98,6 +98,7 @@ def test_a_claim_that_bends_with_its_size_goes_only_where_all_fits_without_it(
         gained=lambda kept: kept[1] - cost() + 2.0 * (1 - len(claims)),
         restore=lambda kept: claims.extend(kept[0]),
         promised=lambda claim: promised,
+        _wave_without_name=lambda one: None,
     )
     Search.drop_idle(search)
     assert bool(claims) is stands

@@ -19,6 +19,7 @@ from gearpoly.diagnose.placing import TRIALS
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import polished, scan
 from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.infer.unknown import mesh_curves
@@ -160,11 +161,14 @@ def _try(tried: dict[float, OtherKeys], one: OtherKeys, begin: Begin, *, by: Fit
 
 
 def _fit(begin: Begin, file: PairFile, *, close: bool, beside: Sequence[Claim] = ()) -> Fit | None:
-    """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one; None where it cannot
-    run."""
+    """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one, in which teeth have
+    forms of their own where that is likelier: of a file with 20 deg for 25 these were all that was left. None where it
+    cannot run."""
     few, rounds = (FEW[-1], TRIALS[-1]) if close else (FEW[0], TRIALS[0])
     try:
         model, columns = shortened(*begin(file), few=few)
+        if close:
+            model = with_forms(model, columns, lambda _: None)
         model.claims = list(beside)
         return Fit.begun(model, columns, lambda _: None, trial=rounds)
     except GearpolyError:
