@@ -204,7 +204,7 @@ def searched(*claims: Claim, thickness_um: float = 0.0) -> tuple[Any, PairFile]:
         at += len(claim.values)
     model = SimpleNamespace(
         declared=PairFile.model_validate(known), as_built=as_built, built=np.zeros(as_built.size), claims=list(claims),
-        scope=SimpleNamespace(gears=(SimpleNamespace(alpha=ALPHA),) * 2),
+        scope=SimpleNamespace(gears=(SimpleNamespace(alpha=ALPHA),) * 2, others_at=lambda gear, order: ()),
     )  # fmt: skip
     none = slice(as_built.size, as_built.size)
     layout = Layout(built=slice(0, as_built.size), nuisance=none, foreign=none, forms=none, claims=places)
@@ -233,7 +233,7 @@ def test_a_gear_runs_as_coarse_as_what_is_claimed_of_it(one: Claim) -> None:
     """20 um over a declared grade 5 of 7.5 um a step, or 15 um of slope over 5 um, is at least grade 8 (three steps of
     sqrt(2) are 2.8). Its other teeth are as they were; the mate keeps the finest grade; a claim is not as built."""
     search, file = searched(one)
-    driving, driven = built_gears(search, file)
+    driving, driven = built_gears(search, file, left=1.0)
     assert driving.grade_needed is not None and driving.grade_needed >= 8
     assert driven.grade_needed == 1
     assert driving.exceeded and {found.limit.grade for found in driving.exceeded} == {5}
@@ -251,7 +251,7 @@ def test_a_tooth_of_both_flanks_moves_its_flanks_apart_in_material_only() -> Non
     search, file = searched(claim("tooth_pitch", (20.0,), tooth=4), thickness_um=-55.0)
     stated = {"limits": {"E_sns_um": -50.0, "E_sni_um": -60.0}, "grade": None}
     file = file.model_copy(update={"driving": section(**stated)})
-    driving, _ = built_gears(search, file)
+    driving, _ = built_gears(search, file, left=1.0)
     assert driving.exceeded == ()
     assert driving.thickness is not None
     assert driving.thickness[0] == pytest.approx(-55.0)
@@ -260,7 +260,7 @@ def test_a_tooth_of_both_flanks_moves_its_flanks_apart_in_material_only() -> Non
 def test_what_else_is_claimed_is_no_matter_of_the_grade() -> None:
     """An eccentric gear is as well cut as before; its mounting is at fault."""
     search, file = searched(claim("eccentricity", (40.0, 0.0)))
-    assert built_gears(search, file)[0].grade_needed == 1
+    assert built_gears(search, file, left=1.0)[0].grade_needed == 1
 
 
 def test_both_flanks_stand_in_the_verdict() -> None:
@@ -269,7 +269,7 @@ def test_both_flanks_stand_in_the_verdict() -> None:
     model = search.model
     model.as_built.pitch(model.built, "coast", 0)[6] = 15.0
     model.as_built.slope(model.built, "drive", 0)[2] = 3.0
-    driving, _ = built_gears(search, file)
+    driving, _ = built_gears(search, file, left=1.0)
     told = _built_json(driving)
     assert told["flanks"] == ["drive", "coast"]
     for key in ("pitch", "pitch_coast", "profile_slope", "profile_slope_coast"):
@@ -292,7 +292,7 @@ def test_what_two_graded_gears_lean_alike_accuses_neither() -> None:
         model.as_built.slope(model.built, "drive", gear)[:] = lean
     for gear, lean in ((0, 24.0), (1, 0.0)):
         model.as_built.slope(model.built, "coast", gear)[:] = lean
-    for one, apart in zip(built_gears(search, file), (12.0, -12.0), strict=True):
+    for one, apart in zip(built_gears(search, file, left=1.0), (12.0, -12.0), strict=True):
         assert one.first.slope == pytest.approx(np.zeros(one.first.slope.size))
         assert one.coast is not None
         assert one.coast.slope == pytest.approx(np.full(one.coast.slope.size, apart))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.bursts import burst_entries
+from gearpoly.compare.comb import of_one_tooth, told_so
 from gearpoly.compare.comes_again import come_again
 from gearpoly.compare.describe import drift_entry, wave_entry, with_companions
 from gearpoly.compare.describe_jumps import jump_entries
@@ -164,6 +165,10 @@ def locate(
         first = entry.recordings[0]
         return entry.turned_round(turns[first]) if short[first].backward else entry
 
+    told = of_one_tooth(
+        [recorded(e) for e in entries], z=(z_1, z_2), numbered=numbered,
+        encoder_deg=lambda gear, tooth: gears[gear].encoder_deg(tooth),
+    )  # fmt: skip
     maps = []
     for s, places in zip(states, search.places, strict=True):
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
@@ -174,8 +179,8 @@ def locate(
     repeats = [one for one in repeatable if one is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
-        entries=tuple(recorded(e) for e in entries),
-        where=tuple(recorded(e) for e in where),
+        entries=tuple(told),
+        where=tuple(told_so([recorded(e) for e in where], told)),
         divisions=divisions,
         noises=noises,
         noise_level=pooled_level(list(noises), sizes),

@@ -23,7 +23,7 @@ from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
-from gearpoly.diagnose.heldout import Rms, cross_validated
+from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.kept import without_columns
@@ -152,7 +152,8 @@ def diagnose(
         status = "partly_explained" if left_over else "explained"
     elif left_over:
         status = "unexplained"
-    built = built_gears(search, file)
+    expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
+    built = built_gears(search, file, left=after.unseen / max(expected, 1e-12))
     everything = list(range(start_linear.system.size))
     return Diagnosis(
         comparison=comparison,
