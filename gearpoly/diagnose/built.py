@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, graded_by_iso, limits_of
 from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.diagnose.unseen import LACK_OF_FIT
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
 from gearpoly.files.models import PairFile
@@ -23,12 +26,32 @@ FAR = 4.0
 """Standard deviations beyond which a tooth contradicts its inspection: one of 43 does by chance in 400 sets."""
 
 
-def built_gears(search: Search, file: PairFile, *, left: float) -> tuple[BuiltGear, BuiltGear]:
-    """Both gears, driving first; ``left``: the rms of unseen samples over what is expected of it."""
-    return _built(search, file, 0, left), _built(search, file, 1, left)
+def built_gears(
+    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = ()
+) -> tuple[BuiltGear, BuiltGear]:
+    """Both gears, driving first; ``left``: the rms of unseen samples over what is expected of it; ``unearned`` what did
+    not earn its name."""
+    unsure = _why_unsure(left, unearned)
+    return _built(search, file, 0, unsure), _built(search, file, 1, unsure)
 
 
-def _built(search: Search, file: PairFile, gear: int, left: float) -> BuiltGear:
+def _why_unsure(left: float, unearned: Sequence[Unearned]) -> str:
+    """Why the fit says nothing of any grade, in words; "" where it does. Teeth take up what they can of whatever is not
+    understood: a shaft that bows while it warms made grade 7 of a gear of grade 6, a loose key grade 11 of one of grade
+    7, and another pressure angle in the drawing than in the file grade 10 and 11 of sound gears."""
+    if left > LACK_OF_FIT:
+        return (
+            f"runs with more than is understood: {left:.2g} times what is expected is left of unseen data, and no grade "
+            "is told"
+        )
+    if any(
+        one.claim.physics.mean_tooth and (one.posterior is None or one.posterior.nothing < EVEN) for one in unearned
+    ):
+        return "runs with something at every mesh that has no sure cause and may be of all its teeth: no grade is told"
+    return ""
+
+
+def _built(search: Search, file: PairFile, gear: int, unsure: str) -> BuiltGear:
     flanks = search.model.as_built.flanks
     plain = [running(search, gear, flank, claimed=False) for flank in flanks]
     whole = [running(search, gear, flank, claimed=True) for flank in flanks]
@@ -37,7 +60,7 @@ def _built(search: Search, file: PairFile, gear: int, left: float) -> BuiltGear:
     if (found := thicknesses(search, plain, gear)) is not None:
         mean = float(np.mean(found[0])), math.sqrt(float(np.mean(found[1])))
     figures = figures_of(whole, math.cos(search.model.scope.gears[gear].alpha), thicknesses(search, whole, gear))
-    ungraded = _ungraded(search, file, gear, left)
+    ungraded = _ungraded(search, file, gear) or unsure
     broken = [] if ungraded else [one for limit in limits_of(section) if (one := exceeded(figures, limit)) is not None]
     return BuiltGear(
         flanks=tuple(_flank(one) for one in plain),
@@ -51,10 +74,8 @@ def _built(search: Search, file: PairFile, gear: int, left: float) -> BuiltGear:
     )
 
 
-def _ungraded(search: Search, file: PairFile, gear: int, left: float) -> str:
-    """Why the teeth of a gear say nothing of a grade, in words; "" where they do. Teeth take up what they can of
-    whatever is not understood: a shaft that bows while it warms made grade 7 of a gear of grade 6, a loose key grade
-    11 of one of grade 7, and the right pressure angle in the drawing of a sound pair grade 10 and 11."""
+def _ungraded(search: Search, file: PairFile, gear: int) -> str:
+    """Why the teeth of a gear say nothing of a grade, in words; "" where they do."""
     if file.worm is not None and gear == 1:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
     if others := search.model.scope.others_at(gear, 1):
@@ -70,12 +91,7 @@ def _ungraded(search: Search, file: PairFile, gear: int, left: float) -> str:
     ]
     part = np.unique(np.concatenate(met)).size / z
     if part >= TEETH_MET:
-        if left <= LACK_OF_FIT:
-            return ""
-        return (
-            f"runs with more than is understood: {left:.2g} times what is expected is left of unseen data, and "
-            "no grade is told"
-        )
+        return ""
     return (
         f"was recorded at {100.0 * part:.0f} in 100 of its teeth: what lies between is not known, and no grade is told"
     )

@@ -51,7 +51,7 @@ from gearpoly.diagnose.unstated import as_fitted
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import TOLD
-from gearpoly.infer.prior import AS_WRONG_KEYS
+from gearpoly.infer.prior import SHAPED_BY_KEYS
 from gearpoly.recording.recording import Recording
 
 TOLD_SIZE = 2.0
@@ -153,7 +153,7 @@ def diagnose(
     elif left_over:
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
-    built = built_gears(search, file, left=after.unseen / max(expected, 1e-12))
+    built = built_gears(search, file, left=after.unseen / max(expected, 1e-12), unearned=unearned)
     everything = list(range(start_linear.system.size))
     return Diagnosis(
         comparison=comparison,
@@ -304,7 +304,7 @@ def _of_the_file(unearned: Sequence[Unearned]) -> Iterator[str]:
     """Which keys of the pair file may be wrong, where something looks as though they were."""
     for one in unearned:
         likely = one.posterior is not None and one.posterior.of(one.claim) > TOLD
-        if one.claim.physics.name in AS_WRONG_KEYS and likely:
+        if one.claim.physics.name in SHAPED_BY_KEYS and likely:
             name, size = one.claim.physics.name.replace("_", " "), one.claim.values[0]
             yield (
                 f"a {name} off by {size:.0f} um would explain it, and so would a wrong profile_shift, "

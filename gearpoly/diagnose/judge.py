@@ -25,6 +25,7 @@ from gearpoly.infer.prior import (
     AS_WRONG_KEYS,
     LEAST_SHARE,
     PRESENT,
+    SHAPED_BY_KEYS,
     TIPS,
     WRONG_KEY,
     WRONG_UM,
@@ -111,12 +112,13 @@ def judge(
     known, vain = list(explanations), _in_vain(model, trial, claim, mine, more)
     explanations += [*trial.explanations(without_cause), *vain]
     share = unknown_share(claim, model.scope)
-    if claim.physics.name in AS_WRONG_KEYS:
+    if claim.physics.name in SHAPED_BY_KEYS:
         usual = claim.physics.ordinary[0]
         likelier = log_size(claim.values[0], WRONG_UM) - log_size(claim.values[0], usual)
         weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
-        if len(model.as_built.flanks) < 2 and not all(model.scope.inspected):
+        told = len(model.as_built.flanks) > 1 or all(model.scope.inspected)
+        if claim.physics.name in AS_WRONG_KEYS and not told:
             as_likely = (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
             explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.

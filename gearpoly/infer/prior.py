@@ -85,6 +85,10 @@ AS_WRONG_KEYS = frozenset({"centre_distance", "tooth_thickness"})
 """Physics that do what a wrong ``profile_shift``, ``pressure_angle_deg``, ``addendum`` or ``centre_distance_mm`` of the
 pair file does: backlash, and where pairs hand over."""
 
+SHAPED_BY_KEYS = AS_WRONG_KEYS | {"profile_slope"}
+"""The same with what a wrong pressure angle does to all flanks: 2.5 deg over 4 mm of a flank of module 2 are 175 um. Of
+a file with 22.5 deg for 20, slopes of 158 and 156 um of gears of grade 7 were named, each beside the other."""
+
 WRONG_UM, WRONG_KEY = 320.0, 0.05
 """Size in um that a wrong key makes of these, and how often it is that, of all that looks so: judgements. 0.1 of
 profile shift at module 2 thickens teeth by 146 um (2 x m tan alpha). A pair of 18 on 25 teeth whose file said 22.5 deg
