@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.contest import contest
+from gearpoly.diagnose.contest import _mirrored, contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.placing import PHASES, anywhere
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import scan
@@ -24,7 +25,7 @@ from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
-from tests.physics_cases import Condition, recorded, rough
+from tests.physics_cases import Condition, recorded, rough, scope_of
 from tests.test_fit_places import UNLOADED, made_gears
 
 SLOPE = -30.0
@@ -131,7 +132,9 @@ class Ends:
         self.over = False
         self.scenes = (SimpleNamespace(bends=True),)
         gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
-        self.model = SimpleNamespace(claims=[named("first")], as_built=SimpleNamespace(gears=gears))
+        self.model = SimpleNamespace(
+            phased=True, stated=True, claims=[named("first")], as_built=SimpleNamespace(gears=gears)
+        )
 
     def cost(self, claims: list[Any]) -> float:
         return self.ends[claims[0].key if claims else "nothing"] + 2.0 * len(claims)
@@ -322,3 +325,48 @@ def test_teeth_far_thinner_than_their_limits_are_told_however_little_noise_there
     told = {(one.physics, one.gear) for entry in found.unexplained for one in entry.could_be}
     assert ("tooth_thickness", "driven") in named | told
     assert any("tooth thickness off by" in one for one in found.remarks)
+
+
+@pytest.mark.parametrize("placed", [{"phased": True}, {"stated": True}, {}])
+def test_of_a_pair_that_nothing_places_the_other_gear_is_tried_in_any_place(
+    placed: dict[str, bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wear of one gear is that of the other mirrored about the pitch point; where zeros or curves say where that is,
+    it is not asked, nor is it of what both gears share or of one tooth."""
+    asked: list[list[list[str | None]]] = []
+
+    def found(model: Any, foreign: Any, starts: list[list[Claim]]) -> list[float]:
+        asked.append([[one.place.gear_name for one in start] for start in starts])
+        return [100.0, 86.0]
+
+    monkeypatch.setattr("gearpoly.diagnose.contest.anywhere", found)
+    claims = [
+        Claim(physics=catalogue()["wear"], place=Place(gear=1), values=(11.0,)),
+        Claim(physics=catalogue()["friction"], place=Place(), values=(0.1,)),
+        Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=3), values=(5.0,)),
+    ]
+    model = SimpleNamespace(
+        **({"phased": False, "stated": False} | placed), claims=claims, scope=scope_of(rough((12, 16)))
+    )
+    search: Any = SimpleNamespace(model=model, over=False, step=lambda says: None, foreign=[])
+    twins = [one for k in range(3) for one in _mirrored(search, k)]
+    if placed:
+        assert twins == [] and asked == []
+        return
+    (twin,) = twins
+    assert (twin.claim.physics.name, twin.claim.place.gear, twin.behind) == ("wear", 0, -14.0)
+    assert twin.elsewhere
+    assert asked == [[["driven", None, "driven"], ["driving", None, "driven"]]]
+
+
+def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken_to_stand(tmp_path: Path) -> None:
+    """Three steps further on every place is tried all the same; the right one leaves one per sample."""
+    known = rough((12, 16))
+    made = recorded(known, (Condition(torque_nm=20.0),), np.random.default_rng(5), per_mesh=14)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, made, path=path), path=path)
+    foreign = [np.zeros((one.samples.size, 0)) for one in model.observed]
+    here = anywhere(model, foreign, [[]])
+    model.moved(3.0 * model.scope.gears[1].tau / PHASES)
+    assert anywhere(model, foreign, [[]]) == pytest.approx(here, rel=0.01)
+    assert here[0] == pytest.approx(sum(one.samples.size for one in model.observed), rel=0.1)

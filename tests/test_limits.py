@@ -23,9 +23,11 @@ from gearpoly.diagnose.limits import (
 )
 from gearpoly.diagnose.linear import Layout
 from gearpoly.diagnose.running import Running
+from gearpoly.diagnose.unearned import Unearned
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.tolerances import tolerances
+from gearpoly.infer.posterior import Posterior
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -244,6 +246,30 @@ def test_a_gear_runs_as_coarse_as_what_is_claimed_of_it(one: Claim) -> None:
     told = _built_json(driving)
     assert told["grade_needed"] == driving.grade_needed
     assert {found["grade"] for found in told["exceeds"]} == {5}
+
+
+def test_no_gear_is_accused_of_what_is_not_understood() -> None:
+    """A tooth 20 um off breaks grade 5 where the fit is at rest, and nothing is said where unseen data are left at 1.3
+    times what is expected, where something at every mesh has no sure cause, and where another part turns with it."""
+    search, file = searched(claim("tooth_pitch", (20.0,), tooth=4))
+    assert built_gears(search, file, left=1.19)[0].exceeded
+    of_all = Unearned(claim=claim("profile_slope", (150.0,)), rms=0.02, posterior=None)
+    gone = Unearned(claim=of_all.claim, rms=0.02, posterior=Posterior(claims=(), unknown=0.4, nothing=0.6))
+    one = Unearned(claim=claim("tooth_pitch", (3.0,), tooth=2), rms=0.002, posterior=None)
+    assert built_gears(search, file, left=1.0, unearned=[one, gone])[0].exceeded
+    doubted = [
+        built_gears(search, file, left=1.3),
+        built_gears(search, file, left=1.0, unearned=[one, of_all]),
+    ]
+    for gears, words in zip(doubted, ("1.3 times what is expected", "every mesh"), strict=True):
+        for gear in gears:
+            assert words in gear.ungraded and gear.ungraded.endswith("no grade is told")
+            assert gear.exceeded == () and gear.grade_needed is None and gear.grade_kept is None
+            assert _built_json(gear)["exceeds"] == []
+    search.model.scope.others_at = lambda gear, order: ("the motor's turn",) if (gear, order) == (0, 1) else ()
+    driving, driven = built_gears(search, file, left=1.0)
+    assert "the motor's turn" in driving.ungraded and driving.exceeded == ()
+    assert driven.ungraded == "" and driven.grade_needed == 1
 
 
 def test_a_tooth_of_both_flanks_moves_its_flanks_apart_in_material_only() -> None:

@@ -41,8 +41,8 @@ def _why_unsure(left: float, unearned: Sequence[Unearned]) -> str:
     7, and another pressure angle in the drawing than in the file grade 10 and 11 of sound gears."""
     if left > LACK_OF_FIT:
         return (
-            f"runs with more than is understood: {left:.2g} times what is expected is left of unseen data, and no grade "
-            "is told"
+            f"runs with more than is understood: {left:.2g} times what is expected is left of unseen data, and no "
+            "grade is told"
         )
     if any(
         one.claim.physics.mean_tooth and (one.posterior is None or one.posterior.nothing < EVEN) for one in unearned

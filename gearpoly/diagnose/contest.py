@@ -3,9 +3,11 @@ always has an advantage."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from gearpoly.diagnose.placing import anywhere
 from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.diagnose.search import Search
@@ -30,10 +32,12 @@ RESTS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class Refitted:
-    """A ``claim`` as it came out in another's stead, and by how much it fits worse, in misfit and freedoms' cost."""
+    """A ``claim`` as it came out in another's stead, and by how much it fits worse, in misfit and freedoms' cost;
+    ``elsewhere``: with the teeth at another place of their pitch."""
 
     claim: Claim
     behind: float
+    elsewhere: bool = False
 
 
 def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[Refitted, ...]]:
@@ -49,10 +53,12 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
+        mirrored = _mirrored(search, k)
         likenesses = [] if search.over else [one.claim for one in _likenesses(search, k)]
         if likely is not None and not search.over and _stands_for(likely, search, k):
             likenesses = [likely, *(one for one in likenesses if one.key != likely.key)]
         if not likenesses:
+            out[search.model.claims[k].key] = mirrored
             continue
         rest(search)
         begun = search.kept()
@@ -75,8 +81,32 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
                 others.append((made, gained))
             search.restore(begun)
         search.restore(best)
-        out[stands.key] = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
+        fitted = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
+        elsewhere = tuple(one for one in mirrored if one.claim.key != stands.key)
+        beyond = {one.claim.key for one in elsewhere}
+        out[stands.key] = (*(one for one in fitted if one.claim.key not in beyond), *elsewhere)
     return out
+
+
+def _mirrored(search: Search, k: int) -> tuple[Refitted, ...]:
+    """The claim ``k`` of all teeth of a gear as one of the other gear, wherever in their pitch the teeth then stand,
+    where neither curves nor zeros say where: about the pitch point the one is the mirror image of the other. Of 13 um
+    of wear of an unplaced pair, 11 um of the other gear were named."""
+    model = search.model
+    claim = model.claims[k]
+    if model.phased or model.stated or search.over or not claim.physics.mean_tooth or claim.place.gear is None:
+        return ()
+    twin = replace(claim, place=replace(claim.place, gear=1 - claim.place.gear))
+    if all(one.key != twin.key for one in (Claim(physics=twin.physics, place=place, values=())
+                                           for place in twin.physics.places(model.scope))):  # fmt: skip
+        return ()
+    search.step(f"placing the teeth with {claim.physics.name.replace('_', ' ')} of the other gear")
+    mine = model.claims.copy()
+    its = [*mine[:k], twin, *mine[k + 1 :]]
+    here, there = anywhere(model, search.foreign, [mine, its])
+    if not math.isfinite(here) or not math.isfinite(there):
+        return ()
+    return (Refitted(claim=twin, behind=there - here, elsewhere=True),)
 
 
 def _stands_for(likely: Claim, search: Search, k: int) -> bool:

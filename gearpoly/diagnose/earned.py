@@ -33,7 +33,8 @@ def earned(
     """Judge every claim of the ``search``, by its key, and give up those that are no likelier than an unknown cause,
     the least likely first: a curve of no cause then stands in their place, and the rest is judged anew."""
     gone: list[Unearned] = list(search.model.unnamed)
-    taken: set[Key] = set()
+    # With its teeth elsewhere a claim is not to be tried here.
+    taken: set[Key] = {one.claim.key for each in refitted.values() for one in each if one.elsewhere}
     doubts: dict[tuple[int, int], float] = {}
     fitted: dict[Key, tuple[Refitted, ...]] = {}
     plain: dict[Key, Judged] = {}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from itertools import product
 from typing import TypeVar
 
@@ -182,6 +184,38 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     trial, columns = shortened(model, foreign, few=FEW[-1])
     system = Fit.begun(trial, columns, step, trial=TRIALS[-1]).linear.system
     return system.beyond > LOST * system.samples
+
+
+def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Claim]]) -> list[float]:
+    """The least misfit of a pair with each of these claims, wherever in their pitch its teeth may stand, by the noise
+    of the fit that leaves least; over all samples as far as some tell. Infinite where it cannot run so anywhere."""
+    pitch = model.scope.gears[1].tau
+    steps = range(1 - PHASES // 2, PHASES // 2 + 1)
+    places = [(k * pitch / PHASES, which) for k in steps for which in range(len(starts))]
+    bare = replace(model, built=np.zeros_like(model.built))
+
+    def misfits(places: list[tuple[float, int]], rounds: int, few: int) -> dict[tuple[float, int], float]:
+        trial, columns = shortened(bare, foreign, few=few)
+        kept, fits = trial.kept(), {}
+        for way, k in places:
+            trial.moved(way)
+            trial.claims = list(starts[k])
+            with suppress(GearpolyError):
+                fits[way, k] = Fit.begun(trial, columns, lambda _: None, trial=rounds)
+            trial.restore(kept)
+            trial.moved(-way)
+        if not fits:
+            return {}
+        by = min(fits.values(), key=lambda one: sum(noise.level**2 for noise in one.noises)).noises
+        return {one: fit.linear.under(by).system.misfit for one, fit in fits.items()}
+
+    for rounds, few in zip(TRIALS, FEW, strict=True):
+        found = misfits(places, rounds, few)
+        least = [min((v for (_, k), v in found.items() if k == one), default=math.inf) for one in range(len(starts))]
+        places = [one for one, misfit in found.items() if misfit <= HOPEFUL_PHASE * least[one[1]]]
+    whole = sum(one.samples.size for one in model.observed)
+    part = sum(one.samples.size for one in shortened(bare, foreign, few=FEW[-1])[0].observed) / whole
+    return [one / part for one in least]
 
 
 def _best_of(
