@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.contest import _mirrored, contest
+from gearpoly.diagnose.contest import _elsewhere, contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.placing import PHASES, anywhere
@@ -328,16 +328,16 @@ def test_teeth_far_thinner_than_their_limits_are_told_however_little_noise_there
 
 
 @pytest.mark.parametrize("placed", [{"phased": True}, {"stated": True}, {}])
-def test_of_a_pair_that_nothing_places_the_other_gear_is_tried_in_any_place(
+def test_of_a_pair_that_nothing_places_other_forms_are_tried_in_any_place(
     placed: dict[str, bool], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Wear of one gear is that of the other mirrored about the pitch point; where zeros or curves say where that is,
-    it is not asked, nor is it of what both gears share or of one tooth."""
-    asked: list[list[list[str | None]]] = []
+    nothing is asked, nor is it of what both gears share or of one tooth."""
+    asked: list[list[tuple[str, str | None]]] = []
 
     def found(model: Any, foreign: Any, starts: list[list[Claim]]) -> list[float]:
-        asked.append([[one.place.gear_name for one in start] for start in starts])
-        return [100.0, 86.0]
+        asked.extend([(one.physics.name, one.place.gear_name) for one in start] for start in starts)
+        return [100.0, *(86.0 for _ in starts[1:])]
 
     monkeypatch.setattr("gearpoly.diagnose.contest.anywhere", found)
     claims = [
@@ -345,18 +345,21 @@ def test_of_a_pair_that_nothing_places_the_other_gear_is_tried_in_any_place(
         Claim(physics=catalogue()["friction"], place=Place(), values=(0.1,)),
         Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=3), values=(5.0,)),
     ]
+    physics = [catalogue()[name] for name in ("wear", "friction", "tooth_pitch", "profile_slope")]
     model = SimpleNamespace(
-        **({"phased": False, "stated": False} | placed), claims=claims, scope=scope_of(rough((12, 16)))
-    )
+        **({"phased": False, "stated": False} | placed), claims=claims, scope=scope_of(rough((12, 16))),
+        method=SimpleNamespace(physics=physics),
+    )  # fmt: skip
     search: Any = SimpleNamespace(model=model, over=False, step=lambda says: None, foreign=[])
-    twins = [one for k in range(3) for one in _mirrored(search, k)]
+    others = [one for k in range(3) for one in _elsewhere(search, k)]
     if placed:
-        assert twins == [] and asked == []
+        assert others == [] and asked == []
         return
-    (twin,) = twins
-    assert (twin.claim.physics.name, twin.claim.place.gear, twin.behind) == ("wear", 0, -14.0)
-    assert twin.elsewhere
-    assert asked == [[["driven", None, "driven"], ["driving", None, "driven"]]]
+    told = [(one.claim.physics.name, one.claim.place.gear_name) for one in others]
+    assert told == [("wear", "driving"), ("profile_slope", "driving"), ("profile_slope", "driven")]
+    assert all(one.elsewhere and one.behind == -14.0 for one in others)
+    assert [one[0] for one in asked] == [("wear", "driven"), *told]
+    assert {tuple(one[1:]) for one in asked} == {(("friction", None), ("tooth_pitch", "driven"))}
 
 
 def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken_to_stand(tmp_path: Path) -> None:

@@ -26,6 +26,11 @@ LEAST = 0.1
 """Part of a recording's mean square mismatch that an order holds to be listed though teeth could take it: what holds
 less changes the rms by less than 5 %. Teeth drawn within a grade hold some orders as strong, and these are listed."""
 
+HELD, CLEARLY = 4, 6.0
+"""Orders that are listed though teeth could take them and hold less, the largest, and the standard errors by which
+these stand out: who looks at the spectrum sees them. Of another stage's wave of 2.7 um at order 11 of the driven shaft,
+beside a runout of 5.7 um, nothing was told. Judgements."""
+
 DIFFERS = 3.0
 """Standard errors by which the size of an order in the whole mismatch has to differ from that beside the teeth."""
 
@@ -134,6 +139,7 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
     taken = [
         int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known and not peak.few
     ]
+    fitted = len(taken)
     mean = float(np.mean(values))
     rest: FloatArray = values - mean
     heights: FloatArray = np.zeros(0)
@@ -147,7 +153,13 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
         power = np.where(open_, np.abs(s.search.order_grid.transform(rest)[s.search.known]) ** 2, 0.0)
         best = int(np.argmax(power)) if power.size else 0
         # A wave of amplitude A has the sum n A / 2, and the mean square A^2 / 2.
-        if not power.size or best in taken or 2.0 * power[best] / values.size**2 < LEAST * np.var(s.data.residual):
+        if not power.size or best in taken:
+            break
+        held = 2.0 * power[best] / values.size**2 >= LEAST * np.var(s.data.residual)
+        # Power over that of noise, whose lines have n times its density.
+        level = float(np.interp(orders.frequency[best], s.noise.frequency, s.noise.density))
+        clear = 2.0 * power[best] >= CLEARLY**2 * level * values.size
+        if not held and not (clear and len(taken) - fitted < HELD):
             break
         taken.append(best)
     waves = []

@@ -53,12 +53,12 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
-        mirrored = _mirrored(search, k)
+        anywhere_else = _elsewhere(search, k)
         likenesses = [] if search.over else [one.claim for one in _likenesses(search, k)]
         if likely is not None and not search.over and _stands_for(likely, search, k):
             likenesses = [likely, *(one for one in likenesses if one.key != likely.key)]
         if not likenesses:
-            out[search.model.claims[k].key] = mirrored
+            out[search.model.claims[k].key] = anywhere_else
             continue
         rest(search)
         begun = search.kept()
@@ -82,31 +82,41 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
             search.restore(begun)
         search.restore(best)
         fitted = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
-        elsewhere = tuple(one for one in mirrored if one.claim.key != stands.key)
+        elsewhere = tuple(one for one in anywhere_else if one.claim.key != stands.key)
         beyond = {one.claim.key for one in elsewhere}
         out[stands.key] = (*(one for one in fitted if one.claim.key not in beyond), *elsewhere)
     return out
 
 
-def _mirrored(search: Search, k: int) -> tuple[Refitted, ...]:
-    """The claim ``k`` of all teeth of a gear as one of the other gear, wherever in their pitch the teeth then stand,
-    where neither curves nor zeros say where: about the pitch point the one is the mirror image of the other. Of 13 um
-    of wear of an unplaced pair, 11 um of the other gear were named."""
+def _elsewhere(search: Search, k: int) -> tuple[Refitted, ...]:
+    """What may stand in the place of claim ``k`` of all teeth of a gear wherever in their pitch these then stand, where
+    neither curves nor zeros say where: the same of the other gear, its mirror image about the pitch point, and every
+    other form of all teeth of either. Of 13 um of wear of an unplaced pair 11 um of the other gear were named, of 22 um
+    of slope a relief."""
     model = search.model
     claim = model.claims[k]
     if model.phased or model.stated or search.over or not claim.physics.mean_tooth or claim.place.gear is None:
         return ()
-    twin = replace(claim, place=replace(claim.place, gear=1 - claim.place.gear))
-    if all(one.key != twin.key for one in (Claim(physics=twin.physics, place=place, values=())
-                                           for place in twin.physics.places(model.scope))):  # fmt: skip
+    taken = {one.key for one in model.claims}
+    others: dict[tuple[str, int], Claim] = {}
+    for physics in model.method.physics:
+        for place in physics.places(model.scope) if physics.mean_tooth else ():
+            if physics is claim.physics and place.gear is not None:
+                place = replace(claim.place, gear=place.gear)
+            values = claim.values if physics is claim.physics else (*physics.ordinary, *place.shape)
+            one = Claim(physics=physics, place=place, values=values)
+            if place.gear is not None and one.key not in taken:
+                others.setdefault((physics.name, place.gear), one)
+    search.step(f"placing the teeth with others than {claim.physics.name.replace('_', ' ')}")
+    starts = [[*model.claims[:k], one, *model.claims[k + 1 :]] for one in (claim, *others.values())]
+    here, *there = anywhere(model, search.foreign, starts)
+    if not math.isfinite(here):
         return ()
-    search.step(f"placing the teeth with {claim.physics.name.replace('_', ' ')} of the other gear")
-    mine = model.claims.copy()
-    its = [*mine[:k], twin, *mine[k + 1 :]]
-    here, there = anywhere(model, search.foreign, [mine, its])
-    if not math.isfinite(here) or not math.isfinite(there):
-        return ()
-    return (Refitted(claim=twin, behind=there - here, elsewhere=True),)
+    return tuple(
+        Refitted(claim=one, behind=misfit - here, elsewhere=True)
+        for one, misfit in zip(others.values(), there, strict=True)
+        if math.isfinite(misfit)
+    )
 
 
 def _stands_for(likely: Claim, search: Search, k: int) -> bool:
