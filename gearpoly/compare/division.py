@@ -31,6 +31,9 @@ HELD, CLEARLY = 4, 6.0
 these stand out: who looks at the spectrum sees them. Of another stage's wave of 2.7 um at order 11 of the driven shaft,
 beside a runout of 5.7 um, nothing was told. Judgements."""
 
+TURNS = 2.0
+"""Turns of the slower shaft from which on these are listed."""
+
 DIFFERS = 3.0
 """Standard errors by which the size of an order in the whole mismatch has to differ from that beside the teeth."""
 
@@ -67,9 +70,10 @@ def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tu
     drifts = {k for e in entries if e.drift for k in e.recordings}
     found: dict[float, dict[int, _Wave]] = {}
     divisions = []
+    graded = all(gear.uncertainty is None for gear in search.gears)
     for k, s in enumerate(search.states):
         built, listed, fitted = _parts(search, solution, k, drift=k in drifts)
-        waves, curve = _whole_waves(s, built + fitted + solution.left[k])
+        waves, curve = _whole_waves(s, built + fitted + solution.left[k], graded=graded)
         for wave in waves:
             found.setdefault(wave.frequency, {})[k] = wave
         rest = s.data.residual - built - listed
@@ -129,9 +133,9 @@ def _rows(s: State, frequencies: list[float]) -> FloatArray:
     return cosine_and_sine(s.data.u, np.array(frequencies))
 
 
-def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]:
+def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_Wave], FloatArray]:
     """The orders of the shafts that the fit holds, and those that hold most of what it gives to teeth, as ``values``
-    (n,) have them, and their curve (n,) in mm."""
+    (n,) have them, and their curve (n,) in mm; ``graded``: nobody inspected either gear."""
     orders = s.search.orders
     # Of every mesh alike no single tooth holds anything: such orders stand out by themselves, or belong to laws.
     open_ = s.search.searched & (orders.place % orders.period != 0)
@@ -140,6 +144,8 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
         int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known and not peak.few
     ]
     fitted = len(taken)
+    # What inspected teeth may still have is no news, and of few turns the slow course has a part in every order.
+    open_teeth = graded and float(np.ptp(s.data.u)) >= TURNS * max(s.search.z_1, s.search.z_2)
     mean = float(np.mean(values))
     rest: FloatArray = values - mean
     heights: FloatArray = np.zeros(0)
@@ -158,7 +164,7 @@ def _whole_waves(s: State, values: FloatArray) -> tuple[list[_Wave], FloatArray]
         held = 2.0 * power[best] / values.size**2 >= LEAST * np.var(s.data.residual)
         # Power over that of noise, whose lines have n times its density.
         level = float(np.interp(orders.frequency[best], s.noise.frequency, s.noise.density))
-        clear = 2.0 * power[best] >= CLEARLY**2 * level * values.size
+        clear = open_teeth and 2.0 * power[best] >= CLEARLY**2 * level * values.size
         if not held and not (clear and len(taken) - fitted < HELD):
             break
         taken.append(best)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.compare.entries import Curve
 from gearpoly.diagnose.contest import Key, Refitted
-from gearpoly.diagnose.in_stead import give_way, number_of, unknown_in_stead
+from gearpoly.diagnose.in_stead import give_way, mesh_gives_way, mesh_in_stead, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
@@ -36,6 +36,7 @@ def earned(
     # With its teeth elsewhere a claim is not to be tried here.
     taken: set[Key] = {one.claim.key for each in refitted.values() for one in each if one.elsewhere}
     doubts: dict[tuple[int, int], float] = {}
+    asked: list[set[Key]] = []
     fitted: dict[Key, tuple[Refitted, ...]] = {}
     plain: dict[Key, Judged] = {}
     while True:
@@ -86,6 +87,16 @@ def earned(
                 give_way(search, mine)
                 plain.clear()
             continue
+        of_all = [claim for claim in named if claim.physics.mean_tooth and claim.place.gear is not None]
+        if len(of_all) > 1 and {one.key for one in of_all} not in asked:
+            search.step("fitting a curve of no cause at every mesh in the stead of all its names")
+            asked.append({one.key for one in of_all})
+            doubt = mesh_in_stead(search, of_all)
+            if doubt > 1.0 - CERTAIN:
+                gone += [_unearned(search, claim, _doubted(claim, judged[claim.key], doubt)) for claim in of_all]
+                mesh_gives_way(search, of_all)
+                plain.clear()
+                continue
         least = max(
             (claim for claim in named if not judged[claim.key].posterior.named or _contradicted(search, judged, claim)),
             key=lambda claim: judged[claim.key].posterior.unknown + judged[claim.key].posterior.nothing,

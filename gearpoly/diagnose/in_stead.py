@@ -1,6 +1,8 @@
-"""Claims about one tooth against a curve of its flank, each fitted to its end.
+"""Claims about one tooth against a curve of its flank, and several about all teeth against a curve of every mesh, each
+fitted to its end.
 
-Where teeth lose touch over a deviation, no column tells what else would do the same.
+Where teeth lose touch over a deviation, no column tells what else would do the same; and of two reliefs each looks
+needed beside the other, where both together make one wave that another part of the drive has made.
 """
 
 from __future__ import annotations
@@ -13,12 +15,14 @@ import numpy as np
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.trial import amplitude_std, shape_std
+from gearpoly.diagnose.unnamed import leave
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.free_form import FREE_FORM, curve_covariance, free_forms
-from gearpoly.infer.prior import ONE_TOOTH, SCALE_WEIGHTS, SCALES
+from gearpoly.infer.prior import ONE_TOOTH, SCALE_WEIGHTS, SCALES, unknown_share
+from gearpoly.infer.unknown import mesh_curves, mesh_std
 from gearpoly.physics.base import Claim
-from gearpoly.units import FloatArray
+from gearpoly.units import UM, FloatArray
 
 
 def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
@@ -39,6 +43,40 @@ def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
         search.restore(begun)
     odds = unknown - named + math.log(ONE_TOOTH / (1.0 - ONE_TOOTH))
     return 1.0 / (1.0 + math.exp(-max(min(odds, 700.0), -700.0)))
+
+
+def mesh_in_stead(search: Search, claims: Sequence[Claim]) -> float:
+    """Probability that a curve of no cause at every mesh, one for each condition, and none of these ``claims`` about
+    all teeth, is what is seen. 0 where gears cannot run without them. The search comes back as it was."""
+    begun, noises = search.kept(), search.noises
+    dispersion = max(1.0, search.linear.system.whiteness)
+    named = _log_evidence(search, search.linear, claims, dispersion)
+    share = unknown_share(claims[0], search.model.scope)
+    try:
+        many = mesh_gives_way(search, claims)
+        linear = search.linear.under(noises)
+        first = linear.layout.foreign.start
+        at = slice(first, first + many)
+        told = dispersion * linear.system.covariance[at, at]
+        each = np.tile(mesh_std(), many // mesh_std().size) * max(one.physics.ordinary[0] for one in claims) * UM
+        values = linear.system.solution[at]
+        unknown = -0.5 * linear.system.misfit / dispersion + _of_values(values, told, np.diag(each**2), many)
+    except GearpolyError:
+        return 0.0
+    finally:
+        search.restore(begun)
+    odds = unknown - named + math.log(share / (1.0 - share))
+    return 1.0 / (1.0 + math.exp(-max(min(odds, 700.0), -700.0)))
+
+
+def mesh_gives_way(search: Search, claims: Sequence[Claim]) -> int:
+    """Let a curve of no cause at every mesh take the place of all ``claims``, and fit everything again; the number of
+    its columns, which are the first that no pair makes. Raises ``GearpolyError`` where gears cannot run so."""
+    curve = mesh_curves(search.scenes)[-1].columns
+    search.join([], instead=[number_of(search, one) for one in claims])
+    leave(search, curve)
+    search.settle()
+    return int(curve[0].shape[1])
 
 
 def give_way(search: Search, claims: Sequence[Claim]) -> None:

@@ -10,7 +10,14 @@ import numpy as np
 
 from gearpoly.compare.lines import SNAP
 from gearpoly.compare.noise import mean_innovation
-from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, BESIDE_MESH, FAINT, MEAN_TOOTH_BY_LAWS, OTHERS_BY_LAWS
+from gearpoly.diagnose.fidelity import (
+    BESIDE_ANOTHER,
+    BESIDE_MESH,
+    FAINT,
+    MEAN_TOOTH_BY_LAWS,
+    OF_DEVIATIONS,
+    OTHERS_BY_LAWS,
+)
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
@@ -191,8 +198,8 @@ class Weigh(Softness):
                 part = OTHERS_BY_LAWS * self.magnified(place.order, place.gear_name)
         # What is left of a tooth that follows the law is no more than that of all.
         floor = max(part * self.deflection, min(more, BESIDE_ANOTHER * self.deflection))
-        if place.tooth is not None and self.size(one) <= OTHERS_BY_LAWS * self.deflection:
-            floor = max(floor, OTHERS_BY_LAWS * self.bent_where(one))
+        if place.tooth is not None and self.deflection > 0.0:
+            floor = max(floor, OTHERS_BY_LAWS * self.bent_where(one) + OF_DEVIATIONS * self.built_where(one))
         return floor * self.reached(one) if self.size(one) <= floor else floor
 
     def magnified(self, order: float, gear: str | None, recordings: Sequence[int] = ()) -> float:
@@ -269,6 +276,18 @@ class Weigh(Softness):
             bent**2 * participation(effect) * effect.size
             for bent, effect in zip(self.deflections, effects, strict=True)
         )
+        return math.sqrt(squares / self.linear.system.samples)
+
+    def built_where(self, one: Candidate) -> float:
+        """Rms in mm over all samples of what teeth as built do in loaded recordings, counted where an effect shows."""
+        effects = self.model.change(self.scenes, one.claim, one.claim.values)
+        at, squares = self.linear.layout.built, 0.0
+        for scene, columns, effect in zip(self.scenes, self.linear.columns, effects, strict=True):
+            square = float(effect @ effect)
+            if scene.bends and square > 0.0:
+                built = columns[:, at] @ self.linear.system.solution[at]
+                there = float(np.sum(effect**2 * (built - np.mean(built)) ** 2)) / square
+                squares += there * participation(effect) * effect.size
         return math.sqrt(squares / self.linear.system.samples)
 
     def moves(self, one: Candidate) -> bool:

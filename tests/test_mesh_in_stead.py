@@ -1,0 +1,53 @@
+"""Several physics of all teeth against one curve of no cause at every mesh."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.in_stead import mesh_in_stead
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
+from gearpoly.diagnose.search import Search
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.units import UM
+from tests.physics_cases import Condition, recorded, rough, scope_of
+
+RELIEF, LENGTH = 15.0, 0.9
+
+
+def relieved(gear: int) -> Claim:
+    physics = catalogue()["tip_relief"]
+    place = next(one for one in physics.places(scope_of(rough((12, 16)))) if one.gear == gear)
+    return Claim(physics=physics, place=place, values=(RELIEF, LENGTH))
+
+
+@pytest.mark.parametrize("hidden", ["reliefs", "line"])
+def test_two_reliefs_have_a_name_only_where_they_are_more_than_one_wave(hidden: str, tmp_path: Path) -> None:
+    """15 um off the tips of both gears, or 1.3 um at mesh order 2 that another wheel on the shaft has made. Either is
+    fitted with two reliefs, each needed beside the other."""
+    known, rng = rough((12, 16), bends=False), np.random.default_rng(4)
+    true = known
+    if hidden == "reliefs":
+        for one in (relieved(0), relieved(1)):
+            true = one.written(true)
+    (one,) = recorded(true, (Condition(torque_nm=0.0),), rng, cycles=4.0, per_mesh=16)
+    assert one.driven_angle_rad is not None and one.driving_angle_rad is not None
+    if hidden == "line":
+        wave = 1.3 * UM / scope_of(known).gears[1].r_b * np.cos(2 * 12 * one.driving_angle_rad)
+        one = replace(one, driven_angle_rad=one.driven_angle_rad + wave)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [one], path=path), path=path)
+    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search.join([relieved(0), relieved(1)])
+    search.settle()
+    before, misfit = [claim.values for claim in search.model.claims], search.linear.system.misfit
+    unknown = mesh_in_stead(search, search.model.claims)
+    assert unknown < 0.01 if hidden == "reliefs" else unknown > 0.99
+    assert [claim.values for claim in search.model.claims] == before
+    assert search.linear.system.misfit == misfit
