@@ -313,7 +313,17 @@ def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows() -> None
     weigh.model.change = lambda *given, **more: [effect, effect]
     pit = Candidate(claim=claim_of("tooth_spall", Place(gear=0, tooth=3)), gain=1e-3, freedoms=1)
     weigh.deflections = (0.0, 10.0 * UM)
-    assert weigh.law_floor(pit) == pytest.approx(0.006 * 10.0 * UM * math.sqrt(0.5 * 0.04))
+    laws = 0.006 * 10.0 * UM * math.sqrt(0.5 * 0.04)
+    # Teeth as built stand 8 um out there and as much back elsewhere, in the recording that bends: three in a hundred.
+    there = np.where(effect > 0.0, 8.0, -8.0)[:, None]
+    built = there - np.mean(there)
+    weigh.scenes = [SimpleNamespace(bends=False), SimpleNamespace(bends=True)]
+    system = SimpleNamespace(solution=np.array([UM]), samples=N)
+    weigh.linear = SimpleNamespace(layout=SimpleNamespace(built=slice(0, 1)), columns=[there, there], system=system)
+    own = 0.03 * float(built[0, 0]) * UM * math.sqrt(0.5 * 0.04)
+    assert weigh.law_floor(pit) == pytest.approx(laws + own)
+    weigh.scenes = [SimpleNamespace(bends=False)] * 2
+    assert weigh.law_floor(pit) == pytest.approx(laws)
     weigh.deflections = (0.0, 0.0)
     assert weigh.law_floor(pit) == 0.0
 
