@@ -32,7 +32,8 @@ these stand out: who looks at the spectrum sees them. Of another stage's wave of
 beside a runout of 5.7 um, nothing was told. Judgements."""
 
 TURNS = 2.0
-"""Turns of the slower shaft from which on these are listed."""
+"""Turns of the slower shaft from which on these are listed: of 1.5 turns of a worm that showed nothing an order was.
+A judgement."""
 
 DIFFERS = 3.0
 """Standard errors by which the size of an order in the whole mismatch has to differ from that beside the teeth."""

@@ -7,10 +7,10 @@ needed beside the other, where both together make one wave that another part of 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import expit, logit
 
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
@@ -41,8 +41,7 @@ def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
         return 0.0
     finally:
         search.restore(begun)
-    odds = unknown - named + math.log(ONE_TOOTH / (1.0 - ONE_TOOTH))
-    return 1.0 / (1.0 + math.exp(-max(min(odds, 700.0), -700.0)))
+    return _chance(unknown - named, ONE_TOOTH)
 
 
 def mesh_in_stead(search: Search, claims: Sequence[Claim]) -> float:
@@ -65,8 +64,12 @@ def mesh_in_stead(search: Search, claims: Sequence[Claim]) -> float:
         return 0.0
     finally:
         search.restore(begun)
-    odds = unknown - named + math.log(share / (1.0 - share))
-    return 1.0 / (1.0 + math.exp(-max(min(odds, 700.0), -700.0)))
+    return _chance(unknown - named, share)
+
+
+def _chance(log_bayes_factor: float, share: float) -> float:
+    """Probability of an unknown cause that is so much likelier than the names, of which beforehand it is this share."""
+    return float(expit(log_bayes_factor + logit(share)))
 
 
 def mesh_gives_way(search: Search, claims: Sequence[Claim]) -> int:
