@@ -70,9 +70,15 @@ def earned(
             taken |= {stands.key, claim.key}
             begun = search.kept()
             if _take(search, stands, [claim]):
+                gained = search.gained(begun)
+                if gained < 0.0:
+                    # Fitted to its end it is none the better: about the one that stands no straight line said so.
+                    fitted[stands.key] = (*fitted.get(stands.key, ()), Refitted(claim=claim, behind=-gained))
+                    search.restore(begun)
+                    del plain[stands.key]
+                    continue
                 # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
-                replaced = Refitted(claim=stands, behind=search.gained(begun))
-                fitted[claim.key] = (*fitted.get(claim.key, ()), replaced)
+                fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=gained))
                 # What was believed beside the one may have no place beside the other.
                 search.withdraw()
                 plain.clear()

@@ -106,7 +106,9 @@ def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], dispe
         k = number_of(search, claim)
         at = linear.layout.claims[k]
         a = claim.physics.amplitudes
-        values = np.array([*claim.values[:a], *(0.0,) * (len(claim.values) - a)])
+        # Where gears could not go all the way, the misfit is that of the straight line's end: so are its values.
+        values = np.array(linear.system.solution[at])
+        values[a:] = 0.0
         told = dispersion * linear.system.covariance[at, at]
         total += _of_values(values, told, _prior(search, claim), a)
     return total

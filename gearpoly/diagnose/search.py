@@ -14,7 +14,7 @@ from gearpoly.diagnose.multi_start import multi_start
 from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.unnamed import is_weighed, leave_more, left_unnamed, likeliest, weigh_at
+from gearpoly.diagnose.unnamed import is_weighed, leave_more, leave_waves, left_unnamed, likeliest, weigh_at
 from gearpoly.diagnose.weigh import MOSTLY
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
@@ -165,9 +165,12 @@ class Search(Exchange):
                 self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
             ones = self.likely(found, refused)
             best = next((one for one in ones if self.matters(one) and (is_weighed(one.claim) or self.pays(one))), None)
-            if best is None:
-                break
             before = self.kept()
+            if best is None:
+                if leave_waves(self, found[:SHORTLIST]) and not self._unsettled(before):
+                    looked = False
+                    continue
+                break
             weighed = weigh_at(self, best)
             if weighed is not None and left_unnamed(self, best.claim, weighed):
                 leave_more(self, found[:SHORTLIST], besides=best.claim)

@@ -16,6 +16,7 @@ from gearpoly.diagnose.weigh import Weigh
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
 from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import kind_of, order_of, same_place
+from gearpoly.infer.unknown import waves
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
@@ -99,6 +100,29 @@ def leave_more(fit: Weigh, found: Sequence[Candidate], *, besides: Claim) -> Non
         weighed = weigh_at(fit, one)
         if weighed is not None:
             left_unnamed(fit, one.claim, weighed)
+
+
+def leave_waves(fit: Weigh, found: Sequence[Candidate]) -> bool:
+    """Leave the waves of one look without a name that may as well be of those that no gear pair makes, and lie at an
+    order of a shaft by chance; whether there are any. Left out of the fit, they would speak against what is claimed:
+    one of 0.9 um, two orders below the mesh's, against 24 um of a cumulative pitch, which has a side band there."""
+    seen: set[float] = set()
+    for one in found:
+        order, gear = order_of(one.claim), one.claim.place.gear
+        if len(fit.model.unnamed) >= UNNAMED or len(seen) == AT_ONCE or fit.over:
+            break
+        if order is None or gear is None or kind_of(one.claim) != "wave":
+            continue
+        per_mesh = order / fit.model.scope.gears[gear].z
+        if per_mesh in seen or not (fit.clear(one) and fit.by_coincidence(one)):
+            continue
+        seen.add(per_mesh)
+        alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
+        rms = fit.size(one)
+        fit.model.unnamed = (*fit.model.unnamed, Unearned(claim=one.claim, rms=rms, posterior=alone, seen=True))
+        by_reading = waves(fit.scenes, gear, (order,))
+        leave(fit, by_reading[len(by_reading) // 2 - 1].columns)  # for each recording, if there are several
+    return bool(seen)
 
 
 def _teeth(fit: Fit) -> int:

@@ -86,10 +86,14 @@ class Weigh(Softness):
 
     def beyond_chance(self, one: Candidate) -> bool:
         """The same of a candidate that may stand for something sudden."""
+        return self.clear(one) and not self.by_coincidence(one)
+
+    def clear(self, one: Candidate) -> bool:
+        """The same of a wave that may be any of many."""
         physics, place = one.claim.physics, one.claim.place
         if not physics.sensible(self.model.scope, place, one.claim.values):
             return False
-        if self.graded(one) or self.by_coincidence(one):
+        if self.graded(one):
             return False
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -71,7 +72,11 @@ def located(verdict: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
 
 
 def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> bool:
-    """Whether an entry of what the verdict leaves unexplained is where something from outside the catalogue is."""
+    """Whether an entry of what the verdict leaves unexplained is where something from outside the catalogue is.
+
+    An order is where it is within half a line of the recording's spectrum. Of a wave that a recording holds less of
+    than one, nobody can tell the order: that something is slow there is all.
+    """
     if item.shape == "jump" or (item.order is None and item.hz is None):
         return True
     if item.hz is not None:
@@ -80,12 +85,25 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
         return any(abs(one - hz) < limits.hz for one in told for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
+    line = _line(item, truth)
+    if item.order < line and entry["kind"] == "time" and entry.get("hz", math.inf) == 0.0:
+        return True
+    within = max(limits.order, 0.5 * line)
     for gear, order in _orders(entry, truth):
         if gear == (item.gear or "driving"):
             places = [*(k * item.order for k in range(1, most + 1)), *item.aliases]
-            if any(abs(order - place) < limits.order for place in places):
+            if any(abs(order - place) < within for place in places):
                 return True
     return False
+
+
+def _line(item: Item, truth: Truth) -> float:
+    """A line of the longest recording's spectrum, in orders of the shaft that the item counts by: one over its turns;
+    0 where the truth does not say how long it is."""
+    if not truth.hunting_cycles:
+        return 0.0
+    own = truth.z[1] if item.gear == "driven" else truth.z[0]
+    return own / (truth.hunting_cycles * math.lcm(*truth.z))
 
 
 TIME = ("time", "tone")

@@ -98,7 +98,8 @@ def finish(seed: int, entry: Entry, setting: Setting, rng: np.random.Generator) 
     waves = []
     for wave, over in zip(made.background, made.background_over, strict=True):
         alone = setting.limit(base, replace(made, background=()), paths)
-        waves.append((sized(base, alone, wave, over), over))
+        wave = sized(base, alone, wave, over)
+        waves.append((wave, alone.over(apply(base, wave))))  # less than asked for where the largest size cuts it
     known_to_be_so = limit is not None and setting.kind != "wrong_file"  # there nothing is to be named, whatever is in
     items = [_item(base, limit, effect, made, setting) for effect in effects] if known_to_be_so else []
     beside = [truth(rig, wave, made.chain, made.conditions) | {"over_limit": round(over, 3)} for wave, over in waves]
