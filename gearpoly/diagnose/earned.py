@@ -59,7 +59,7 @@ def earned(
                 plain[claim.key] = judge(
                     search.model, search.scenes, search.linear, k,
                     refitted=(*refitted.get(claim.key, ()), *fitted.get(claim.key, ())), places=places,
-                    without=search.rise_without(k),
+                    without=search.rise_without(k), gone={one.claim.key for one in gone},
                 )  # fmt: skip
         judged: dict[Key, Judged] = {
             claim.key: _doubted(claim, plain[claim.key], doubts.get(_tooth(claim))) for claim in named

@@ -17,6 +17,7 @@ from gearpoly.diagnose.prepare import form_of, graded_prior
 from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import changed, gear_section
+from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
 BASE = 5
@@ -180,6 +181,18 @@ def beyond_scale(gain: float, *, spread: float, freedom: float) -> float:
     wide, for more.
     """
     return freedom * math.log1p(gain / spread)
+
+
+def gain_beside_any(linear: Linear, model: Model, gear: int, claim: Claim) -> float:
+    """What a ``claim`` gains in misfit beside teeth of its gear that may deviate as those of the coarsest do."""
+    k = next(k for k, one in enumerate(model.claims) if one.key == claim.key)
+    gears = [wider(one, COARSEST) if j == gear else one for j, one in enumerate(model.as_built.gears)]
+    precision = linear.system.precision.copy()
+    at = linear.layout.built
+    precision[at, at] = make_as_built((gears[0], gears[1]), model.as_built.flanks).precision
+    coarse = replace(linear.system, precision=precision)
+    bare = coarse.without(linear.layout.places(k) + linear.layout.form_places(model, k))
+    return bare.misfit - bare.with_columns(linear.white_of(k)).misfit
 
 
 def spread_of(linear: Linear, model: Model, gear: int) -> tuple[float, float]:
