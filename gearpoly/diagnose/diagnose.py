@@ -23,6 +23,7 @@ from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
+from gearpoly.diagnose.ghosts import leave_to_ghosts
 from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
@@ -115,6 +116,7 @@ def diagnose(
         refitted = contest(search, start.likely)
     search.step("holding the names against unseen data")
     unseen = checked(search, begun, start_linear, comparison, stopped=stopped)
+    leave_to_ghosts(search, comparison)
     shapes = forms(search)
     judged, unearned = earned(search, refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))

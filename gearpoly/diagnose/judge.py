@@ -218,9 +218,7 @@ def _standing(
     )
 
 
-def _look_alikes(
-    trial: Trial, bare: Linear, claim: Claim, gain: float, gone: Collection[Key]
-) -> Iterator[Candidate]:
+def _look_alikes(trial: Trial, bare: Linear, claim: Claim, gain: float, gone: Collection[Key]) -> Iterator[Candidate]:
     """Claims that may stand in another's place as far as their coarse shapes tell, at the shapes that gain most."""
     others, scenes = trial.others, trial.scenes
     candidates, _ = scan(others, scenes, bare, only=_possible(others, claim))

@@ -1,0 +1,73 @@
+"""Claims that would explain a small part of a wave at a ghost order: teeth as built took the rest, and none has a name.
+
+No pitch of the teeth makes a ghost order, so what was located there is of one cause. Where teeth as built bend a little
+to follow it, what they leave looks like a wave of the flanks with an image there, and far smaller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.in_stead import number_of
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unearned import Unearned
+from gearpoly.diagnose.unnamed import leave
+from gearpoly.errors import GearpolyError
+from gearpoly.infer.posterior import Posterior
+from gearpoly.infer.prior import kind_of, order_of
+from gearpoly.infer.unknown import IMAGES, waves
+from gearpoly.physics.base import Claim
+from gearpoly.units import UM, FloatArray
+
+PART = 0.5
+"""Part of the amplitude at a ghost order that a claim has to make there, to be what is there. Lines of an encoder,
+0.29 um as they were sampled, had left 0.03 um of an undulation, which was named. A judgement."""
+
+
+def leave_to_ghosts(search: Search, comparison: Comparison) -> None:
+    """Give up claims of waves that make but a part of what was located at a ghost order: a wave of no cause stands at
+    that order from then on."""
+    for claim in [one for one in search.model.claims if kind_of(one) == "wave" and order_of(one) is not None]:
+        entry = next(_remnant_of(search, claim, comparison.located.entries), None)
+        if entry is None or search.over:
+            continue
+        begun = search.kept()
+        rms = search.model.rms_of(search.scenes, claim)
+        place = Unearned(claim=claim, rms=rms, posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), seen=True)
+        gear = 0 if entry.gear == "driving" else 1
+        try:
+            search.join([], instead=[number_of(search, claim)])
+            leave(search, waves(search.scenes, gear, (entry.order or 0.0,))[0].columns)
+            search.model.unnamed = (*search.model.unnamed, place)
+            search.settle()
+        except GearpolyError:
+            search.restore(begun)
+
+
+def _remnant_of(search: Search, claim: Claim, entries: Sequence[Entry]) -> Iterator[Entry]:
+    """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than ``PART``."""
+    z, own = [one.z for one in search.model.scope.gears], claim.place.gear or 0
+    effect = search.model.change(search.scenes, claim, claim.values, but=claim)
+    per_mesh = (order_of(claim) or 0) / z[own]
+    for entry in entries:
+        if not (entry.label or "").startswith("ghost order") or entry.companion_of or entry.parts:
+            continue
+        at = (entry.order or 0.0) / z[0 if entry.gear == "driving" else 1]
+        if not any(math.isclose(abs(per_mesh + j), at, rel_tol=1e-9) for j in range(-IMAGES, IMAGES + 1)):
+            continue
+        made = max(
+            _amplitude(one, at * scene.samples.theta_2 * z[1]) for scene, one in zip(search.scenes, effect, strict=True)
+        )
+        if made < PART * (entry.amplitude_um or 0.0) * UM:
+            yield entry
+
+
+def _amplitude(effect: FloatArray, angle: FloatArray) -> float:
+    """Amplitude in mm of a wave (n,) over an ``angle`` (n,) in rad in an ``effect`` (n,)."""
+    columns = np.column_stack((np.cos(angle), np.sin(angle), np.ones_like(angle)))
+    return float(np.hypot(*np.linalg.lstsq(columns, effect, rcond=None)[0][:2]))
