@@ -24,6 +24,7 @@ from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
+from gearpoly.keys.also_turns import parts_of
 from gearpoly.physics.base import Claim
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
@@ -96,7 +97,8 @@ def before_claims(
     file: PairFile, comparison: Comparison, *, path: Path, method: Method, budget: Budget
 ) -> tuple[Model, list[FloatArray]]:
     """The working state before any physics is claimed, and the columns of what no pair makes."""
-    entries = foreign_entries(comparison)
+    z_1, z_2 = (gear.z for gear in comparison.gears)
+    entries = foreign_entries(comparison, parts_of(file.also_turns, z_1=z_1, z_2=z_2))
     drawn = method.for_noise(comparison.located.noises)
     model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
     model.observed = beside_jumps(model.observed, jumps(comparison))

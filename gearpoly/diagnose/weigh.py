@@ -19,6 +19,8 @@ from gearpoly.diagnose.fidelity import (
     OTHERS_BY_LAWS,
 )
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
+from gearpoly.diagnose.late import by_clock
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
 from gearpoly.diagnose.system import System
@@ -73,6 +75,7 @@ class Weigh(Softness):
     """The fit with the scales on which candidates are weighed; ``looked`` says at how many places."""
 
     looked: Looked = field(default_factory=Looked)
+    late: tuple[Linear, float] | None = None
     formed: float = 0.0
     """Gain of the best form of all teeth that a grade leaves open."""
 
@@ -98,7 +101,8 @@ class Weigh(Softness):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        return self.size(one) > max(self.law_floor(one), self.reading_floor(one), self.least(one))
+        size = self.size(one)
+        return size > max(self.law_floor(one), self.reading_floor(one), self.least(one)) and size > self.clock_floor()
 
     def sudden(self, one: Candidate) -> bool:
         """Whether what a slow candidate explains may as well have happened at once."""
@@ -244,6 +248,14 @@ class Weigh(Softness):
             in_step = math.hypot(float(np.mean(np.cos(angle))), float(np.mean(np.sin(angle))))
             worst = max(worst, in_step * order * noise.level**2 / scene.gear(gear).r_b)
         return IN_STEP * worst
+
+    def clock_floor(self) -> float:
+        """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time."""
+        if not any(self.model.scope.from_time):
+            return 0.0
+        if self.late is None or self.late[0] is not self.linear:
+            self.late = self.linear, by_clock(self.scenes, self.linear)
+        return self.late[1]
 
     def beside(self, one: Candidate) -> tuple[list[FloatArray], System]:
         """Whitened columns (n_k, a) per unit of each amplitude of a candidate or claim, and all that is believed

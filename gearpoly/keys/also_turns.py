@@ -36,6 +36,10 @@ class Part:
     turns: float
     teeth: int | None = None
 
+    def meshes(self) -> Iterable[float]:
+        """The orders per turn of the driven gear of its mesh."""
+        return () if self.teeth is None else (k * self.teeth * self.turns for k in range(1, MESH_ORDERS + 1))
+
     def line(self, order: float, within: float) -> str | None:
         """Which of its lines lies at ``order`` per turn of the driven gear, to ``within``, in words; ``None`` where
         none does."""

@@ -1,0 +1,28 @@
+"""What a clock that is off does to a simulated curve: teeth take over earlier or later than an angle made of time says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from gearpoly.compare.clock import RATE_STD
+from gearpoly.compare.noise import mean_innovation
+from gearpoly.diagnose.linear import Linear
+from gearpoly.scene import Scene
+
+
+def by_clock(scenes: Sequence[Scene], linear: Linear) -> float:
+    """Rms in mm, over what noise leaves of it, by which the curve of the teeth as they are fitted now is off where the
+    angle's rate is off by one standard deviation, from the middle of each recording on.
+
+    Of pitch steps of 10 um, a rate that was off by 0.8 in a thousand over 74 meshes made 9 um of a tip relief.
+    """
+    at, off = linear.layout.built, []
+    for scene, columns, noise in zip(scenes, linear.columns, linear.noises, strict=True):
+        angle = scene.samples.theta_2
+        curve = scene.mesh_te + columns[:, at] @ linear.system.solution[at]
+        late = RATE_STD * (angle - np.mean(angle)) * np.gradient(curve, angle)
+        off.append(noise.whitened(late))
+    return mean_innovation(linear.noises) * math.sqrt(float(np.mean(np.concatenate(off) ** 2)))
