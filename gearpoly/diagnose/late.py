@@ -1,4 +1,4 @@
-"""What a clock that is off does to a simulated curve: teeth take over earlier or later than an angle made of time says."""
+"""What a clock that is off does to a simulated curve: teeth take over earlier or later than its angle says."""
 
 from __future__ import annotations
 
