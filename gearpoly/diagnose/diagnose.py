@@ -40,7 +40,7 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed, well_placed
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.remounted import remounted
+from gearpoly.diagnose.remounted import give_up_beside, remounted
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
 from gearpoly.diagnose.separate import would_separate
@@ -117,6 +117,7 @@ def diagnose(
     search.step("holding the names against unseen data")
     unseen = checked(search, begun, start_linear, comparison, stopped=stopped)
     leave_to_ghosts(search, comparison)
+    apart = () if len(recordings) < 2 else give_up_beside(search, unexplained(search, comparison))
     shapes = forms(search)
     judged, unearned = earned(search, refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
@@ -179,6 +180,7 @@ def diagnose(
             *_untouched(findings),
             *start.misread,
             *(() if anew is None else (anew.says,)),
+            *apart,
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
             *_remarks(search, file, built, comparison),
