@@ -337,7 +337,7 @@ def test_of_a_pair_that_nothing_places_other_forms_are_tried_in_any_place(
 
     def found(model: Any, foreign: Any, starts: list[list[Claim]]) -> list[float]:
         asked.extend([(one.physics.name, one.place.gear_name) for one in start] for start in starts)
-        return [100.0, *(86.0 for _ in starts[1:])]
+        return [(100.0, 0.0), *((86.0, 0.1) for _ in starts[1:])]
 
     monkeypatch.setattr("gearpoly.diagnose.contest.anywhere", found)
     claims = [
@@ -357,7 +357,7 @@ def test_of_a_pair_that_nothing_places_other_forms_are_tried_in_any_place(
         return
     told = [(one.claim.physics.name, one.claim.place.gear_name) for one in others]
     assert told == [("wear", "driving"), ("profile_slope", "driving"), ("profile_slope", "driven")]
-    assert all(one.elsewhere and one.behind == -14.0 for one in others)
+    assert all(one.elsewhere and (one.behind, one.way) == (-14.0, 0.1) for one in others)
     assert [one[0] for one in asked] == [("wear", "driven"), *told]
     assert {tuple(one[1:]) for one in asked} == {(("friction", None), ("tooth_pitch", "driven"))}
 
@@ -369,7 +369,10 @@ def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, made, path=path), path=path)
     foreign = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    here = anywhere(model, foreign, [[]])
-    model.moved(3.0 * model.scope.gears[1].tau / PHASES)
-    assert anywhere(model, foreign, [[]]) == pytest.approx(here, rel=0.01)
-    assert here[0] == pytest.approx(sum(one.samples.size for one in model.observed), rel=0.1)
+    ((here, way),) = anywhere(model, foreign, [[]])
+    step = model.scope.gears[1].tau / PHASES
+    model.moved(3.0 * step)
+    ((again, back),) = anywhere(model, foreign, [[]])
+    assert again == pytest.approx(here, rel=0.01)
+    assert (way - back) / step == pytest.approx(3.0)
+    assert here == pytest.approx(sum(one.samples.size for one in model.observed), rel=0.1)

@@ -30,14 +30,21 @@ RESTS = 4
 """Times that a fit is taken up again, at most, until that gains nothing more."""
 
 
+NEAR = 100.0
+"""Misfit by which another form may be behind after a rough fit to a part of the samples, scaled to all, to be fitted to
+all: a relief that was 54 ahead so came out 1 behind.
+"""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Refitted:
     """A ``claim`` as it came out in another's stead, and by how much it fits worse, in misfit and freedoms' cost;
-    ``elsewhere``: with the teeth at another place of their pitch."""
+    ``elsewhere``: with the teeth at another place of their pitch, ``way`` in rad of driven rotation further on."""
 
     claim: Claim
     behind: float
     elsewhere: bool = False
+    way: float = 0.0
 
 
 def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[Refitted, ...]]:
@@ -53,8 +60,12 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
     """
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
-        anywhere_else = _elsewhere(search, k)
+        tried = _elsewhere(search, k)
+        # What does best where the teeth stand already is fitted to all samples, as others are.
+        anywhere_else = tuple(one for one in tried if one.way)
         likenesses = [] if search.over else [one.claim for one in _likenesses(search, k)]
+        named = {one.key for one in likenesses}
+        likenesses += [one.claim for one in tried if not one.way and one.behind < NEAR and one.claim.key not in named]
         if likely is not None and not search.over and _stands_for(likely, search, k):
             likenesses = [likely, *(one for one in likenesses if one.key != likely.key)]
         if not likenesses:
@@ -109,12 +120,12 @@ def _elsewhere(search: Search, k: int) -> tuple[Refitted, ...]:
                 others.setdefault((physics.name, place.gear), one)
     search.step(f"placing the teeth with others than {claim.physics.name.replace('_', ' ')}")
     starts = [[*model.claims[:k], one, *model.claims[k + 1 :]] for one in (claim, *others.values())]
-    here, *there = anywhere(model, search.foreign, starts)
+    (here, _), *there = anywhere(model, search.foreign, starts)
     if not math.isfinite(here):
         return ()
     return tuple(
-        Refitted(claim=one, behind=misfit - here, elsewhere=True)
-        for one, misfit in zip(others.values(), there, strict=True)
+        Refitted(claim=one, behind=misfit - here, elsewhere=True, way=way)
+        for one, (misfit, way) in zip(others.values(), there, strict=True)
         if math.isfinite(misfit)
     )
 

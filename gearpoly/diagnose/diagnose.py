@@ -15,9 +15,8 @@ from gearpoly.diagnose.as_recorded import as_recorded
 from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
-from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
-from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth, take_back
-from gearpoly.diagnose.contest import Key, contest
+from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth
+from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
@@ -27,7 +26,6 @@ from gearpoly.diagnose.ghosts import leave_to_ghosts
 from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
-from gearpoly.diagnose.kept import without_columns
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
     not_excluded,
@@ -38,17 +36,16 @@ from gearpoly.diagnose.leftovers import (
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import placed, well_placed
-from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.remounted import give_up_beside, remounted
+from gearpoly.diagnose.placing import placed
+from gearpoly.diagnose.remounted import give_up_beside
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
+from gearpoly.diagnose.searched import searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import checked
-from gearpoly.diagnose.unstated import as_fitted
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.infer.posterior import TOLD
@@ -93,33 +90,14 @@ def diagnose(
     preparing = watch.stage("prepare")
     placed(model, waves, preparing)
     model = with_forms(model, waves, preparing)
-    search, assumed = well_placed(model, lambda: from_declared(Search, model, waves, preparing)), start.assumed
-    if (coarser := as_fitted(search)) is not None:
-        model, assumed = coarser
-        search = Search.begun(model, waves, preparing)
-    anew = remounted(model, search.linear, deflection=search.deflection)
-    if model.offset:
-        comparison = comparison.moved(model.offset)
-    if model.turned_by:
-        comparison = comparison.turned(model.turned_by)
-    if teeth_are_open(comparison) and not search.over:
-        every = [np.arange(one.samples.size) for one in model.observed]
-        comparison = with_teeth_of(search, comparison, seen_at=every)
-    search.step = watch.stage("search")
-    start_linear = search.linear
-    begun = without_columns(search.kept())
-    looked_at = search.run() if anew is None else []
-    stopped, model.budget = search.over, budget.further
-    search.step = watch.stage("rivals")
-    refitted = contest(search, start.likely)
-    if take_back(search):
-        refitted = contest(search, start.likely)
+    found = searched(model, start, watch)
+    search, comparison, model, stopped = found.search, found.comparison, found.search.model, found.stopped
     search.step("holding the names against unseen data")
-    unseen = checked(search, begun, start_linear, comparison, stopped=stopped)
+    unseen = checked(search, found.begun, found.start, comparison, stopped=stopped)
     leave_to_ghosts(search, comparison)
     apart = () if len(recordings) < 2 else give_up_beside(search, unexplained(search, comparison))
     shapes = forms(search)
-    judged, unearned = earned(search, refitted)
+    judged, unearned = earned(search, found.refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
     search.step("asking how deep")
     named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
@@ -138,14 +116,14 @@ def diagnose(
     findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
     watch.stage("leftovers")("looking for what is left")
     left_over = as_recorded(search, comparison, unexplained(search, comparison))
-    left_over = (*left_over, *slow_or_sudden(search, looked_at))
+    left_over = (*left_over, *slow_or_sudden(search, found.looked_at))
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     left_over = explained(search, comparison, left_over)
     left_over = (*left_over, *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
-    if anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):
+    if found.anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):
         left_over = comparison.located.entries[:FOREMOST]
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
@@ -157,7 +135,7 @@ def diagnose(
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
     built = built_gears(search, file, left=after.unseen / max(expected, 1e-12), unearned=unearned)
-    everything = list(range(start_linear.system.size))
+    everything = list(range(found.start.system.size))
     return Diagnosis(
         comparison=comparison,
         status=status,
@@ -168,7 +146,7 @@ def diagnose(
         noise=noise,
         noise_by_recording=tuple(noise.level for noise in search.noises),
         before=_declared(comparison, model),
-        as_built_only=cross_validated(start_linear, masks, leave=everything[start_linear.layout.foreign]),
+        as_built_only=cross_validated(found.start, masks, leave=everything[found.start.layout.foreign]),
         after=after,
         held_out_by=_held_out_by(search, jumped=any(jumps(comparison))),
         left=tuple(search.linear.left()),
@@ -176,10 +154,10 @@ def diagnose(
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,
-            *assumed,
+            *found.assumed,
             *_untouched(findings),
             *start.misread,
-            *(() if anew is None else (anew.says,)),
+            *(() if found.anew is None else (found.anew.says,)),
             *apart,
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.entries import Curve
-from gearpoly.diagnose.contest import Key, Refitted
+from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.in_stead import give_way, mesh_gives_way, mesh_in_stead, number_of, unknown_in_stead
-from gearpoly.diagnose.judge import Judged, judge
+from gearpoly.diagnose.judge import Judged, freer, judge
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN, leave
@@ -71,7 +71,7 @@ def earned(
             begun = search.kept()
             if _take(search, stands, [claim]):
                 gained = search.gained(begun)
-                if gained < 0.0:
+                if gained < freer(claim, stands, plain[stands.key].gain):
                     # Fitted to its end it is none the better: about the one that stands no straight line said so.
                     fitted[stands.key] = (*fitted.get(stands.key, ()), Refitted(claim=claim, behind=-gained))
                     search.restore(begun)
@@ -110,8 +110,16 @@ def earned(
         )
         if least is None:
             return judged, tuple(gone)
+        posterior = judged[least.key].posterior
+        left = _unearned(search, least, judged[least.key])
+        if least.physics.mean_tooth and posterior.nothing > posterior.unknown and _without(search, least):
+            # Nothing stands in its place, so what the others are is asked anew.
+            gone.append(left)
+            refitted, fitted = contest(search), {}
+            plain.clear()
+            continue
         effect = search.model.change(search.scenes, least, least.values, but=least)
-        gone.append(_unearned(search, least, judged[least.key]))
+        gone.append(left)
         _give_up(search, least, effect)
         plain.clear()
 
@@ -215,6 +223,18 @@ def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:
     begun = search.kept()
     try:
         search.join(claims, instead=[number_of(search, stands)])
+        search.settle()
+    except GearpolyError:
+        search.restore(begun)
+        return False
+    return True
+
+
+def _without(search: Search, claim: Claim) -> bool:
+    """Whether all was fitted again without a ``claim``: gears may not be able to run so."""
+    begun = search.kept()
+    try:
+        search.join([], instead=[number_of(search, claim)])
         search.settle()
     except GearpolyError:
         search.restore(begun)

@@ -150,12 +150,15 @@ def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
 
 
 def _behind(claim: Claim, refit: Refitted, gain: float) -> float:
-    """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative). Each
-    freedom that either has more costs as much as it might have told (Schwarz 1978), of which a refit counts 2: a spall
-    that ends at the tip makes all that a missing tip makes, and has edges, a wall and a depth to make it with."""
-    price = max(2.0, math.log(max(gain, 1.0))) - 2.0
-    more = len(refit.claim.values) - len(claim.values)
-    return refit.behind + more * price
+    """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative)."""
+    return refit.behind + freer(refit.claim, claim, gain)
+
+
+def freer(one: Claim, other: Claim, gain: float) -> float:
+    """What the freedoms cost in misfit that a claim has more than another of this ``gain``. Each costs as much as it
+    might have told (Schwarz 1978), of which a refit counts 2: a spall that ends at the tip makes all that a missing tip
+    makes, and has edges, a wall and a depth to make it with."""
+    return (len(one.values) - len(other.values)) * (max(2.0, math.log(max(gain, 1.0))) - 2.0)
 
 
 def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float) -> list[Explanation]:

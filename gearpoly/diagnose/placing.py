@@ -186,9 +186,10 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     return system.beyond > LOST * system.samples
 
 
-def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Claim]]) -> list[float]:
+def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Claim]]) -> list[tuple[float, float]]:
     """The least misfit of a pair with each of these claims, wherever in their pitch its teeth may stand, by the noise
-    of the fit that leaves least; over all samples as far as some tell. Infinite where it cannot run so anywhere."""
+    of the fit that leaves least, over all samples as far as some tell, and how far on in rad of driven rotation they
+    stand then. Infinite where it cannot run so anywhere."""
     pitch = model.scope.gears[1].tau
     steps = range(1 - PHASES // 2, PHASES // 2 + 1)
     places = [(k * pitch / PHASES, which) for k in steps for which in range(len(starts))]
@@ -209,13 +210,14 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Clai
         by = min(fits.values(), key=lambda one: sum(noise.level**2 for noise in one.noises)).noises
         return {one: fit.linear.under(by).system.misfit for one, fit in fits.items()}
 
+    ones, best = range(len(starts)), [(math.inf, 0.0)] * len(starts)
     for rounds, few in zip(TRIALS, FEW, strict=True):
         found = misfits(places, rounds, few)
-        least = [min((v for (_, k), v in found.items() if k == one), default=math.inf) for one in range(len(starts))]
-        places = [one for one, misfit in found.items() if misfit <= HOPEFUL_PHASE * least[one[1]]]
+        best = [min(((v, way) for (way, k), v in found.items() if k == one), default=(math.inf, 0.0)) for one in ones]
+        places = [one for one, misfit in found.items() if misfit <= HOPEFUL_PHASE * best[one[1]][0]]
     whole = sum(one.samples.size for one in model.observed)
     part = sum(one.samples.size for one in shortened(bare, foreign, few=FEW[-1])[0].observed) / whole
-    return [one / part for one in least]
+    return [(misfit / part, way) for misfit, way in best]
 
 
 def _best_of(

@@ -79,8 +79,8 @@ def give_up_beside(search: Search, entries: Sequence[Entry]) -> tuple[str, ...]:
     where = " and ".join(str(k) for k in apart.recordings)
     return (
         f"recording {where} differs from the others by {size / UM:.2g} um rms, which nothing explains, so that no "
-        "smaller physics is named: something may have been mounted anew in between, or a zero moved; record the set without "
-        "taking anything apart, or diagnose each recording alone",
+        "smaller physics is named: something may have been mounted anew in between, or a zero moved; record the set "
+        "without taking anything apart, or diagnose each recording alone",
     )
 
 

@@ -1,0 +1,114 @@
+"""The search for what is missing with the teeth where they were placed, and again where what it found stands better.
+
+Where neither zeros nor curves place a pair, its teeth were placed by what it was declared to be. What is missing moves
+the place where they hand over: of 29 um of wear, placed wrongly, a relief and a slope were found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.diagnose.begin import Begun
+from gearpoly.diagnose.budget import Watch
+from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
+from gearpoly.diagnose.conditions import take_back
+from gearpoly.diagnose.contest import Key, Refitted, contest
+from gearpoly.diagnose.exchange import freedoms
+from gearpoly.diagnose.kept import Kept, without_columns
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.one_for_all import one_for_all
+from gearpoly.diagnose.placing import BETTER, well_placed
+from gearpoly.diagnose.relaxed import from_declared
+from gearpoly.diagnose.remounted import Remounted, remounted
+from gearpoly.diagnose.scan import Candidate
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unstated import as_fitted
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Searched:
+    """A ``search`` that has come to its end: the ``comparison`` with the teeth where it has them, the system at its
+    ``start`` and the state that it had ``begun`` in, the candidates of its last look, ``looked_at``, what was
+    ``refitted`` in the stead of its claims, what was ``assumed`` on the way; ``anew``: what was mounted anew between
+    recordings, so that nothing was looked for; ``stopped``: time was over."""
+
+    search: Search
+    comparison: Comparison
+    start: Linear
+    begun: Kept
+    looked_at: Sequence[Candidate]
+    refitted: Mapping[Key, tuple[Refitted, ...]]
+    assumed: tuple[str, ...]
+    anew: Remounted | None
+    stopped: bool
+
+
+def searched(model: Model, start: Begun, watch: Watch) -> Searched:
+    """The search at the place of a ``model`` whose teeth were placed, or at another place of their pitch where another
+    physics of all teeth fits better than what was found, if it ends better there. Raises what ``compare`` does."""
+    spare = replace(model, built=np.zeros_like(model.built), claims=list(model.claims))
+    first = _searched_at(model, start, watch)
+    way = _better_place(first)
+    if way is None or first.stopped:
+        return first
+    spare.moved(way + first.search.model.offset - spare.offset)
+    second = _searched_at(spare, start, watch)
+    return second if not second.stopped and _ahead(second, first) > BETTER[0] else first
+
+
+def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
+    waves, preparing = start.waves, watch.stage("prepare")
+    search, assumed = well_placed(model, lambda: from_declared(Search, model, waves, preparing)), start.assumed
+    if (coarser := as_fitted(search)) is not None:
+        model, assumed = coarser
+        search = Search.begun(model, waves, preparing)
+    anew = remounted(model, search.linear, deflection=search.deflection)
+    comparison = _placed_alike(start.comparison, search)
+    search.step = watch.stage("search")
+    first, begun = search.linear, without_columns(search.kept())
+    looked_at = search.run() if anew is None else []
+    stopped, budget = search.over, model.budget
+    model.budget = budget.further
+    search.step = watch.stage("rivals")
+    one_for_all(search)
+    refitted = contest(search, start.likely)
+    if take_back(search):
+        refitted = contest(search, start.likely)
+    return Searched(
+        search=search, comparison=comparison, start=first, begun=begun, looked_at=looked_at, refitted=refitted,
+        assumed=assumed, anew=anew, stopped=stopped,
+    )  # fmt: skip
+
+
+def _placed_alike(comparison: Comparison, search: Search) -> Comparison:
+    """The comparison with the teeth where the search has them, and as they were built where they are open."""
+    model = search.model
+    if model.offset:
+        comparison = comparison.moved(model.offset)
+    if model.turned_by:
+        comparison = comparison.turned(model.turned_by)
+    if teeth_are_open(comparison) and not search.over:
+        every = [np.arange(one.samples.size) for one in model.observed]
+        comparison = with_teeth_of(search, comparison, seen_at=every)
+    return comparison
+
+
+def _better_place(found: Searched) -> float | None:
+    """How far on in rad of driven rotation the teeth stand where another physics does best that is clearly better there
+    than what was found is anywhere; None where there is none."""
+    others = [one for each in found.refitted.values() for one in each if one.elsewhere]
+    best = min(others, key=lambda one: one.behind, default=None)
+    return None if best is None or best.behind > -BETTER[0] else best.way
+
+
+def _ahead(one: Searched, other: Searched) -> float:
+    """By how much less a search misfits than another, both by the noise and the teeth of the other and with their
+    freedoms."""
+    by, here = other.search, one.search
+    misfit = here.linear.under(by.noises, by.model.as_built).system.misfit
+    return by.linear.system.misfit - misfit + 2.0 * (freedoms(by.model.claims) - freedoms(here.model.claims))
