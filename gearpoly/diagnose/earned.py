@@ -79,6 +79,9 @@ def earned(
                     continue
                 # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
                 fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=gained))
+                if claim.physics.mean_tooth:
+                    # Nobody has asked yet what else may stand where this one does now.
+                    refitted = contest(search)
                 # What was believed beside the one may have no place beside the other.
                 search.withdraw()
                 plain.clear()

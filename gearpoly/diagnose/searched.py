@@ -28,6 +28,7 @@ from gearpoly.diagnose.remounted import Remounted, remounted
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unstated import as_fitted
+from gearpoly.physics.base import Claim
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,7 +59,22 @@ def searched(model: Model, start: Begun, watch: Watch) -> Searched:
         return first
     spare.moved(way + first.search.model.offset - spare.offset)
     second = _searched_at(spare, start, watch)
-    return second if not second.stopped and _ahead(second, first) > BETTER[0] else first
+    ahead = _ahead(second, first)
+    if second.stopped or ahead <= BETTER[0]:
+        return first
+    return replace(second, refitted=_known(second.refitted, first.search.model.claims, ahead))
+
+
+def _known(
+    refitted: Mapping[Key, tuple[Refitted, ...]], claims: Sequence[Claim], ahead: float
+) -> Mapping[Key, tuple[Refitted, ...]]:
+    """The same with how far the ``claims`` of a whole search elsewhere are behind; a part of the samples told of them
+    roughly."""
+    keys = {one.key for one in claims}
+    return {
+        key: tuple(replace(one, behind=ahead) if one.elsewhere and one.claim.key in keys else one for one in each)
+        for key, each in refitted.items()
+    }
 
 
 def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
