@@ -70,14 +70,18 @@ def test_once_per_turn_a_claim_is_ahead_or_behind_by_no_less_than_the_simulation
     assert told(10.0) == pytest.approx(mine - sense * 0.5 * 6.0**2)
 
 
-@pytest.mark.parametrize(("name", "values", "unknown"), [("tooth_crack", (0.6,), 0.9), ("tooth_spall", SPALL, 0.1)])
-def test_a_flank_that_fits_worse_speaks_for_no_crack(name: str, values: tuple[float, ...], unknown: float) -> None:
+@pytest.mark.parametrize(("by_columns", "fitted"), [(0.9, 0.1), (0.1, 0.9)])
+@pytest.mark.parametrize(("name", "values"), [("tooth_crack", (0.6,)), ("tooth_spall", SPALL)])
+def test_of_a_tooth_the_unknown_counts_that_leaves_the_claim_less(
+    name: str, values: tuple[float, ...], by_columns: float, fitted: float
+) -> None:
     """Whatever its shape, a flank does the same under every torque: that none fits says nothing for a crack where what
-    is free under every torque was likelier. Of a pit the flank fitted to its end says more than columns."""
+    is free under every torque was likelier. Of a pit a curve that was fitted may have come to rest too early, and one
+    of columns knows nothing of teeth that lose touch."""
     one = claim(name, values)
-    judged = Judged(gain=100.0, posterior=Posterior(claims=((one, 0.1),), unknown=0.9, nothing=0.0))
-    told = _doubted(one, judged, 0.1).posterior
-    assert told.unknown == pytest.approx(unknown)
+    judged = Judged(gain=100.0, posterior=Posterior(claims=((one, 1.0 - by_columns),), unknown=by_columns, nothing=0.0))
+    told = _doubted(one, judged, fitted).posterior
+    assert told.unknown == pytest.approx(0.9)
     assert told.of(one) + told.unknown == pytest.approx(1.0)
     assert _doubted(one, judged, None) is judged
 

@@ -178,5 +178,6 @@ def _condition(search: Search, solution: Solution, base: int, k: int, tests: int
             changed.append(name)
     return Entry(
         kind="condition", rms_um=rms / UM, recordings=(k,), p_value=p, gain=square,
+        turning_um=math.sqrt(wave + teeth) / UM,
         label=f"{', '.join(what)} against recording {base}" + (f"; {' and '.join(changed)} changed" if changed else ""),
     )  # fmt: skip

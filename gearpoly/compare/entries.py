@@ -67,7 +67,8 @@ class Entry:
     ``as_built``: teeth within what inspection or grade leave open could make it. ``probability`` that it is there at
     all and ``could_be``, the physics that may make it, where explanations were weighed; ``curves`` of the flanks, as
     they stand in the fitted file. ``parts``: what other parts
-    of the drive, which the pair file states, have a line there, in words.
+    of the drive, which the pair file states, have a line there, in words. ``turning_um``: of what recordings differ by,
+    what turns with shafts and teeth, rms.
     """
 
     kind: Kind
@@ -104,6 +105,7 @@ class Entry:
     could_be: tuple[Cause, ...] = ()
     curves: tuple[Curve, ...] = ()
     parts: tuple[str, ...] = ()
+    turning_um: float | None = None
 
     @property
     def moment(self) -> str | None:

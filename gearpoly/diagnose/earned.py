@@ -192,7 +192,7 @@ def _doubted(claim: Claim, judged: Judged, unknown: float | None) -> Judged:
     """The same where a curve of no cause was fitted to its end in the stead of all names of a tooth: it may do what no
     column tells of it. Whichever leaves the ``claim`` less counts. A curve that is fitted to its end may come to rest
     too early: one did beside 20 +- 150 um of a spall as narrow as its walls, which columns had called unknown (0.85);
-    of fifteen true names columns called none (at most 0.003). Nor can one curve of a flank do under every torque what a
+    of 25 true names columns called none (at most 0.003). Nor can one curve of a flank do under every torque what a
     tooth does that gives more."""
     if unknown is None:
         return judged

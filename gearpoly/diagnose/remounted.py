@@ -62,11 +62,13 @@ def give_up_beside(search: Search, entries: Sequence[Entry]) -> tuple[str, ...]:
     is left, and say so: what nobody can explain between two recordings may have made it. Of two mountings under two
     torques, 7.7 um apart, 4 mrad of a misalignment were named; of 53 made sets of one mounting whose physics was named
     none was left apart."""
-    apart = max((one for one in entries if one.kind == "condition"), key=lambda one: one.rms_um or 0.0, default=None)
+    # Means differ by zeros and by friction as well.
+    sets = [one for one in entries if one.kind == "condition"]
+    apart = max(sets, key=lambda one: one.turning_um or 0.0, default=None)
     model = search.model
     if apart is None or not model.claims:
         return ()
-    size = (apart.rms_um or 0.0) * UM
+    size = (apart.turning_um or 0.0) * UM
     kept = [one for one in model.claims if model.rms_of(search.scenes, one) > size]
     if len(kept) == len(model.claims):
         return ()
