@@ -9,8 +9,9 @@ from typing import Any, Literal
 import numpy as np
 
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.foreign import _images, faded, found_alone, swells_by
+from gearpoly.diagnose.foreign import _images, faded, foreign_entries, found_alone, swells_by
 from gearpoly.diagnose.system import System
+from gearpoly.keys.also_turns import Part
 from gearpoly.units import FloatArray
 
 N = 4000
@@ -99,3 +100,22 @@ def test_lines_beside_the_mesh_are_its_own_swelling_in_a_run_up() -> None:
     ]
     assert swells(24.98, "driven") and not swells(18.01, "driven")
     assert not swells_by(Entry(kind="time", hz=18.0, p_value=0.0, recordings=(0,)), 18, 25)
+
+
+def test_the_mesh_of_a_wheel_that_the_file_states_is_fitted_where_nothing_was_located() -> None:
+    """A wheel of 16 teeth that turns with 5/7 of the driven gear: 16, 32 and 48 times 7/5. Not where a wave was located
+    already, at the pair's own mesh (order 7), or above half the sampling rate (100 per turn)."""
+    beside, _ = at_turns(np.cos, [])
+    beside.gears = tuple(SimpleNamespace(z=z) for z in (5, 7))
+    beside.located = SimpleNamespace(entries=[])
+    wheel = Part(name="wheel", turns=7.0 / 5.0, teeth=16)
+
+    def orders(*parts: Part) -> list[float]:
+        return [round(entry.order or 0.0, 9) for _, entry in foreign_entries(beside, parts)]
+
+    assert orders() == []
+    assert orders(wheel) == [22.4, 44.8, 67.2]
+    assert orders(wheel, wheel) == [22.4, 44.8, 67.2]
+    assert orders(Part(name="motor", turns=3.0)) == []
+    assert orders(Part(name="twin", turns=1.0, teeth=7)) == []
+    assert orders(Part(name="fine", turns=1.0, teeth=45)) == [45.0, 90.0]

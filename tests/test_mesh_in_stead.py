@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.in_stead import mesh_in_stead
+from gearpoly.diagnose.in_stead import _log_evidence, _of_values, mesh_in_stead
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.units import UM
 from tests.physics_cases import Condition, recorded, rough, scope_of
 
@@ -51,3 +54,16 @@ def test_two_reliefs_have_a_name_only_where_they_are_more_than_one_wave(hidden: 
     assert unknown < 0.01 if hidden == "reliefs" else unknown > 0.99
     assert [claim.values for claim in search.model.claims] == before
     assert search.linear.system.misfit == misfit
+
+
+def test_a_state_that_gears_could_not_reach_is_weighed_by_the_values_its_misfit_is_of() -> None:
+    """A tooth of which 1 um was reached and the straight line leads on to 42 um: of these it has its misfit, and these
+    are as unlikely as 42 um of any tooth. Weighed as 1 um, a curve of no cause took the name of 40 um of pitch."""
+    one = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=3), values=(1.0,))
+    system = SimpleNamespace(misfit=10.0, solution=np.array([42.0]), covariance=np.array([[0.25]]))
+    linear: Any = SimpleNamespace(system=system, layout=SimpleNamespace(claims=[slice(0, 1)]))
+    search: Any = SimpleNamespace(model=SimpleNamespace(claims=[one], scope=None))
+    size = one.physics.ordinary[0]
+    as_it_is = -5.0 + _of_values(np.array([42.0]), np.array([[0.25]]), np.array([[size**2]]), 1)
+    assert _log_evidence(search, linear, [one], 1.0) == pytest.approx(as_it_is)
+    assert as_it_is < -5.0 + _of_values(np.array([1.0]), np.array([[0.25]]), np.array([[size**2]]), 1)

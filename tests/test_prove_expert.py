@@ -73,6 +73,24 @@ def test_a_wave_is_located_at_its_order_or_an_alias(tmp_path: Path, entry: dict[
     assert asked(verdict(unexplained=[entry]), known).located == (there,)
 
 
+@pytest.mark.parametrize(
+    ("order", "entry", "there"),
+    [
+        (3.0, {"kind": "shaft_order", "gear": "driven", "order": 3.2}, True),  # half a line is 0.25
+        (3.0, {"kind": "shaft_order", "gear": "driven", "order": 3.3}, False),
+        (0.3, {"kind": "time", "hz": 0.0, "label": "drift"}, True),
+        (0.6, {"kind": "time", "hz": 0.0, "label": "drift"}, False),  # of 1.2 waves the order can be told
+        (0.3, {"kind": "mesh_order", "order": 1}, False),
+    ],
+)
+def test_a_line_is_located_to_half_its_width(tmp_path: Path, order: float, entry: dict[str, Any], there: bool) -> None:
+    """Two turns of 25 teeth on 18 (18 turns of the driven gear are a hunting cycle): lines are half an order wide, and
+    of less than a wave nobody can tell more than that it is slow."""
+    place = {"kind": "shaft_order", "gear": 2, "order": order, "over_limit": 30.0}
+    known = truth(tmp_path, must_locate=[place], hunting_cycles=2.0 / 18.0)
+    assert asked(verdict(unexplained=[entry]), known).located == (there,)
+
+
 def test_the_right_name_locates_what_it_stands_for(tmp_path: Path) -> None:
     """Once per turn, on a tooth, at every mesh."""
     places = [

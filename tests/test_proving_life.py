@@ -410,3 +410,28 @@ def test_a_tooth_that_no_sample_meets_leading_is_written_with_an_unknown_of_noth
         ("log_odds", "separability", "left"), 0.0
     )
     assert item["unknown"]["place"] == "tooth"
+
+
+def test_a_wave_of_the_background_is_as_large_over_its_limit_as_it_is() -> None:
+    """The largest waves are cut at 10 um. Those then lie less above the limit than asked for, and as far above as their
+    power over the wander's says."""
+    cut = 0
+    for variant in range(12):
+        made = case("wander", variant)
+        told = made.truth
+        for wave in told["background"]:
+            assert wave["amplitude_um"] <= 10.0 + 1e-9
+            cut += wave["amplitude_um"] == 10.0
+            if wave["amplitude_um"] < 10.0:
+                continue
+            columns = table(made)
+            time, angle = columns["time_s"], np.radians(columns["driven_angle_deg"])
+            known = {key: told["wander"][key] for key in ("rough", "rough_s", "smooth", "smooth_s")}
+            root = np.linalg.cholesky(covariance(time, **known) + told["noise_um"] ** 2 * np.eye(time.size))
+            free = np.column_stack((np.ones_like(time), time, *(f(wave["order"] * angle) for f in (np.cos, np.sin))))
+            white = np.linalg.solve(root, free)
+            both = np.linalg.svd(white[:, 2:] - white[:, :2] @ np.linalg.lstsq(white[:, :2], white[:, 2:])[0])[1]
+            # Its phase is drawn; times and the rate are told to four figures.
+            low, high = 10.0 * both[1], 10.0 * both[0]
+            assert 0.7 * low <= wave["over_limit"] <= 1.3 * high
+    assert cut > 3

@@ -8,8 +8,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.remounted import remounted
+from gearpoly.diagnose.remounted import give_up_beside, remounted
 from gearpoly.diagnose.system import System
 from gearpoly.units import UM, FloatArray
 
@@ -75,3 +76,20 @@ def test_a_wave_found_beside_once_per_turn_hides_no_mounting() -> None:
 )
 def test_what_one_mounting_may_do_is_none(waves: Any, flanks: str, deflection: float) -> None:
     assert found(*waves, flanks=flanks, deflection=deflection) is None
+
+
+@pytest.mark.parametrize(
+    ("turning", "left"), [(7.7, []), (2.0, ["eccentricity"]), (0.2, ["misalignment", "eccentricity"])]
+)
+def test_nothing_smaller_is_named_than_what_two_recordings_differ_by(turning: float, left: list[str]) -> None:
+    """1 um of a misalignment and 4 um of an eccentricity. Means differ by 9 um: a zero, or friction, and nothing that
+    speaks against names."""
+    sizes = {"misalignment": 1.0 * UM, "eccentricity": 4.0 * UM}
+    model = SimpleNamespace(claims=list(sizes), rms_of=lambda scenes, one: sizes[one])
+    search: Any = SimpleNamespace(model=model, scenes=[], settle=lambda: None, kept=lambda: None)
+    entry = Entry(kind="condition", p_value=0.0, recordings=(1,), rms_um=9.0, turning_um=turning)
+    says = give_up_beside(search, [entry, Entry(kind="shaft_order", p_value=0.0, recordings=(0,), amplitude_um=50.0)])
+    assert model.claims == left
+    assert bool(says) == (len(left) < 2)
+    assert all("mounted anew" in one and f"{turning:.2g} um" in one for one in says)
+    assert give_up_beside(search, []) == ()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,12 +18,15 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
+from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unstated import (
+    COARSEST,
     SEEN,
     _step,
     as_fitted,
     between,
     beyond_scale,
+    gain_beside_any,
     grade_of,
     like_its_mate,
     limited,
@@ -206,3 +210,42 @@ def test_the_spread_of_teeth_is_that_of_their_prior(wider_by: float) -> None:
     linear.system.solution[:] = 0.0
     linear.system.covariance = np.linalg.inv(teeth.precision)
     assert spread_of(linear, model, 1)[0] == pytest.approx(z, rel=1e-9)
+
+
+def test_a_pit_gains_as_much_beside_teeth_of_any_scale_and_a_pitch_does_not() -> None:
+    """24 teeth whose index deviations are known to 1 um beforehand and read to 0.1 um: 10 um of one tooth are unlikely
+    by 50 standard deviations squared, and may be had by teeth of 16 times the scale. What no index deviation makes
+    gains the same whatever the scale."""
+    z, read = 24, 0.1
+    gears = SimpleNamespace(z=z)
+    base = GearPrior(
+        z=z, pitch=np.eye(z), slope=1.0, mean_slope=1.0, crowning=1.0, thickness=1.0, shared=(0.5, 0.5), own=(0.0, 0.0),
+        graded=True, single=1.0,
+    )  # fmt: skip
+    other = replace(base, z=3, pitch=np.eye(3))
+    built = make_as_built((base, other), ["drive"])
+    m = built.precision.shape[0]
+    columns = np.zeros((z + 5, m + 1))
+    columns[:z, :z] = np.eye(z)
+    for effect, kept in (("pitch", False), ("pit", True)):
+        mine = np.zeros(z + 5)
+        mine[7 if effect == "pitch" else z + 2] = 1.0
+        columns[:, m] = mine
+        precision = np.zeros((m + 1, m + 1))
+        precision[:m, :m] = built.precision
+        system = System(white=[columns / read], target=[10.0 * mine / read], precision=precision, prior=np.zeros(m + 1))
+        layout = SimpleNamespace(built=slice(0, m), places=lambda k: [m], form_places=lambda model, k: [])
+        linear: Any = SimpleNamespace(
+            system=system, layout=layout, white_of=lambda k, white=columns: [white[:, m:] / read]
+        )
+        one = SimpleNamespace(key="one")
+        model: Any = SimpleNamespace(claims=[one], as_built=built, scope=SimpleNamespace(gears=[gears]))
+        bare = system.without([m])
+        gain = bare.misfit - bare.with_columns(linear.white_of(0)).misfit
+        left = gain_beside_any(linear, model, 0, cast(Any, one))
+        if kept:
+            assert left == pytest.approx(gain, rel=1e-9) == pytest.approx((10.0 / read) ** 2)
+        else:
+            # 10^2 / (1 + 0.1^2), and 16^2 times less.
+            assert gain == pytest.approx(100.0 / 1.01, rel=1e-6)
+            assert left == pytest.approx(100.0 / (COARSEST**2 + 0.01), rel=1e-3)

@@ -137,8 +137,8 @@ def checked(
     that make their rms larger, and then all
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
     larger with names than without by more than it is known to, or is well above the noise. Of a search that was
-    ``stopped`` also what all teeth do, or one, is taken back, where more is left than noise. ``start`` is the fit of the state
-    ``begun`` before any claim. None where nothing is claimed."""
+    ``stopped`` also what all teeth do, or one, is taken back, where more is left than noise. ``start`` is the fit of
+    the state ``begun`` before any claim. None where nothing is claimed."""
     model = search.model
     refused: list[tuple[Claim, float]] = []
     if not model.claims:
