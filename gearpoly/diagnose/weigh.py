@@ -102,7 +102,9 @@ class Weigh(Softness):
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
         size = self.size(one)
-        return size > max(self.law_floor(one), self.reading_floor(one), self.least(one)) and size > self.clock_floor()
+        return size > max(self.law_floor(one), self.reading_floor(one), self.least(one)) and size > self.clock_floor(
+            one
+        )
 
     def sudden(self, one: Candidate) -> bool:
         """Whether what a slow candidate explains may as well have happened at once."""
@@ -249,9 +251,10 @@ class Weigh(Softness):
             worst = max(worst, in_step * order * noise.level**2 / scene.gear(gear).r_b)
         return IN_STEP * worst
 
-    def clock_floor(self) -> float:
-        """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time."""
-        if not any(self.model.scope.from_time):
+    def clock_floor(self, one: Candidate) -> float:
+        """Rms in mm below which what all teeth do may be what a clock that is off does, where an angle was made of
+        time. Where a single tooth stands is told by more than by what it moves at the ends of a recording."""
+        if not any(self.model.scope.from_time) or not one.claim.physics.mean_tooth:
             return 0.0
         if self.late is None or self.late[0] is not self.linear:
             self.late = self.linear, by_clock(self.scenes, self.linear)
