@@ -252,8 +252,8 @@ class Weigh(Softness):
         return IN_STEP * worst
 
     def clock_floor(self, one: Candidate) -> float:
-        """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time. Where a
-        single tooth stands is told by more than by what it moves at the ends of a recording."""
+        """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time. Where
+        a single tooth stands is told by more than by what it moves at the ends of a recording."""
         if not any(self.model.scope.from_time) or one.claim.place.tooth is not None:
             return 0.0
         if self.late is None or self.late[0] is not self.linear:
