@@ -115,7 +115,7 @@ def earned(
             return judged, tuple(gone)
         posterior = judged[least.key].posterior
         left = _unearned(search, least, judged[least.key])
-        if least.physics.mean_tooth and posterior.nothing > posterior.unknown and _without(search, least):
+        if least.physics.mean_tooth and posterior.nothing > posterior.unknown and _take(search, least, []):
             # Nothing stands in its place, so what the others are is asked anew.
             gone.append(left)
             refitted, fitted = contest(search), {}
@@ -226,18 +226,6 @@ def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:
     begun = search.kept()
     try:
         search.join(claims, instead=[number_of(search, stands)])
-        search.settle()
-    except GearpolyError:
-        search.restore(begun)
-        return False
-    return True
-
-
-def _without(search: Search, claim: Claim) -> bool:
-    """Whether all was fitted again without a ``claim``: gears may not be able to run so."""
-    begun = search.kept()
-    try:
-        search.join([], instead=[number_of(search, claim)])
         search.settle()
     except GearpolyError:
         search.restore(begun)

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import math
 
-from gearpoly.diagnose.contest import MOST, rest
+from gearpoly.diagnose.contest import MOST, refit, rest
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.relaxed import relax
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.diagnose.search import Search
-from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 
 PART = 0.5
@@ -40,14 +38,7 @@ def one_for_all(search: Search) -> None:
     best, most = begun, 0.0
     for one in _singles(search, others, bare, gain):
         search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead of {len(these)} physics of all teeth")
-        try:
-            search.join([one.claim], instead=these)
-            search.settle()
-            relax(search)
-            rest(search)
-        except GearpolyError:
-            pass
-        else:
+        if refit(search, one.claim, instead=these):
             # What a kept state costs counts 2 for each freedom already.
             ahead = search.gained(begun) + (price - 2.0) * (freedoms - len(one.claim.values))
             if ahead > most:

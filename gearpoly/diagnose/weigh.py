@@ -76,6 +76,8 @@ class Weigh(Softness):
 
     looked: Looked = field(default_factory=Looked)
     late: tuple[Linear, float] | None = None
+    """The system that a clock's doubt was asked of last, and that doubt in mm."""
+
     formed: float = 0.0
     """Gain of the best form of all teeth that a grade leaves open."""
 
@@ -101,10 +103,8 @@ class Weigh(Softness):
         honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
-        size = self.size(one)
-        return size > max(self.law_floor(one), self.reading_floor(one), self.least(one)) and size > self.clock_floor(
-            one
-        )
+        floors = self.law_floor(one), self.reading_floor(one), self.least(one), self.clock_floor(one)
+        return self.size(one) > max(floors)
 
     def sudden(self, one: Candidate) -> bool:
         """Whether what a slow candidate explains may as well have happened at once."""
