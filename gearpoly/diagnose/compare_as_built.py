@@ -74,7 +74,7 @@ def teeth_are_open(comparison: Comparison) -> bool:
 def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:
     """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, of which
     the recordings have the samples of the numbers ``seen_at`` (n_k,)."""
-    first, left = comparison.located, locate_residuals(fit, comparison)
+    first, left = comparison.located, locate_residuals(fit, comparison, residuals_of(fit))
     whole = all(seen.size == one.theta_2.size for seen, one in zip(seen_at, comparison.aligned, strict=True))
     residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in left.noises])
     repeats = [one.whole for one in fit.model.observed]

@@ -11,13 +11,14 @@ from gearpoly.compare.entries import Curve
 from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.in_stead import give_way, mesh_gives_way, mesh_in_stead, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, freer, judge
+from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN, leave
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import CERTAIN
-from gearpoly.infer.prior import of_another_part, order_of
+from gearpoly.infer.prior import of_another_part, order_of, same_place
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
@@ -76,6 +77,9 @@ def earned(
                     fitted[stands.key] = (*fitted.get(stands.key, ()), Refitted(claim=claim, behind=-gained))
                     search.restore(begun)
                     del plain[stands.key]
+                    continue
+                if _stands_beside(search, stands, claim, gain=plain[stands.key].gain):
+                    plain.clear()
                     continue
                 # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
                 fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=gained))
@@ -231,6 +235,15 @@ def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:
         search.restore(begun)
         return False
     return True
+
+
+def _stands_beside(search: Search, stood: Claim, claim: Claim, *, gain: float) -> bool:
+    """Whether what ``stood`` in the place of a ``claim`` is worth its name beside it too: of another place, it may be
+    there as well. For a wave of another wheel, once per turn, a tooth 32 um proud of the mate had lost its name."""
+    if same_place(stood, claim):
+        return False
+    search.step(f"fitting {stood.physics.name.replace('_', ' ')} beside it")
+    return search.taken(Candidate(claim=stood, gain=gain, freedoms=len(stood.values)), [], search.kept())
 
 
 def _give_up(search: Search, claim: Claim, effect: Sequence[FloatArray]) -> None:

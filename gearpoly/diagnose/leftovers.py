@@ -11,7 +11,7 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Cause, Curve, Entry
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.residuals import locate_residuals, stands_out
+from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
@@ -26,7 +26,7 @@ from gearpoly.units import UM
 def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
     """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest. Where
     time is over, the strongest of it."""
-    found = locate_residuals(search, comparison, over=lambda: search.over)
+    found = locate_residuals(search, comparison, residuals_of(search), over=lambda: search.over)
     return tuple(entry for entry in found.entries if stands_out(entry, search) and not _claimed(entry, search.model))
 
 

@@ -14,6 +14,7 @@ from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.units import UM, FloatArray
@@ -35,12 +36,23 @@ def residuals_of(fit: Weigh) -> list[FloatArray]:
     for places in found_alone(fit.model.strangers, linear.layout.foreign):
         if stands(linear.system, places):
             x[places] = 0.0
+    return _left(linear, x)
+
+
+def left_of(fit: Weigh) -> list[FloatArray]:
+    """What the ``fit`` leaves (n_k,) in mm of every recording."""
+    return _left(fit.linear, fit.linear.system.solution)
+
+
+def _left(linear: Linear, x: FloatArray) -> list[FloatArray]:
     return [target - columns @ x for columns, target in zip(linear.columns, linear.target, strict=True)]
 
 
-def locate_residuals(fit: Weigh, comparison: Comparison, *, over: Callable[[], bool] = lambda: False) -> Located:
-    """Where recordings differ from what a ``fit`` makes of them, of which ``comparison`` says how they were laid; only
-    what is strongest where time is ``over``."""
+def locate_residuals(
+    fit: Weigh, comparison: Comparison, left: list[FloatArray], *, over: Callable[[], bool] = lambda: False
+) -> Located:
+    """Where recordings differ from what a ``fit`` makes of them: what it leaves of them is ``left`` (n_k,) in mm, and
+    ``comparison`` says how they were laid; only what is strongest where time is ``over``."""
     # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
     gears = tuple(
         GearKnown(z=known.z, uncertainty=None if known.ideal else FITTED, zero=known.zero, direction=known.direction)
@@ -68,7 +80,7 @@ def locate_residuals(fit: Weigh, comparison: Comparison, *, over: Callable[[], b
             averaged=one.averaged,
             contact=template.sharing.contact,
         )
-        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, residuals_of(fit), fitted, strict=True)
+        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, left, fitted, strict=True)
     ]
     pair = comparison.assembled.pair
     return locate(

@@ -13,6 +13,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.diagnose.begin import Begun
+from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
 from gearpoly.diagnose.budget import Watch
 from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import take_back
@@ -86,6 +87,10 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     anew = remounted(model, search.linear, deflection=search.deflection)
     comparison = _placed_alike(start.comparison, search)
     search.step = watch.stage("search")
+    if anew is None:
+        smooth_waves(search, comparison)
+        if waves_beneath(search, comparison):
+            search.settle()
     first, begun = search.linear, without_columns(search.kept())
     looked_at = search.run() if anew is None else []
     stopped, budget = search.over, model.budget

@@ -1,0 +1,133 @@
+"""Waves that no gear pair makes and that nobody saw beneath what teeth do: located again in what a fit leaves, and
+fitted beside everything from then on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.diagnose.foreign import Found, foreign_entries, foreign_waves, is_foreign
+from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
+from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.unnamed import leave
+from gearpoly.diagnose.weigh import Weigh
+from gearpoly.errors import GearpolyError
+from gearpoly.infer.prior import LINE_COUNTS
+from gearpoly.infer.unknown import waves
+from gearpoly.units import FloatArray
+
+MOST, SMOOTHER = 3, 40.0
+"""Waves that are tried as smooth ones, the strongest first, each for as long as the teeth take to settle; and the
+misfit that one has to gain: six standard deviations."""
+
+CYCLES = 1.5
+"""Cycles per recording from which on something slow is a wave: what is slower may be a drift, which has a name."""
+
+LOOKS = 3
+"""Looks at what is left: a wave hides others that are smaller, and each look takes as long as ``compare`` does."""
+
+KNOWN = 0.5
+"""Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
+
+
+def waves_beneath(fit: Weigh, comparison: Comparison) -> bool:
+    """Fit the waves beside all else that stand out of what the ``fit`` leaves, each located where ``comparison`` says
+    how the recordings were laid; whether there are any.
+
+    Teeth of a grade hide what is as small as their limits until they are fitted. What is left out then speaks against
+    every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
+    """
+    before = len(fit.model.strangers)
+    for _ in range(LOOKS):
+        if not _fitted_anew(fit, comparison):
+            break
+    return len(fit.model.strangers) > before
+
+
+def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
+    """Whether one look found any."""
+    left = left_of(fit)
+    located = locate_residuals(fit, comparison, left, over=lambda: fit.over)
+    aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
+    found = False
+    for wave in _by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
+        entry = wave[0][1]
+        if entry.moment is not None or not stands_out(entry, fit) or fit.over:
+            continue
+        columns = foreign_waves(comparison, wave)
+        if not _slow(columns) and not _known(fit, columns):
+            leave(fit, columns)
+            found = True
+    return found
+
+
+def smooth_waves(search: Search, comparison: Comparison) -> bool:
+    """Fit waves of whole orders that ``comparison`` located beyond what teeth may hold as smooth ones of no cause,
+    where that fits better than teeth which make them; whether there are any.
+
+    Teeth hand over from pair to pair, so what they have comes with side bands of the mesh, and about teeth that have
+    settled for a wave no straight line leads back. Of 10 um of another wheel, twice per turn, pits of two teeth were
+    made. Once per turn a gear or an encoder that is off its axis is simulated, and at an encoder's lines its error is.
+    """
+    tried = 0
+    fitted = False
+    for entry in comparison.located.entries:
+        order, gear = entry.order, 0 if entry.gear == "driving" else 1
+        whole = entry.kind == "shaft_order" and order is not None and float(order).is_integer()
+        if not whole or is_foreign(entry) or entry.companion_of is not None or search.over or tried == MOST:
+            continue
+        n = round(order or 0.0)
+        if n < 2 or n in LINE_COUNTS or 2 * n > search.model.scope.gears[gear].z:
+            continue
+        tried += 1
+        search.step(f"fitting order {n} of the {entry.gear} shaft as a wave of no cause")
+        begun, before, noises = search.kept(), search.linear, search.noises
+        by_reading = waves(search.scenes, gear, (n,))
+        try:
+            leave(search, by_reading[len(by_reading) // 2 - 1].columns)  # for each recording, if there are several
+            search.settle()
+        except GearpolyError:
+            search.restore(begun)
+            continue
+        if _of_data(before) - _of_data(search.linear.under(noises)) > SMOOTHER:
+            fitted = True
+        else:
+            search.restore(begun)
+    return fitted
+
+
+def _of_data(linear: Linear) -> float:
+    """Misfit of the samples alone: what a grade says of teeth is no word against the teeth of a gear that it is not
+    of."""
+    return linear.system.misfit - linear.system.strain
+
+
+def _by_wave(found: Found) -> list[Found]:
+    """The same by what is one wave: in one recording or in all."""
+    each: dict[int, Found] = {}
+    for k, entry in found:
+        each.setdefault(-1 if entry.together else id(entry), []).append((k, entry))
+    return list(each.values())
+
+
+def _slow(columns: list[FloatArray]) -> bool:
+    """Whether the slowest of the waves (n_k, 2 q) turns less than ``CYCLES`` in a recording that has it."""
+    cycles = [
+        np.ptp(np.unwrap(np.arctan2(one[:, at + 1], one[:, at]))) / (2.0 * np.pi)
+        for one in columns
+        for at in range(0, one.shape[1], 2)
+        if np.any(one[:, at])
+    ]
+    return not cycles or min(cycles) < CYCLES
+
+
+def _known(fit: Weigh, columns: list[FloatArray]) -> bool:
+    """Whether waves that are fitted already can make ``columns`` (n_k, q) up."""
+    new, old = np.concatenate(columns), np.concatenate(fit.foreign)
+    if not old.size:
+        return False
+    rest = new - old @ np.linalg.lstsq(old, new)[0]
+    return bool(np.sum(rest**2) < (1.0 - KNOWN) * np.sum(new**2))

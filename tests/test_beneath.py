@@ -1,0 +1,96 @@
+"""Waves that no gear pair makes, fitted beside teeth that hide them or might make them up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearpoly.compare.beside import Comparison
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
+from gearpoly.diagnose.search import Search
+from gearpoly.files.models import PairFile
+from gearpoly.recording.recording import Recording
+from gearpoly.units import UM
+from tests.pair_files import pair_file
+from tests.physics_cases import Condition, recorded
+
+Z = 17, 23
+R_B2 = 23.0 * math.cos(math.radians(20.0))
+
+
+def graded(pitch_um: list[float] | None = None) -> PairFile:
+    """Gears of grade 6, of which nobody else knows the driving one's pitches."""
+    no_sheet = {"inspection": {"pitch_um": pitch_um}} if pitch_um is not None else {"grade": 6}
+    return pair_file(Z, driving=dict(no_sheet), driven={"grade": 6}, model={"tooth_deflection": False}, points=800)
+
+
+def with_wave(one: Recording, *, order: float, amplitude_um: float) -> Recording:
+    """The recording with a wave of the driving shaft on the driven angle."""
+    turn = one.driving_angle_rad
+    more = amplitude_um * UM / R_B2 * np.cos(order * turn + 0.7)
+    return replace(one, driven_angle_rad=one.driven_angle_rad + more)
+
+
+def searched(file: PairFile, one: Recording, path: Path) -> tuple[Search, Comparison]:
+    """A search before any claim, without the waves that ``compare`` located."""
+    comparison = compare(file, [one], path=path)
+    model = prepare(file, comparison, path=path)
+    free = [np.zeros((one.samples.size, 0)) for one in model.observed]
+    return from_declared(Search, model, free, lambda _: None), comparison
+
+
+def amplitude(search: Search) -> float:
+    """Of the first wave of no cause, in um."""
+    start = search.linear.layout.foreign.start
+    return float(np.hypot(*search.linear.system.solution[start : start + 2])) / UM
+
+
+PITCH = np.random.default_rng(3).uniform(-4.0, 4.0, Z[0]).round(2)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Recording:
+    """Three hunting cycles of gears whose pitches are those of grade 6, unloaded, beneath 0.3 um of noise."""
+    made = graded(PITCH.tolist())
+    (one,) = recorded(made, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0, per_mesh=12)
+    return one
+
+
+@pytest.mark.parametrize(("order", "fitted"), [(1.83, True), (0.03, False)])
+def test_a_wave_beneath_the_teeth_is_fitted(order: float, fitted: bool, plain: Recording, tmp_path: Path) -> None:
+    """Of 0.4 um, to three standard errors of a wave beneath white noise, 0.3 um sqrt(2 / n). What turns 1.4 times in 46
+    turns is a drift, as a warming rig makes it."""
+    one = with_wave(plain, order=order, amplitude_um=0.4)
+    search, comparison = searched(graded(), one, tmp_path / "pair.toml")
+    assert waves_beneath(search, comparison) == fitted
+    assert len(search.model.strangers) == fitted
+    if fitted:
+        std = 0.3 * math.sqrt(2.0 / one.driven_angle_rad.size)
+        assert amplitude(search) == pytest.approx(0.4, abs=3.0 * std)
+        # It is fitted, so nothing of it is left to be found.
+        assert not waves_beneath(search, comparison)
+
+
+def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) -> None:
+    """14 um twice per turn of a smooth wave are fitted as one, to what drawn pitches have so often themselves; as much
+    of the pitches stays with the teeth."""
+    smooth = with_wave(plain, order=2.0, amplitude_um=14.0)
+    search, comparison = searched(graded(), smooth, tmp_path / "pair.toml")
+    assert smooth_waves(search, comparison)
+    own = 2.0 / Z[0] * abs(np.fft.fft(PITCH)[2])
+    assert amplitude(search) == pytest.approx(14.0, abs=own)
+
+    pitch = 14.0 * np.cos(2.0 * 2.0 * np.pi / Z[0] * np.arange(Z[0]))
+    made = graded(pitch.round(3).tolist())
+    (teeth,) = recorded(made, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0, per_mesh=12)
+    search, comparison = searched(graded(), teeth, tmp_path / "pair.toml")
+    assert any(one.order == 2.0 and one.gear == "driving" for one in comparison.located.entries)
+    assert not smooth_waves(search, comparison)
+    assert search.model.strangers == ()
