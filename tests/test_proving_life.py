@@ -213,6 +213,19 @@ def test_a_wave_and_its_aliases_are_the_same_at_even_samples() -> None:
             assert np.abs(np.cos(order * ratio * t) - np.cos(one * ratio * t)).max() < 2e-3
 
 
+def test_a_gear_that_no_encoder_reads_has_no_tooth_numbers() -> None:
+    """The rig states the transmission error and the driven angle: of a tooth of the driving gear neither number nor
+    reading can be told, of one of the driven gear both."""
+    found = {}
+    for seed in range(8):
+        entry = Entry(index=5, klass="even", physics=(), over=20.0, variant=5, cycles=0.5)
+        (item,) = ground.make(seed, entry).truth["truth"]
+        assert item["physics"] == "tooth_pitch"
+        found[item["gear"]] = item
+    assert found[1]["tooth"] is None and found[1]["encoder_deg"] is None
+    assert found[2]["tooth"] is not None and found[2]["encoder_deg"] is not None
+
+
 # large
 
 

@@ -185,9 +185,7 @@ def _items(
     signals = [whitened(bent, within, effect) for effect in rest]
     items: list[dict[str, Any]] = []
     for effect in effects:
-        item = truth(rig, effect, made.chain, made.conditions)
-        if "tooth" in item and not numbered(made, effect.gear):
-            item |= {"tooth": None, "encoder_deg": None, "hidden_tooth": item["tooth"]}
+        item = told_of(rig, effect, made)
         before, about = (base, limit) if effect in bends else (bent, within)
         s = whitened(before, about, effect)
         others = [signal for one, signal in zip(rest, signals, strict=True) if one is not effect]
@@ -201,6 +199,14 @@ def _items(
             item["unknown"] = unknown(before, about, effect)
         items.append(item)
     return items
+
+
+def told_of(rig: Rig, effect: Effect, made: Recipe) -> dict[str, Any]:
+    """What the scorer is told of an effect: its tooth as far as that can be known."""
+    item = truth(rig, effect, made.chain, made.conditions)
+    if "tooth" in item and not numbered(made, effect.gear):
+        item |= {"tooth": None, "encoder_deg": None, "hidden_tooth": item["tooth"]}
+    return item
 
 
 def numbered(made: Recipe, gear: int) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.case import build, limit_of
+from gearpoly.proving.case import build, limit_of, told_of
 from gearpoly.proving.chain import Chain, Condition, Motion, motion
 from gearpoly.proving.drawn import Known, make_pair, pair_file
 from gearpoly.proving.effects import Effect, apply, truth
@@ -124,7 +124,7 @@ def _item(base: Rig, limit: Limit | None, effect: Effect, made: Recipe, setting:
     """One effect: what and where, its size over the limit, its rivals and the unknown among them."""
     assert limit is not None
     hidden = apply(base, effect)
-    item = truth(hidden, effect, made.chain, made.conditions)
+    item = told_of(hidden, effect, made)
     item["over_limit"] = round(limit.size_of(whitened(base, limit, effect)), 3)
     item["rms_um"] = round(limit.rms_um(hidden), 5)
     if "physics" in item:

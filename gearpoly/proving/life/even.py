@@ -51,7 +51,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     elif what:
         effects = (instance(what, pair, (condition,), rng),)
     zeros = (float(rng.uniform(0, 360)), float(rng.uniform(0, 360)))
-    chain = Chain(noise_um=0.3, known=bool(rng.random() < 0.6), zeros_deg=zeros)
+    chain = Chain(noise_um=0.3, known=bool(rng.random() < 0.6), zeros_deg=zeros, column="te_um")
 
     def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         table = records.te_table(rig, condition, chain, path, rng)
