@@ -14,7 +14,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.fitted_part import fitted_part
-from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, strangers
+from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, smooth_orders, strangers
 from gearpoly.diagnose.heldout import beside_jumps
 from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
 from gearpoly.diagnose.method import Method
@@ -101,6 +101,7 @@ def before_claims(
     entries = foreign_entries(comparison, parts_of(file.also_turns, z_1=z_1, z_2=z_2))
     drawn = method.for_noise(comparison.located.noises)
     model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
+    model.scope = replace(model.scope, smooth=smooth_orders(entries))
     model.observed = beside_jumps(model.observed, jumps(comparison))
     return model, foreign(comparison, model, entries)
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
+from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.foreign import Found, foreign_entries, foreign_waves, is_foreign
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
@@ -16,7 +17,6 @@ from gearpoly.diagnose.unnamed import leave
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import LINE_COUNTS
-from gearpoly.infer.unknown import waves
 from gearpoly.units import FloatArray
 
 MOST, SMOOTHER = 3, 40.0
@@ -72,31 +72,35 @@ def smooth_waves(search: Search, comparison: Comparison) -> bool:
     settled for a wave no straight line leads back. Of 10 um of another wheel, twice per turn, pits of two teeth were
     made. Once per turn a gear or an encoder that is off its axis is simulated, and at an encoder's lines its error is.
     """
-    tried = 0
-    fitted = False
-    for entry in comparison.located.entries:
-        order, gear = entry.order, 0 if entry.gear == "driving" else 1
-        whole = entry.kind == "shaft_order" and order is not None and float(order).is_integer()
-        if not whole or is_foreign(entry) or entry.companion_of is not None or search.over or tried == MOST:
-            continue
-        n = round(order or 0.0)
-        if n < 2 or n in LINE_COUNTS or 2 * n > search.model.scope.gears[gear].z:
-            continue
-        tried += 1
-        search.step(f"fitting order {n} of the {entry.gear} shaft as a wave of no cause")
-        begun, before, noises = search.kept(), search.linear, search.noises
-        by_reading = waves(search.scenes, gear, (n,))
-        try:
-            leave(search, by_reading[len(by_reading) // 2 - 1].columns)  # for each recording, if there are several
-            search.settle()
-        except GearpolyError:
-            search.restore(begun)
-            continue
-        if _of_data(before) - _of_data(search.linear.under(noises)) > SMOOTHER:
-            fitted = True
-        else:
-            search.restore(begun)
-    return fitted
+    tried = [one for one in comparison.located.entries if _either(one, search)][:MOST]
+    smooth = [_smooth(search, comparison, one) for one in tried]
+    return any(smooth)
+
+
+def _either(entry: Entry, fit: Weigh) -> bool:
+    """Whether an entry is a wave that teeth may make and others as well."""
+    order, gear = entry.order, 0 if entry.gear == "driving" else 1
+    if entry.kind != "shaft_order" or order is None or is_foreign(entry) or entry.companion_of is not None:
+        return False
+    return order >= 2 and order not in LINE_COUNTS and 2 * order <= fit.model.scope.gears[gear].z
+
+
+def _smooth(search: Search, comparison: Comparison, entry: Entry) -> bool:
+    """Whether a wave is fitted as a smooth one now."""
+    if search.over:
+        return False
+    search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
+    begun, before, noises = search.kept(), search.linear, search.noises
+    try:
+        leave(search, foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))]))
+        search.settle()
+    except GearpolyError:
+        search.restore(begun)
+        return False
+    if _of_data(before) - _of_data(search.linear.under(noises)) > SMOOTHER:
+        return True
+    search.restore(begun)
+    return False
 
 
 def _of_data(linear: Linear) -> float:

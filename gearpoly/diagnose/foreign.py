@@ -181,6 +181,12 @@ def _all_foreign(comparison: Comparison) -> Found:
     return out
 
 
+def smooth_orders(entries: Found) -> frozenset[tuple[int, int]]:
+    """Gears and whole orders of their shafts at which a wave is fitted."""
+    whole = [one for _, one in entries if one.kind == "shaft_order" and float(one.order or 0.5).is_integer()]
+    return frozenset((0 if one.gear == "driving" else 1, round(one.order or 0.0)) for one in whole)
+
+
 def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
     """The columns of `foreign_waves` of each wave that no gear pair and no encoder makes, a cosine and a sine for every
     recording; those of one train are one."""

@@ -252,7 +252,7 @@ def _possible(model: Model, claim: Claim) -> Iterator[tuple[Physics, Place]]:
             if place.tooth is not None and (together is None or (place.gear or 0, place.tooth) not in together):
                 continue
             key = Claim(physics=physics, place=place, values=()).key
-            if key not in taken and key != claim.key and model.scope.shows(place):
+            if key not in taken and key != claim.key and model.scope.shows(place, by_teeth=physics.by_teeth):
                 yield physics, place
 
 

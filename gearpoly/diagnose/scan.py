@@ -130,7 +130,7 @@ def every_place(model: Model) -> Iterator[tuple[Physics, Place]]:
         (physics, place)
         for physics in model.method.physics
         for place in physics.places(model.scope)
-        if model.scope.shows(place, once=physics.once_per_turn)
+        if model.scope.shows(place, once=physics.once_per_turn, by_teeth=physics.by_teeth)
     )
 
 

@@ -67,6 +67,9 @@ class Scope:
     """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
     short to show what repeats. There a slow change is no more than the slow end of the noise."""
 
+    smooth: frozenset[tuple[int, int]] = frozenset()
+    """Gears and whole orders of their shafts at which a smooth wave of another part of the drive is fitted."""
+
     @property
     def loaded(self) -> bool:
         """Whether load bends teeth in any recording."""
@@ -86,18 +89,21 @@ class Scope:
         known += [end for ends in self.run_ups for end in ends]
         return bool(known) and max(known) - min(known) > UNEVEN * max(known)
 
-    def shows(self, place: Place, *, once: bool = False) -> bool:
+    def shows(self, place: Place, *, once: bool = False, by_teeth: bool = False) -> bool:
         """Whether the recordings can show what a place's order does: the samples, and which shaft it is on; ``once``:
-        its order is 1, stated or not.
+        its order is 1, stated or not; ``by_teeth``: teeth make it, with side bands of the mesh.
 
         A worm that turns with the driven gear makes waves at every whole order of its own, as large as the pair's, and
-        so does any other part of the drive that the pair file states: a wave there is located, and named of neither.
+        so does any other part of the drive that the pair file states: a wave there is located, and named of neither,
+        unless teeth make it and it stands beside a smooth one that is fitted.
         """
         order = 1 if once else place.order
         if order is None:
             return True
         gear = place.gear or 0
-        if (gear == 1 and self.file.worm is not None) or self.others_at(gear, order):
+        if gear == 1 and self.file.worm is not None:
+            return False
+        if self.others_at(gear, order) and not (by_teeth and (gear, order) in self.smooth):
             return False
         return order < self.finest[gear] and not (self.stepped and order > self.gears[gear].z / 2)
 
@@ -226,6 +232,11 @@ class Physics:
 
     law_doubt: float = 0.0
     """Relative standard error of its size, one sigma, for what compliance laws differ by."""
+
+    @property
+    def by_teeth(self) -> bool:
+        """Whether it makes a wave as teeth do, which hand over from one pair to the next."""
+        return not self.wavelike and not self.once_per_turn
 
     @property
     def twin(self) -> str:
