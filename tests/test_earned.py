@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.earned import _stands_beside
+from gearpoly.diagnose.scan import Candidate
 from gearpoly.infer.prior import (
     LINE_COUNTS,
     ONCE_PER_TURN,
@@ -64,6 +67,23 @@ def with_waves(*waves: tuple[float, float], seed: int = 2) -> dict[str, Any]:
     wave = sum(size * UM / r_b2 * np.cos(order * one.driving_angle_rad + 0.7) for order, size in waves)
     changed = Recording(**{**vars(one), "driven_angle_rad": one.driven_angle_rad + wave})
     return verdict_json(diagnose(file, [changed], path=path))
+
+
+def test_what_lost_its_place_to_another_is_tried_beside_it() -> None:
+    """A wave of the other shaft is no other name of a tooth: both are fitted together, and the tooth stands again where
+    that pays. What is of one place is one or the other."""
+    asked: list[Claim] = []
+
+    def taken(one: Candidate, found: list[Candidate], before: object) -> bool:
+        asked.append(one.claim)
+        return True
+
+    search: Any = SimpleNamespace(step=lambda _: None, taken=taken, kept=lambda: None)
+    tooth, wave = claim("tooth_pitch", gear=1, tooth=4), claim("encoder_eccentricity", gear=0)
+    assert _stands_beside(search, tooth, wave, gain=120.0)
+    assert asked == [tooth]
+    assert not _stands_beside(search, tooth, claim("tooth_spall", gear=1, tooth=4), gain=120.0)
+    assert asked == [tooth]
 
 
 @pytest.mark.slow

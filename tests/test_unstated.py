@@ -19,19 +19,15 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.teeth_scale import COARSEST, beyond_scale, gain_beside_any, spread_of, wider
 from gearpoly.diagnose.unstated import (
-    COARSEST,
     SEEN,
     _step,
     as_fitted,
     between,
-    beyond_scale,
-    gain_beside_any,
     grade_of,
     like_its_mate,
     limited,
-    spread_of,
-    wider,
     without_waves,
 )
 from gearpoly.files.models import GearSection, PairFile
@@ -175,6 +171,26 @@ def test_teeth_of_unknown_scale_make_outliers_common(freedom: float) -> None:
     assert beyond_scale(29.0, spread=1e7, freedom=1e7) == pytest.approx(29.0, rel=1e-4)
     # Teeth that scatter more than was thought make it worth less, and the other way round.
     assert beyond_scale(29.0, spread=80.0, freedom=40.0) < 29.0 < beyond_scale(29.0, spread=20.0, freedom=40.0)
+
+
+@pytest.mark.parametrize("freedom", [13.0, 40.0])
+def test_teeth_that_keep_a_grade_are_as_fine_as_they_are_and_no_coarser(freedom: float) -> None:
+    """Against quadrature over scales up to that of the grade; no gain counts for less than it is, and one of teeth at
+    the grade hardly for more."""
+    scale = np.linspace(-8.0, 0.0, 400_001)
+
+    def evidence(squares: float) -> float:
+        logs = -freedom * scale - 0.5 * squares * np.exp(-2.0 * scale)
+        return float(np.max(logs) + np.log(np.sum(np.exp(logs - np.max(logs)))))
+
+    for spread in (0.2 * freedom, freedom, 2.0 * freedom):
+        for gain in (0.5, 4.0, 29.0, 400.0):
+            apart = 2.0 * (evidence(spread) - evidence(spread + gain))
+            found = beyond_scale(gain, spread=spread, freedom=freedom, stated=True)
+            assert found == pytest.approx(apart, rel=2e-4)  # the last step of the quadrature counts by half
+            assert found >= gain
+    assert beyond_scale(29.0, spread=2.0 * freedom, freedom=freedom, stated=True) < 1.1 * 29.0
+    assert beyond_scale(3000.0, spread=freedom, freedom=freedom, stated=True) >= 3000.0  # where the tail underflows
 
 
 @pytest.mark.parametrize("wider_by", [1.0, 2.0])

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Looked, polished, scan
+from gearpoly.diagnose.teeth_scale import counted, of_pitches
 from gearpoly.diagnose.trial import POSSIBLE, Trial, Unexplained, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
 from gearpoly.infer.prior import same_place, share_of_causes, unknown_share
@@ -53,16 +54,21 @@ def at_place(
     trial, without_cause = Trial(
         others=model, scenes=scenes, linear=linear, plain=linear.system, dispersion=max(1.0, linear.system.whiteness)
     ).at(first, size=ordinary_rms(first, derivatives(model, scenes, first), effect), effect=effect)
+    more = 0.0
+    if of_pitches(model, first):
+        # Teeth that are finer than their grade speak for it, as much as of whatever else is there.
+        more = 0.5 * (counted(linear, model, first, found[0].gain) - found[0].gain) / trial.dispersion
     explanations = [
         Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
         for claim in claims
         if same_place(claim, first)
     ]
     unknown = trial.explanations(without_cause)
+    every = [replace(one, log_evidence=one.log_evidence + more) for one in (*explanations, *unknown)]
     share = max(unknown_share(claim, model.scope) for claim in claims)
     places = looked.own.get(first.physics.name, 1)
     return Weighed(
-        posterior=weighed([*explanations, *unknown], unknown_share=share, places=places),
+        posterior=weighed(every, unknown_share=share, places=places),
         unknown=_likeliest(unknown, without_cause),
     )
 

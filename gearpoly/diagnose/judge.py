@@ -17,8 +17,8 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.teeth_scale import counted, gain_beside_any
 from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
-from gearpoly.diagnose.unstated import beyond_scale, gain_beside_any, is_unstated, spread_of
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import (
     ABSENT,
@@ -134,19 +134,13 @@ def judge(
 
 
 def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
-    """Part of a ``gain`` that teeth may make whose scale nobody stated: nothing of what all teeth do, nor of what teeth
-    of no scale can do. Of a pit of 15 um, 2700 in misfit, no index deviation makes its edges."""
+    """By how much a ``gain`` counts for less where teeth may make it whose scale nobody stated, or for more where they
+    are finer than the grade that they keep: nothing of what all teeth do, nor of what teeth of no scale can do. Of a
+    pit of 15 um, 2700 in misfit, no index deviation makes its edges."""
     gear = claim.place.gear
-    if (
-        gear is None
-        or claim.physics.mean_tooth
-        or not is_unstated(model, gear)
-        or not model.as_built.gears[gear].graded
-    ):
+    if gear is None or claim.physics.mean_tooth or not model.as_built.gears[gear].graded:
         return 0.0
-    scaled = min(gain, max(0.0, gain - gain_beside_any(linear, model, gear, claim)))
-    spread, freedom = spread_of(linear, model, gear)
-    return scaled - beyond_scale(scaled, spread=spread, freedom=freedom)
+    return gain - counted(linear, model, claim, gain, beside_any=gain_beside_any(linear, model, gear, claim))
 
 
 def _behind(claim: Claim, refit: Refitted, gain: float) -> float:

@@ -17,7 +17,8 @@ from scipy.special import ndtri
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import FEW, shortened
-from gearpoly.diagnose.unstated import COARSEST, between, limited
+from gearpoly.diagnose.teeth_scale import COARSEST
+from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import Inspection, PairFile
 from gearpoly.keys.edit import GEARS, changed, gear_section, on_gear

@@ -11,21 +11,16 @@ import numpy as np
 
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import form_of, graded_prior
 from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.teeth_scale import COARSEST, is_unstated, wider
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import changed, gear_section
-from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
 BASE = 5
 """Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
-
-COARSEST = 16.0
-"""Limits of the coarsest teeth that are thought of, over those of grade 5: those of grade 13, which nothing but a
-printed gear has. It only has to be wide; four times as much, and some fits end in a worse minimum."""
 
 ROUNDS = 8
 """Rounds of simulating and fitting. Unloaded teeth of a coarse gear touch elsewhere than declared ones: of a 13/40 of
@@ -92,21 +87,6 @@ def as_fitted(fit: Fit) -> tuple[Model, tuple[str, ...]] | None:
     return replace(model, scope=scope, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks)), says
 
 
-def wider(one: GearPrior, by: float) -> GearPrior:
-    """A gear of so many times the limits."""
-    return replace(
-        one,
-        pitch=by**2 * one.pitch,
-        slope=by * one.slope,
-        mean_slope=by * one.mean_slope,
-        crowning=by * one.crowning,
-        thickness=by * one.thickness,
-        single=by * one.single,
-        form=tuple(by * wave for wave in one.form),
-        wave=by * one.wave,
-    )
-
-
 def _says(gear: int, by: float, *, own: bool) -> str:
     """A word on a gear of so many times the limits of grade 5, by its ``own`` teeth or by its mate's."""
     return (
@@ -130,12 +110,6 @@ def like_its_mate(seen: dict[int, float], unstated: Sequence[int]) -> dict[int, 
 def grade_of(by: float) -> int:
     """The grade, 1 or more, whose limits are so many times those of grade 5."""
     return max(1, BASE + math.ceil(2.0 * math.log2(by) - 1e-9))
-
-
-def is_unstated(model: Model, gear: int) -> bool:
-    """Whether neither grade, limits nor inspection of a gear are stated."""
-    section = gear_section(model.declared, gear)
-    return section.grade is None and section.limits is None and section.inspection is None
 
 
 def limited(model: Model, by: dict[int, float], *, others: float = 1.0) -> Model:
@@ -169,44 +143,6 @@ def _over_limits(fit: Fit, gear: int) -> float:
     ]
     most = max(seen)
     return math.sqrt(3.0) * most / teeth.gears[gear].single if most > IDEAL else 0.0
-
-
-def beyond_scale(gain: float, *, spread: float, freedom: float) -> float:
-    """What is left of a ``gain`` in misfit against teeth whose scale nobody stated: these teeth have so much ``spread``
-    in so many degrees of ``freedom`` beside what gained it, as ``spread_of`` has both.
-
-    The scale is integrated out under the prior that is flat in its logarithm: the misfit of S in n freedoms then weighs
-    n log S in the stead of S, and the gain n log(1 + gain / S), as in Student's density (Box and Tiao 1973, 2.4). Where
-    the limits were taken too narrow, the teeth have more spread than freedoms and the gain counts for less; where too
-    wide, for more.
-    """
-    return freedom * math.log1p(gain / spread)
-
-
-def gain_beside_any(linear: Linear, model: Model, gear: int, claim: Claim) -> float:
-    """What a ``claim`` gains in misfit beside teeth of its gear that may deviate as those of the coarsest do."""
-    k = next(k for k, one in enumerate(model.claims) if one.key == claim.key)
-    gears = [wider(one, COARSEST) if j == gear else one for j, one in enumerate(model.as_built.gears)]
-    precision = linear.system.precision.copy()
-    at = linear.layout.built
-    precision[at, at] = make_as_built((gears[0], gears[1]), model.as_built.flanks).precision
-    coarse = replace(linear.system, precision=precision)
-    bare = coarse.without(linear.layout.places(k) + linear.layout.form_places(model, k))
-    return bare.misfit - bare.with_columns(linear.white_of(k)).misfit
-
-
-def spread_of(linear: Linear, model: Model, gear: int) -> tuple[float, float]:
-    """Sum of squares of the index deviations of a gear over what their prior takes them to be, as it is expected after
-    the fit, and its degrees of freedom: the teeth of every flank less the coordinates of the claims about them."""
-    teeth, start = model.as_built, linear.layout.built.start
-    z = teeth.gears[gear].z
-    at = np.concatenate([start + teeth.start(flank, gear) + np.arange(z) for flank in teeth.flanks])
-    known = linear.system.precision[np.ix_(at, at)]
-    pitch, covariance = linear.system.solution[at], linear.system.covariance[np.ix_(at, at)]
-    spread = float(pitch @ known @ pitch) + float(np.sum(known * covariance))
-    mine = [one for one in model.claims if one.place.gear == gear and not one.physics.mean_tooth]
-    taken = sum(1 if one.place.tooth is not None else len(one.values) for one in mine)
-    return max(spread, 1.0), max(1.0, float(at.size - taken))
 
 
 def _finer(model: Model, gear: int) -> GearPrior:

@@ -24,6 +24,7 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.teeth_scale import at_least
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
@@ -100,7 +101,9 @@ class Weigh(Softness):
             return False
         if self.graded(one):
             return False
-        honest = replace(one, gain=one.gain / max(1.0, self.linear.system.whiteness))
+        honest = replace(
+            one, gain=at_least(self.linear, self.model, one.claim, one.gain) / max(1.0, self.linear.system.whiteness)
+        )
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
         floors = self.law_floor(one), self.reading_floor(one), self.least(one), self.clock_floor(one)
