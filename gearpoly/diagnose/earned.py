@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -33,102 +33,161 @@ def earned(
 ) -> tuple[dict[Key, Judged], tuple[Unearned, ...]]:
     """Judge every claim of the ``search``, by its key, and give up those that are no likelier than an unknown cause,
     the least likely first: a curve of no cause then stands in their place, and the rest is judged anew."""
-    gone: list[Unearned] = list(search.model.unnamed)
+    weighing = _Weighing(search=search, refitted=refitted, gone=list(search.model.unnamed))
     # With its teeth elsewhere a claim is not to be tried here.
-    taken: set[Key] = {one.claim.key for each in refitted.values() for one in each if one.elsewhere}
-    doubts: dict[tuple[int, int], float] = {}
-    asked: list[set[Key]] = []
-    fitted: dict[Key, tuple[Refitted, ...]] = {}
-    plain: dict[Key, Judged] = {}
+    weighing.taken |= {one.claim.key for each in refitted.values() for one in each if one.elsewhere}
     while True:
-        others = _others_turn(search, gone)
-        if others != search.model.scope.others_turn:
-            search.model.scope = replace(search.model.scope, others_turn=others)
-            plain.clear()
-        named = _named(search, gone)
         if search.over:
             # What was not weighed to its end has no name.
-            return {}, (*gone, *(_unweighed(search, claim, plain.get(claim.key)) for claim in named))
-        if any(claim.key not in plain for claim in named):
+            return {}, (*weighing.gone, *weighing.unweighed())
+        judged = weighing.judged()
+        ways = weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.given_up
+        if not any(way(judged) for way in ways):
+            return judged, tuple(weighing.gone)
+
+
+@dataclass(kw_only=True, eq=False)
+class _Weighing:
+    """How far the names of a ``search`` are weighed: what was ``refitted`` in the stead of each before, and ``fitted``
+    since; what is ``gone``; claims that were ``taken`` for each other; ``doubts`` by a curve in the stead of a tooth's
+    names; sets of all teeth's names that were ``asked`` about; each claim as judged ``plain``ly in the present fit."""
+
+    search: Search
+    refitted: Mapping[Key, Sequence[Refitted]]
+    gone: list[Unearned]
+    taken: set[Key] = field(default_factory=set)
+    doubts: dict[tuple[int, int], float] = field(default_factory=dict)
+    asked: list[set[Key]] = field(default_factory=list)
+    fitted: dict[Key, tuple[Refitted, ...]] = field(default_factory=dict)
+    plain: dict[Key, Judged] = field(default_factory=dict)
+
+    @property
+    def named(self) -> list[Claim]:
+        """The claims that have a name so far."""
+        left = {one.claim.key for one in self.gone}
+        return [one for one in self.search.model.claims if one.physics is not FREE_FORM and one.key not in left]
+
+    def unweighed(self) -> Iterator[Unearned]:
+        """The places of the claims that were not weighed to their end; nobody knows how likely they are."""
+        for claim in self.named:
+            judged, rms = self.plain.get(claim.key), self.search.model.rms_of(self.search.scenes, claim)
+            yield Unearned(claim=claim, rms=rms, posterior=None if judged is None else judged.posterior)
+
+    def judged(self) -> dict[Key, Judged]:
+        """Every claim that has a name, beside what turns with its shaft by now."""
+        search, named = self.search, self.named
+        others = _others_turn(search, self.gone)
+        if others != search.model.scope.others_turn:
+            search.model.scope = replace(search.model.scope, others_turn=others)
+            self.plain.clear()
+        if any(claim.key not in self.plain for claim in named):
             search.step("weighing names against unknown causes")
         for claim in named:
-            if order_of(claim) == 1 and claim.key not in fitted:
-                fitted[claim.key] = _others_fitted(search, claim)
+            if order_of(claim) == 1 and claim.key not in self.fitted:
+                self.fitted[claim.key] = _others_fitted(search, claim)
         for k, claim in enumerate(search.model.claims):
-            if claim in named and claim.key not in plain:
-                places = search.looked.own.get(claim.physics.name, 1)
-                plain[claim.key] = judge(
+            if claim in named and claim.key not in self.plain:
+                self.plain[claim.key] = judge(
                     search.model, search.scenes, search.linear, k,
-                    refitted=(*refitted.get(claim.key, ()), *fitted.get(claim.key, ())), places=places,
-                    without=search.rise_without(k), gone={one.claim.key for one in gone},
+                    refitted=(*self.refitted.get(claim.key, ()), *self.fitted.get(claim.key, ())),
+                    places=search.looked.own.get(claim.physics.name, 1),
+                    without=search.rise_without(k), gone={one.claim.key for one in self.gone},
                 )  # fmt: skip
-        judged: dict[Key, Judged] = {
-            claim.key: _doubted(claim, plain[claim.key], doubts.get(_tooth(claim))) for claim in named
-        }
-        better = _likelier(search, judged, taken)
-        if better is not None:
-            stands, claim = better
-            taken |= {stands.key, claim.key}
-            begun = search.kept()
-            if _take(search, stands, [claim]):
-                gained = search.gained(begun)
-                if gained < freer(claim, stands, plain[stands.key].gain):
-                    # Fitted to its end it is none the better: about the one that stands no straight line said so.
-                    fitted[stands.key] = (*fitted.get(stands.key, ()), Refitted(claim=claim, behind=-gained))
-                    search.restore(begun)
-                    del plain[stands.key]
-                    continue
-                if _stands_beside(search, stands, claim, gain=plain[stands.key].gain):
-                    plain.clear()
-                    continue
-                # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
-                fitted[claim.key] = (*fitted.get(claim.key, ()), Refitted(claim=stands, behind=gained))
-                if claim.physics.mean_tooth:
-                    # Nobody has asked yet what else may stand where this one does now.
-                    refitted = contest(search)
-                # What was believed beside the one may have no place beside the other.
-                search.withdraw()
-                plain.clear()
-            continue
-        tooth = next((_tooth(one) for one in named if one.place.tooth is not None and _tooth(one) not in doubts), None)
-        if tooth is not None:
-            search.step("fitting a curve of no cause in the stead of a tooth's names")
-            doubts[tooth] = unknown_in_stead(search, *tooth)
-            if doubts[tooth] > 1.0 - CERTAIN:
-                mine = [claim for claim in named if _tooth(claim) == tooth]
-                gone += [_unearned(search, claim, _doubted(claim, judged[claim.key], doubts[tooth])) for claim in mine]
-                give_way(search, mine)
-                plain.clear()
-            continue
-        of_all = [claim for claim in named if claim.physics.mean_tooth and claim.place.gear is not None]
-        if len(of_all) > 1 and {one.key for one in of_all} not in asked:
-            search.step("fitting a curve of no cause at every mesh in the stead of all its names")
-            asked.append({one.key for one in of_all})
-            doubt = mesh_in_stead(search, of_all)
-            if doubt > 1.0 - CERTAIN:
-                gone += [_unearned(search, claim, _doubted(claim, judged[claim.key], doubt)) for claim in of_all]
-                mesh_gives_way(search, of_all)
-                plain.clear()
-                continue
+        return {claim.key: _doubted(claim, self.plain[claim.key], self.doubts.get(_tooth(claim))) for claim in named}
+
+    def exchanged(self, judged: Mapping[Key, Judged]) -> bool:
+        """Whether another claim was tried that is likelier in the place of one that stands; no claim twice."""
+        search = self.search
+        better = _likelier(search, judged, self.taken)
+        if better is None:
+            return False
+        stands, claim = better
+        self.taken |= {stands.key, claim.key}
+        begun = search.kept()
+        if not _take(search, stands, [claim]):
+            return True
+        gained = search.gained(begun)
+        if gained < freer(claim, stands, self.plain[stands.key].gain):
+            # Fitted to its end it is none the better: about the one that stands no straight line said so.
+            self._remember(stands, Refitted(claim=claim, behind=-gained))
+            search.restore(begun)
+            del self.plain[stands.key]
+            return True
+        gain = self.plain[stands.key].gain
+        self.plain.clear()
+        if _stands_beside(search, stands, claim, gain=gain):
+            return True
+        # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
+        self._remember(claim, Refitted(claim=stands, behind=gained))
+        if claim.physics.mean_tooth:
+            # Nobody has asked yet what else may stand where this one does now.
+            self.refitted = contest(search)
+        # What was believed beside the one may have no place beside the other.
+        search.withdraw()
+        return True
+
+    def _remember(self, stands: Claim, other: Refitted) -> None:
+        self.fitted[stands.key] = (*self.fitted.get(stands.key, ()), other)
+
+    def doubted_tooth(self, judged: Mapping[Key, Judged]) -> bool:
+        """Whether a curve of no cause was fitted in the stead of a tooth's names, which give way where it may be."""
+        search, named = self.search, self.named
+        asked = (_tooth(one) for one in named if one.place.tooth is not None)
+        tooth = next((one for one in asked if one not in self.doubts), None)
+        if tooth is None:
+            return False
+        search.step("fitting a curve of no cause in the stead of a tooth's names")
+        self.doubts[tooth] = unknown_in_stead(search, *tooth)
+        if self.doubts[tooth] > 1.0 - CERTAIN:
+            mine = [claim for claim in named if _tooth(claim) == tooth]
+            self._leave(*((claim, _doubted(claim, judged[claim.key], self.doubts[tooth])) for claim in mine))
+            give_way(search, mine)
+        return True
+
+    def doubted_mesh(self, judged: Mapping[Key, Judged]) -> bool:
+        """Whether several names of all teeth gave way to a curve of no cause at every mesh."""
+        search = self.search
+        of_all = [claim for claim in self.named if claim.physics.mean_tooth and claim.place.gear is not None]
+        keys: set[Key] = {one.key for one in of_all}
+        if len(of_all) < 2 or keys in self.asked:
+            return False
+        search.step("fitting a curve of no cause at every mesh in the stead of all its names")
+        self.asked.append(keys)
+        doubt = mesh_in_stead(search, of_all)
+        if doubt <= 1.0 - CERTAIN:
+            return False
+        self._leave(*((claim, _doubted(claim, judged[claim.key], doubt)) for claim in of_all))
+        mesh_gives_way(search, of_all)
+        return True
+
+    def given_up(self, judged: Mapping[Key, Judged]) -> bool:
+        """Whether the least likely claim that has not earned its name was given up."""
+        search = self.search
         least = max(
-            (claim for claim in named if not judged[claim.key].posterior.named or _contradicted(search, judged, claim)),
+            (one for one in self.named if not judged[one.key].posterior.named or _contradicted(search, judged, one)),
             key=lambda claim: judged[claim.key].posterior.unknown + judged[claim.key].posterior.nothing,
             default=None,
         )
         if least is None:
-            return judged, tuple(gone)
+            return False
         posterior = judged[least.key].posterior
-        left = _unearned(search, least, judged[least.key])
+        effect = search.model.change(search.scenes, least, least.values, but=least)
+        self._leave((least, judged[least.key]))
         if least.physics.mean_tooth and posterior.nothing > posterior.unknown and _take(search, least, []):
             # Nothing stands in its place, so what the others are is asked anew.
-            gone.append(left)
-            refitted, fitted = contest(search), {}
-            plain.clear()
-            continue
-        effect = search.model.change(search.scenes, least, least.values, but=least)
-        gone.append(left)
-        _give_up(search, least, effect)
-        plain.clear()
+            self.refitted, self.fitted = contest(search), {}
+        else:
+            _give_up(search, least, effect)
+        return True
+
+    def _leave(self, *these: tuple[Claim, Judged]) -> None:
+        """Let go of these names; the rest is judged anew."""
+        model, scenes = self.search.model, self.search.scenes
+        self.gone += [
+            Unearned(claim=claim, rms=model.rms_of(scenes, claim), posterior=judged.posterior)
+            for claim, judged in these
+        ]
+        self.plain.clear()
 
 
 def _others_turn(search: Search, gone: Sequence[Unearned]) -> tuple[bool, bool]:
@@ -138,22 +197,6 @@ def _others_turn(search: Search, gone: Sequence[Unearned]) -> tuple[bool, bool]:
     seen = [claim for claim in seen if of_another_part(claim, search.model.scope)]
     first, second = (any((claim.place.gear or 0) == gear for claim in seen) for gear in (0, 1))
     return first, second
-
-
-def _unweighed(search: Search, claim: Claim, judged: Judged | None) -> Unearned:
-    """A place whose claim was not weighed to its end; nobody knows how likely it is."""
-    rms = search.model.rms_of(search.scenes, claim)
-    return Unearned(claim=claim, rms=rms, posterior=None if judged is None else judged.posterior)
-
-
-def _unearned(search: Search, claim: Claim, judged: Judged) -> Unearned:
-    return Unearned(claim=claim, rms=search.model.rms_of(search.scenes, claim), posterior=judged.posterior)
-
-
-def _named(search: Search, gone: Sequence[Unearned]) -> list[Claim]:
-    """The claims that have a name so far."""
-    left = {one.claim.key for one in gone}
-    return [one for one in search.model.claims if one.physics is not FREE_FORM and one.key not in left]
 
 
 def _others_fitted(search: Search, claim: Claim) -> tuple[Refitted, ...]:
