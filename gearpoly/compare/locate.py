@@ -31,6 +31,7 @@ from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.masked import strong_waves
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
+from gearpoly.compare.regression import Solution
 from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import UM, FloatArray, read_only
@@ -88,77 +89,29 @@ def locate(
     if recordings is None:
         residuals = list(residuals)
         recordings = len(residuals)
-    entries: list[Entry] = []
-    all_samples: dict[int, Noise] = {}
-    short: list[AlignedResidual] = []
     sizes: list[int] = []
     squares: list[float] = []
     turns: list[float] = []
-    for r in residuals:
-        k = len(short)
+    parts: list[_Searched] = []
+    for k, r in enumerate(residuals):
         sizes.append(r.residual.size)
         squares.append(float(np.var(r.residual)) * r.residual.size)
         turns.append(float(np.ptp(r.theta_1)) / (2.0 * math.pi))
-        r, jumps = without_jumps(r, k=k, gears=gears, floor=floor)
-        entries += jumps
-        u, time_s, residual = r.u, r.time_s, r.residual
-        cut = shortening(u, z_1=z_1, z_2=z_2)
-        even = even_in(r.theta_1, r.theta_2, r.time_s)
-        one = replace(cut.of(r), even=even)
+        parts.append(_to_search(r, k=k, gears=gears, recordings=recordings, floor=floor))
         # The searches need the room that a long one takes.
         del r
-        if cut.size < u.size or cut.group > 1:
-            strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
-            waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
-            first = first_order(LineSearch(u=one.u, time=None, z_1=z_1, z_2=z_2))
-            waves = residual - without_first(u, residual - waves, first)
-            residual = residual - waves
-        if cut.group > 1:
-            spacing = cut.group * cut.spacing
-            fast = without_fast_waves(
-                u,
-                time_s,
-                residual,
-                k=k,
-                spacing=spacing,
-                z_1=z_1,
-                z_2=z_2,
-                recordings=recordings,
-                floor=floor,
-                even=even,
-            )
-            entries += fast.entries
-            all_samples[k] = fast.noise.thinned()
-            one = replace(one, residual=cut.means(fast.residual + waves))
-            del fast, waves
-        elif cut.size < u.size:
-            all_samples[k] = estimate_noise(u, residual, z_1=z_1, z_2=z_2).thinned()
-            del waves
-        del u, time_s, residual
-        short.append(one)
+    short = [one.data for one in parts]
     search = Search(short, gears, floor)
     solution = search.run(over)
     states = search.states
-    seen: set[int] = set()
-    for k, s in enumerate(states):
-        for peak in [*s.orders, *s.times]:
-            if id(peak) in seen:
-                continue
-            seen.add(id(peak))
-            entry = wave_entry(search, solution, k, peak)
-            if entry is not None:
-                entries.append(entry)
-        entries += jump_entries(search, solution, k)
-        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.search.period)
-        drift = drift_entry(search, solution, k)
-        if drift is not None:
-            entries.append(drift)
+    entries = [entry for one in parts for entry in one.entries]
+    entries += _of_each(search, solution)
     entries = come_again(entries, search, solution, numbered=numbered)
     entries += tooth_entries(search, solution, numbered=numbered)
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
     entries.sort(key=lambda e: -e.gain)
-    entries = with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=[s.data.coarse / UM for s in states])
+    entries = with_companions(entries, z_1=z_1, z_2=z_2, coarse=[s.data.coarse / UM for s in states])
     where, divisions = divide(search, solution, entries)
 
     def recorded(entry: Entry) -> Entry:
@@ -172,10 +125,13 @@ def locate(
     maps = []
     for s, places in zip(states, search.places, strict=True):
         plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
-        maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
+        maps.append(tooth_maps(s.data.u, plain, z_1=z_1, z_2=z_2, noise=s.noise))
     # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
     repeatable = [s.estimator.estimate(s.data.residual).repeatable for s in states]
-    noises = tuple(replace(all_samples.get(k, s.noise), repeatable=repeatable[k]) for k, s in enumerate(states))
+    noises = tuple(
+        replace(one.noise or s.noise, repeatable=repeats)
+        for one, s, repeats in zip(parts, states, repeatable, strict=True)
+    )
     repeats = [one for one in repeatable if one is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
@@ -191,3 +147,68 @@ def locate(
         residual_rms=math.sqrt(sum(squares) / sum(sizes)),
         repeatable_rms=math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(states) else None,
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Searched:
+    """A residual as it is searched, ``data``, with the ``entries`` that were taken out of it before; ``noise`` of all
+    its samples where it was shortened."""
+
+    data: AlignedResidual
+    entries: list[Entry]
+    noise: Noise | None = None
+
+
+def _to_search(
+    r: AlignedResidual, *, k: int, gears: tuple[GearKnown, GearKnown], recordings: int, floor: float
+) -> _Searched:
+    """The residual of recording ``k`` without its jumps, a long one shortened, fast waves located before."""
+    z_1, z_2 = gears[0].z, gears[1].z
+    r, entries = without_jumps(r, k=k, gears=gears, floor=floor)
+    u, time_s, residual = r.u, r.time_s, r.residual
+    cut = shortening(u, z_1=z_1, z_2=z_2)
+    even = even_in(r.theta_1, r.theta_2, r.time_s)
+    one = replace(cut.of(r), even=even)
+    if cut.size == u.size and cut.group == 1:
+        return _Searched(data=one, entries=entries)
+    strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
+    waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
+    first = first_order(LineSearch(u=one.u, time=None, z_1=z_1, z_2=z_2))
+    waves = residual - without_first(u, residual - waves, first)
+    residual = residual - waves
+    if cut.group == 1:
+        return _Searched(data=one, entries=entries, noise=estimate_noise(u, residual, z_1=z_1, z_2=z_2).thinned())
+    fast = without_fast_waves(
+        u,
+        time_s,
+        residual,
+        k=k,
+        spacing=cut.group * cut.spacing,
+        z_1=z_1,
+        z_2=z_2,
+        recordings=recordings,
+        floor=floor,
+        even=even,
+    )
+    data = replace(one, residual=cut.means(fast.residual + waves))
+    return _Searched(data=data, entries=[*entries, *fast.entries], noise=fast.noise.thinned())
+
+
+def _of_each(search: Search, solution: Solution) -> list[Entry]:
+    """Waves, jumps, bursts and drifts of each recording; waves that several share once."""
+    entries: list[Entry] = []
+    seen: set[int] = set()
+    for k, s in enumerate(search.states):
+        for peak in [*s.orders, *s.times]:
+            if id(peak) in seen:
+                continue
+            seen.add(id(peak))
+            entry = wave_entry(search, solution, k, peak)
+            if entry is not None:
+                entries.append(entry)
+        entries += jump_entries(search, solution, k)
+        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.search.period)
+        drift = drift_entry(search, solution, k)
+        if drift is not None:
+            entries.append(drift)
+    return entries
