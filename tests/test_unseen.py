@@ -187,6 +187,23 @@ def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
     assert "not named" in unchecked and "tooth pitch" in unchecked and "came once only" in unchecked
 
 
+@pytest.mark.parametrize(
+    ("larger", "named", "rms", "why"),
+    [
+        (True, 1.05, (2e-3, 3e-3), "are left larger with it than without"),
+        (False, 1.05, (3e-3, 3e-3), "are left 3 times the noise"),
+        (False, 1.05, (2e-3, 1e-3), "fit no better with it than without"),
+    ],
+)
+def test_a_refusal_says_what_it_was_for(larger: bool, named: float, rms: tuple[float, float], why: str) -> None:
+    """As much left with a name as without, to the fourth figure, was said to be larger; it was three times the noise."""
+    (told,) = Checked(
+        declared=1.2, as_built=1.1, named=named, std=0.02, rms=rms, noise=1e-3, expected=1e-3, larger=larger,
+        refused=((claim("eccentricity", 0, 1.0, 0.0), 1e-3),),
+    ).says  # fmt: skip
+    assert f"unseen data {why}" in told
+
+
 def test_half_a_recording_foretells_the_other_as_well_as_it_knows_it() -> None:
     """A mean of n samples of noise s is known to s / sqrt(n): the other half is expected at s^2 (1 + 1/n), and twice
     the scatter of that square, which is one of 1 freedom in either half: (2 + 2 sqrt(4)) / 2n = 3 / n at most."""

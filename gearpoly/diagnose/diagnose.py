@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.beside import Comparison
+from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.as_recorded import as_recorded
 from gearpoly.diagnose.begin import begin
@@ -40,7 +41,7 @@ from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.remounted import give_up_beside
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
-from gearpoly.diagnose.searched import searched
+from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.tooth_forms import with_forms
@@ -99,30 +100,15 @@ def diagnose(
     shapes = forms(search)
     judged, unearned = earned(search, found.refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
-    search.step("asking how deep")
-    named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
-    leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
-    model.ratio = search.declared_ratio()
-    comparison = comparison.refined(model.shift, search.shift_std)
-    order = sorted(named, key=lambda k: -judged[model.claims[k].key].gain)
-    thought = Imagined(model=model, laws=search.laws)
-    each = [
-        (k, _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch))
-        for k, key in ((k, model.claims[k].key) for k in order)
-    ]
-    masks = [one.fit for one in model.observed]
+    masks = [one.fit for one in search.model.observed]
+    findings, comparison = _findings(search, comparison, judged, shapes, watch)
     after = cross_validated(search.linear, masks, hold=held_places(search))
     scaled = scale_finding(comparison, after)
-    findings = (*([] if scaled is None else [scaled]), *gathered(search, each, hold=held_places(search)))
-    watch.stage("leftovers")("looking for what is left")
-    left_over = as_recorded(search, comparison, unexplained(search, comparison))
-    left_over = (*left_over, *slow_or_sudden(search, found.looked_at))
-    could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
-    left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
-    left_over = explained(search, comparison, left_over)
-    left_over = (*left_over, *start.beyond, *start.contradicted)
-    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
+    findings = (*([] if scaled is None else [scaled]), *findings)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
+    watch.stage("leftovers")("looking for what is left")
+    left_over = (*_places(search, comparison, found, unearned), *start.beyond, *start.contradicted)
+    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
     if found.anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):
         left_over = comparison.located.entries[:FOREMOST]
     if back and not left_over:
@@ -168,6 +154,38 @@ def diagnose(
         stopped=stopped,
         seconds=watch.seconds(),
     )
+
+
+def _findings(
+    search: Search,
+    comparison: Comparison,
+    judged: Mapping[Key, Judged],
+    shapes: Mapping[Key, Sequence[Form]],
+    watch: Watch,
+) -> tuple[tuple[Finding, ...], Comparison]:
+    """What has a name, the largest gain first, and the comparison with the zeros where the fit has them."""
+    search.step("asking how deep")
+    model = search.model
+    named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
+    leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
+    model.ratio = search.declared_ratio()
+    comparison = comparison.refined(model.shift, search.shift_std)
+    thought = Imagined(model=model, laws=search.laws)
+    each = []
+    for k in sorted(named, key=lambda k: -judged[model.claims[k].key].gain):
+        key = model.claims[k].key
+        one = _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch)
+        each.append((k, one))
+    return tuple(gathered(search, each, hold=held_places(search))), comparison
+
+
+def _places(search: Search, comparison: Comparison, found: Searched, unearned: Sequence[Unearned]) -> tuple[Entry, ...]:
+    """What no name explains, with what it could be."""
+    left_over = as_recorded(search, comparison, unexplained(search, comparison))
+    left_over = (*left_over, *slow_or_sudden(search, found.looked_at))
+    could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
+    left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
+    return tuple(explained(search, comparison, left_over))
 
 
 def _finding(
@@ -226,7 +244,7 @@ def _finding(
     )
 
 
-def _needless(search: Search, k: int, judged: dict[Key, Judged]) -> bool:
+def _needless(search: Search, k: int, judged: Mapping[Key, Judged]) -> bool:
     """Whether a claim about a tooth has a size that may as well be none, where another one about that tooth is named:
     it mends the form of that one."""
     claims, at = search.model.claims, search.linear.layout.claims[k]

@@ -41,9 +41,10 @@ class Checked:
     """Mean square of what is left of unseen samples, 1 where noise alone is: of the ``declared`` simulation, of
     ``as_built`` teeth alone, and with all ``named`` physics; ``std`` of the lesser of what names gain; ``rms`` in mm
     of held-out samples without names and with them, of which ``noise`` is to be left and ``expected``, with what one
-    part of the recordings cannot know of the other. ``refused``: names that were
-    taken back, each with the rms in mm of what it does; ``unchecked``: those that were since nothing repeats them, so
-    that nothing unseen tells of them; ``unfinished``: those that were since time ended before all was asked."""
+    part of the recordings cannot know of the other; ``larger``: more was left with names than without, by more than it
+    is known to. ``refused``: names that were taken back, each with the rms in mm of what it does; ``unchecked``: those
+    that were since nothing repeats them, so that nothing unseen tells of them; ``unfinished``: those that were since
+    time ended before all was asked."""
 
     declared: float
     as_built: float
@@ -52,6 +53,7 @@ class Checked:
     rms: tuple[float, float]
     noise: float
     expected: float
+    larger: bool = False
     refused: tuple[tuple[Claim, float], ...] = ()
     unchecked: tuple[tuple[Claim, float], ...] = ()
     unfinished: tuple[tuple[Claim, float], ...] = ()
@@ -63,9 +65,9 @@ class Checked:
             names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
             without, with_ = self.rms
             why = "fit no better with it than without"
-            if with_ > without and self.named < self.as_built:
+            if self.larger and self.named < self.as_built:
                 why = "are left larger with it than without"
-            elif with_ < without and with_ > WELL_ABOVE * self.expected:
+            elif not self.larger and with_ > WELL_ABOVE * self.expected:
                 why = f"are left {with_ / self.noise:.2g} times the noise, so that more is in them than is understood"
             yield (
                 f"not named, since unseen data {why}: {names} (mean square "

@@ -165,7 +165,8 @@ def checked(
     gains = [gained(one, named, number) for one in (declared, as_built)]
     rms = _told(search, before_any)
     # How probable names are was weighed before: here they must only not be worse where no fit looked.
-    worse = any(gain <= 0.0 for gain, _ in gains) or rms[1] > rms[0] * (1.0 + _doubt(search))
+    larger = rms[1] > rms[0] * (1.0 + _doubt(search))
+    worse = any(gain <= 0.0 for gain, _ in gains) or larger
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     expected = foretold_to(search.linear, [one.fit for one in model.observed], noise, hold=held_places(search))
     if model.claims and (rms[1] > LACK_OF_FIT * expected or worse):
@@ -181,6 +182,7 @@ def checked(
         rms=rms,
         noise=noise,
         expected=expected,
+        larger=larger,
         refused=tuple(refused),
         unchecked=tuple(unchecked),
         unfinished=tuple(unfinished),
