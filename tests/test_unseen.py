@@ -180,6 +180,7 @@ def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
         "rms": (2e-3, 3e-3),
         "noise": 1e-3,
         "expected": 1e-3,
+        "larger": True,
     }
     refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=((tooth, 2e-3),)).says
     assert "unseen data fit no better" in refused and "rms 3 um with names, 2 without" in refused
@@ -196,7 +197,7 @@ def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
     ],
 )
 def test_a_refusal_says_what_it_was_for(larger: bool, named: float, rms: tuple[float, float], why: str) -> None:
-    """As much left with a name as without, to the fourth figure, was said to be larger; it was three times the noise."""
+    """As much left with a name as without was said to be larger, to four figures; it was three times the noise."""
     (told,) = Checked(
         declared=1.2, as_built=1.1, named=named, std=0.02, rms=rms, noise=1e-3, expected=1e-3, larger=larger,
         refused=((claim("eccentricity", 0, 1.0, 0.0), 1e-3),),
