@@ -3,6 +3,7 @@ fitted beside everything from then on."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -73,8 +74,17 @@ def smooth_waves(search: Search, comparison: Comparison) -> bool:
     made. Once per turn a gear or an encoder that is off its axis is simulated, and at an encoder's lines its error is.
     """
     tried = [one for one in comparison.located.entries if _either(one, search)][:MOST]
-    smooth = [_smooth(search, comparison, one) for one in tried]
+    smooth = [_smooth(search, comparison, (one, *_images(one, search, comparison))) for one in tried]
     return any(smooth)
+
+
+def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
+    """Waves that were located an order of the mesh beside one: teeth that meet once per wave of the mesh show either as
+    the other. Of a line of an encoder 20 times per turn, beside 24 teeth, spalls of five were made."""
+    z = fit.model.scope.gears[0 if entry.gear == "driving" else 1].z
+    order = entry.order or 0.0
+    ones = [one for one in comparison.located.entries if one.kind == "shaft_order" and one.gear == entry.gear]
+    return [one for one in ones if one.order in (z - order, z + order) and not is_foreign(one)]
 
 
 def _either(entry: Entry, fit: Weigh) -> bool:
@@ -85,22 +95,26 @@ def _either(entry: Entry, fit: Weigh) -> bool:
     return order >= 2 and order not in LINE_COUNTS and 2 * order <= fit.model.scope.gears[gear].z
 
 
-def _smooth(search: Search, comparison: Comparison, entry: Entry) -> bool:
-    """Whether a wave is fitted as a smooth one now."""
-    if search.over:
-        return False
-    search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
-    begun, before, noises = search.kept(), search.linear, search.noises
-    try:
-        leave(search, foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))]))
-        search.settle()
-    except GearpolyError:
+def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bool:
+    """Whether one of some waves that teeth show alike is fitted as a smooth one now, the best of them."""
+    begun, noises = search.kept(), search.noises
+    best, least = begun, _of_data(search.linear) - SMOOTHER
+    for entry in ones:
+        if search.over:
+            break
+        search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
+        try:
+            leave(search, foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))]))
+            search.settle()
+        except GearpolyError:
+            search.restore(begun)
+            continue
+        left = _of_data(search.linear.under(noises))
+        if left < least:
+            best, least = search.kept(), left
         search.restore(begun)
-        return False
-    if _of_data(before) - _of_data(search.linear.under(noises)) > SMOOTHER:
-        return True
-    search.restore(begun)
-    return False
+    search.restore(best)
+    return best is not begun
 
 
 def _of_data(linear: Linear) -> float:

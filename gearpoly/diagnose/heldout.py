@@ -62,7 +62,7 @@ class Checked:
     def says(self) -> Iterator[str]:
         """A word about what was taken back, and about what could not be checked."""
         if self.refused:
-            names = ", ".join(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in self.refused))
+            names = ", ".join(_names(self.refused))
             without, with_ = self.rms
             why = "fit no better with it than without"
             if self.larger and self.named < self.as_built:
@@ -75,16 +75,21 @@ class Checked:
                 f"{self.declared:.4g} as declared, +- {self.std:.2g}; rms {with_ / UM:.4g} um with names, "
                 f"{without / UM:.4g} without)"
             )
-        for one, _ in self.unfinished:
+        for name in _names(self.unfinished):
             yield (
-                f"not named, since time ended with more left than noise: {one.physics.name.replace('_', ' ')} (what is "
+                f"not named, since time ended with more left than noise: {name} (what is "
                 "left may be of another cause that makes this one needless; give it longer with --within SECONDS)"
             )
-        for one, _ in self.unchecked:
+        for name in _names(self.unchecked):
             yield (
-                f"not named, since no unseen data tell of it: {one.physics.name.replace('_', ' ')} (in these "
+                f"not named, since no unseen data tell of it: {name} (in these "
                 "recordings it came once only; record more turns)"
             )
+
+
+def _names(these: Sequence[tuple[Claim, float]]) -> list[str]:
+    """The physics of claims, each once."""
+    return list(dict.fromkeys(one.physics.name.replace("_", " ") for one, _ in these))
 
 
 def cross_validated(
