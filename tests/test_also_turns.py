@@ -136,6 +136,11 @@ def test_no_wave_at_a_part_s_order_is_named_of_this_pair_alone() -> None:
     assert not beside.shows(Place(gear=1), once=True)
     assert beside.shows(Place(gear=0), once=True)
     assert beside.shows(Place(gear=1, tooth=3))
+    # What teeth make is told from a smooth wave by its side bands, where one is fitted at that order.
+    fitted = replace(beside, smooth=frozenset({(1, 2)}))
+    assert fitted.shows(Place(gear=1, order=2), by_teeth=True)
+    assert not fitted.shows(Place(gear=1, order=2))
+    assert not fitted.shows(Place(gear=1, order=7), by_teeth=True)
 
 
 def test_a_whole_order_of_a_part_is_fitted_beside_everything() -> None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.foreign import _images, faded, foreign_entries, found_alone, swells_by
+from gearpoly.diagnose.foreign import _images, faded, foreign_entries, found_alone, smooth_orders, swells_by
 from gearpoly.diagnose.system import System
 from gearpoly.keys.also_turns import Part
 from gearpoly.units import FloatArray
@@ -119,3 +119,16 @@ def test_the_mesh_of_a_wheel_that_the_file_states_is_fitted_where_nothing_was_lo
     assert orders(Part(name="motor", turns=3.0)) == []
     assert orders(Part(name="twin", turns=1.0, teeth=7)) == []
     assert orders(Part(name="fine", turns=1.0, teeth=45)) == [45.0, 90.0]
+
+
+def test_a_wave_at_a_whole_order_of_both_shafts_may_be_of_either_gear() -> None:
+    """Of 24 and 36 teeth order 2 of the driving shaft is order 3 of the driven one, order 3 is none, and a jump has
+    none."""
+    ones = [
+        Entry(kind="shaft_order", gear="driving", order=order, p_value=0.0, recordings=(0,))
+        for order in (2.0, 3.0, 1.7)
+    ]
+    jump = Entry(kind="time", hz=0.0, moment=0.5, p_value=0.0, recordings=(0,))
+    assert smooth_orders([(0, one) for one in (*ones, jump)], z=(24, 36)) == {(0, 2), (1, 3), (0, 3)}
+    back = Entry(kind="shaft_order", gear="driven", order=3.0, p_value=0.0, recordings=(0,))
+    assert smooth_orders([(0, back)], z=(24, 36)) == {(1, 3), (0, 2)}

@@ -101,7 +101,7 @@ def before_claims(
     entries = foreign_entries(comparison, parts_of(file.also_turns, z_1=z_1, z_2=z_2))
     drawn = method.for_noise(comparison.located.noises)
     model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
-    model.scope = replace(model.scope, smooth=smooth_orders(entries))
+    model.scope = replace(model.scope, smooth=smooth_orders(entries, z=(z_1, z_2)))
     model.observed = beside_jumps(model.observed, jumps(comparison))
     return model, foreign(comparison, model, entries)
 

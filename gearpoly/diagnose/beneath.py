@@ -104,8 +104,9 @@ def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bo
             break
         search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
         try:
+            below = search.linear.system.misfit - SMOOTHER
             leave(search, foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))]))
-            search.settle()
+            search.settle(below=below)
         except GearpolyError:
             search.restore(begun)
             continue

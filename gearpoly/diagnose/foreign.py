@@ -35,6 +35,9 @@ SWELLS = 0.5
 """Orders of a shaft beside the mesh's within which a run-up spreads what it takes through a resonance: a swing that
 lasts two turns or more."""
 
+WHOLE = 1e-9
+"""Orders by which a whole one may be off by rounding."""
+
 FREE = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
 
@@ -181,10 +184,18 @@ def _all_foreign(comparison: Comparison) -> Found:
     return out
 
 
-def smooth_orders(entries: Found) -> frozenset[tuple[int, int]]:
-    """Gears and whole orders of their shafts at which a wave is fitted."""
-    whole = [one for _, one in entries if one.kind == "shaft_order" and float(one.order or 0.5).is_integer()]
-    return frozenset((0 if one.gear == "driving" else 1, round(one.order or 0.0)) for one in whole)
+def smooth_orders(entries: Found, *, z: tuple[int, int]) -> frozenset[tuple[int, int]]:
+    """Gears and whole orders of their shafts at which a wave is fitted; of both where it is a whole order of both:
+    order 2 of 24 teeth is order 3 of 36, and either gear may have made it."""
+    out = set()
+    for _, one in entries:
+        if one.order is None:
+            continue
+        gear, order = 0 if one.gear == "driving" else 1, one.order
+        for which, own in ((gear, order), (1 - gear, order * z[1 - gear] / z[gear])):
+            if abs(own - round(own)) < WHOLE:
+                out.add((which, round(own)))
+    return frozenset(out)
 
 
 def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
