@@ -130,5 +130,4 @@ def test_a_wave_at_a_whole_order_of_both_shafts_may_be_of_either_gear() -> None:
     ]
     jump = Entry(kind="time", hz=0.0, moment=0.5, p_value=0.0, recordings=(0,))
     assert smooth_orders([(0, one) for one in (*ones, jump)], z=(24, 36)) == {(0, 2), (1, 3), (0, 3)}
-    back = Entry(kind="shaft_order", gear="driven", order=3.0, p_value=0.0, recordings=(0,))
-    assert smooth_orders([(0, back)], z=(24, 36)) == {(1, 3), (0, 2)}
+    assert smooth_orders([(0, wave_at("driven", 3.0))], z=(24, 36)) == {(1, 3), (0, 2)}
