@@ -10,17 +10,17 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.foreign import Found, foreign_entries, foreign_waves, is_foreign
+from gearpoly.diagnose.foreign import Found, foreign_entries, foreign_waves, smooth_orders
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unnamed import leave
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.errors import GearpolyError
-from gearpoly.infer.prior import LINE_COUNTS
+from gearpoly.infer.prior import LINE_COUNTS, LOW
 from gearpoly.units import FloatArray
 
-MOST, SMOOTHER = 3, 40.0
+MOST, SMOOTHER = 4, 40.0
 """Waves that are tried as smooth ones, the strongest first, each for as long as the teeth take to settle; and the
 misfit that one has to gain: six standard deviations."""
 
@@ -66,16 +66,36 @@ def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
 
 
 def smooth_waves(search: Search, comparison: Comparison) -> bool:
-    """Fit waves of whole orders that ``comparison`` located beyond what teeth may hold as smooth ones of no cause,
-    where that fits better than teeth which make them; whether there are any.
+    """Fit the strongest waves of whole orders that ``comparison`` located as smooth ones of no cause, where that fits
+    better than teeth which make them; whether there are any.
 
     Teeth hand over from pair to pair, so what they have comes with side bands of the mesh, and about teeth that have
     settled for a wave no straight line leads back. Of 10 um of another wheel, twice per turn, pits of two teeth were
     made. Once per turn a gear or an encoder that is off its axis is simulated, and at an encoder's lines its error is.
     """
-    tried = [one for one in comparison.located.entries if _either(one, search)][:MOST]
-    smooth = [_smooth(search, comparison, (one, *_images(one, search, comparison))) for one in tried]
+    located = comparison.located
+    ones: dict[tuple[str | None, float | None], Entry] = {}
+    # First what teeth of the grade cannot hold, then what they could.
+    for one in (*located.entries, *located.where):
+        if _either(one, search) and not _known(search, _columns(one, comparison)):
+            ones.setdefault((one.gear, one.order), one)
+    strongest = list(ones.values())[:MOST]
+    smooth = [_smooth(search, comparison, (one, *_images(one, search, comparison))) for one in strongest]
     return any(smooth)
+
+
+def _columns(one: Entry, comparison: Comparison) -> list[FloatArray]:
+    """A wave in each recording, of a size of its own."""
+    return foreign_waves(comparison, [(k, one) for k in range(len(comparison.aligned))])
+
+
+def _either(entry: Entry, fit: Weigh) -> bool:
+    """Whether an entry is a wave that teeth may make and others as well."""
+    order, gear = entry.order, 0 if entry.gear == "driving" else 1
+    if entry.kind != "shaft_order" or order is None or entry.companion_of is not None:
+        return False
+    z = fit.model.scope.gears[gear].z
+    return 2 <= order <= LOW * z and order % z != 0 and float(order).is_integer() and order not in LINE_COUNTS
 
 
 def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
@@ -84,34 +104,31 @@ def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
     z = fit.model.scope.gears[0 if entry.gear == "driving" else 1].z
     order = entry.order or 0.0
     ones = [one for one in comparison.located.entries if one.kind == "shaft_order" and one.gear == entry.gear]
-    return [one for one in ones if one.order in (z - order, z + order) and not is_foreign(one)]
-
-
-def _either(entry: Entry, fit: Weigh) -> bool:
-    """Whether an entry is a wave that teeth may make and others as well."""
-    order, gear = entry.order, 0 if entry.gear == "driving" else 1
-    if entry.kind != "shaft_order" or order is None or is_foreign(entry) or entry.companion_of is not None:
-        return False
-    return order >= 2 and order not in LINE_COUNTS and 2 * order <= fit.model.scope.gears[gear].z
+    return [one for one in ones if one.order in (z - order, z + order)]
 
 
 def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bool:
     """Whether one of some waves that teeth show alike is fitted as a smooth one now, the best of them."""
-    begun, noises = search.kept(), search.noises
+    if search.linear.system.beyond < SMOOTHER:
+        return False
+    begun, noises, z_1, z_2 = search.kept(), search.noises, *(gear.z for gear in comparison.gears)
     best, least = begun, _of_data(search.linear) - SMOOTHER
     for entry in ones:
-        if search.over:
-            break
+        columns = _columns(entry, comparison)
+        if search.over or _known(search, columns):
+            continue
         search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
         try:
             below = search.linear.system.misfit - SMOOTHER
-            leave(search, foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))]))
+            leave(search, columns)
             search.settle(below=below)
         except GearpolyError:
             search.restore(begun)
             continue
         left = _of_data(search.linear.under(noises))
         if left < least:
+            scope = search.model.scope
+            search.model.scope = replace(scope, smooth=scope.smooth | smooth_orders([(0, entry)], z=(z_1, z_2)))
             best, least = search.kept(), left
         search.restore(begun)
     search.restore(best)
