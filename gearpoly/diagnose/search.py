@@ -178,10 +178,13 @@ class Search(Exchange):
                 refused |= {best.claim.key} if looked else set()
                 continue
             first = best.claim.key
-            refused.add(first)
             chosen = likeliest(best, weighed)
+            if chosen is not None and chosen.claim.key in refused:
+                # What was likelier to first order did not stand, so nothing speaks against the candidate itself.
+                chosen = best
             looked = True  # where nothing changes, the next best of the same look is tried
-            if chosen is None or chosen.claim.key in refused - {first}:
+            if chosen is None:
+                refused.add(first)
                 continue
             best = chosen
             self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
