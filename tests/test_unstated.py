@@ -19,7 +19,15 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
 from gearpoly.diagnose.system import System
-from gearpoly.diagnose.teeth_scale import COARSEST, beyond_scale, gain_beside_any, spread_of, wider
+from gearpoly.diagnose.teeth_scale import (
+    COARSEST,
+    beside_finer,
+    beyond_scale,
+    gain_beside_any,
+    of_pitches,
+    spread_of,
+    wider,
+)
 from gearpoly.diagnose.unstated import (
     SEEN,
     _step,
@@ -34,8 +42,10 @@ from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.chain import closed_chain
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.infer.unknown import plainest_first
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
-from tests.physics_cases import Condition, recorded
+from tests.physics_cases import Condition, recorded, rough
 
 Z = 40
 KNOWN = 0.1
@@ -190,7 +200,37 @@ def test_teeth_that_keep_a_grade_are_as_fine_as_they_are_and_no_coarser(freedom:
             assert found == pytest.approx(apart, rel=2e-4)  # the last step of the quadrature counts by half
             assert found >= gain
     assert beyond_scale(29.0, spread=2.0 * freedom, freedom=freedom, stated=True) < 1.1 * 29.0
-    assert beyond_scale(3000.0, spread=freedom, freedom=freedom, stated=True) >= 3000.0  # where the tail underflows
+    # Where the tail comes near the end of doubles no ratio of it may be none.
+    for gain in range(1000, 2200, 2):
+        found = beyond_scale(float(gain), spread=0.5 * freedom, freedom=freedom, stated=True)
+        assert gain <= found < 1.1 * gain
+
+
+def test_the_likelihood_of_teeth_of_their_own_scale_is_that_of_their_mean_square(tmp_path: Path) -> None:
+    """n log(S / n) + n is the least of n log s^2 + S / s^2 over s, here searched on a grid up to the grade."""
+    file = rough((12, 16))
+    graded = {"driving": file.driving.model_copy(update={"inspection": None, "grade": 6})}
+    path = tmp_path / "pair.toml"
+    (one,) = recorded(file, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0)
+    known = file.model_copy(update=graded)
+    comparison = compare(known, [one], path=path)
+    model, waves = before_claims(known, comparison, path=path, method=Method(), budget=Budget(seconds=math.inf))
+    fit = Fit.begun(model, waves, lambda _: None)
+    claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=3, flank="drive"), values=(5.0,))
+    spread, n = spread_of(fit.linear, model, 0, beside=claim)
+    scale = np.exp(np.linspace(-6.0, 0.0, 60_001))
+
+    def least(squares: float) -> float:
+        return float(np.min(n * np.log(scale**2) + squares / scale**2))
+
+    for gain in (9.0, 25.0, 120.0):
+        assert beside_finer(fit.linear, model, claim, gain) == pytest.approx(
+            least(spread + gain) - least(spread), rel=1e-4
+        )
+        assert beside_finer(fit.linear, model, claim, gain) >= gain
+    assert of_pitches(model, claim)
+    crack = Claim(physics=catalogue()["tooth_crack"], place=Place(gear=0, tooth=3, flank="drive"), values=(1.0,))
+    assert not of_pitches(model, crack)  # teeth of no scale give more under load
 
 
 @pytest.mark.parametrize("wider_by", [1.0, 2.0])

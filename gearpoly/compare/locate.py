@@ -98,8 +98,6 @@ def locate(
         squares.append(float(np.var(r.residual)) * r.residual.size)
         turns.append(float(np.ptp(r.theta_1)) / (2.0 * math.pi))
         parts.append(_to_search(r, k=k, gears=gears, recordings=recordings, floor=floor))
-        # The searches need the room that a long one takes.
-        del r
     short = [one.data for one in parts]
     search = Search(short, gears, floor)
     solution = search.run(over)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.scan import Looked, polished, scan
+from gearpoly.diagnose.scan import Looked, columns_of, polished, scan
 from gearpoly.diagnose.teeth_scale import counted, of_pitches
 from gearpoly.diagnose.trial import POSSIBLE, Trial, Unexplained, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
@@ -57,7 +57,9 @@ def at_place(
     more = 0.0
     if of_pitches(model, first):
         # Teeth that are finer than their grade speak for it, as much as of whatever else is there.
-        more = 0.5 * (counted(linear, model, first, found[0].gain) - found[0].gain) / trial.dispersion
+        wider = linear.system.with_columns(columns_of(model, scenes, linear, replace(found[0], claim=first)))
+        gain = found[0].gain
+        more = 0.5 * (counted(replace(linear, system=wider), model, first, gain) - gain) / trial.dispersion
     explanations = [
         Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
         for claim in claims

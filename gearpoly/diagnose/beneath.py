@@ -34,18 +34,25 @@ KNOWN = 0.5
 """Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
 
 
-def waves_beneath(fit: Weigh, comparison: Comparison) -> bool:
-    """Fit the waves beside all else that stand out of what the ``fit`` leaves, each located where ``comparison`` says
+def waves_beneath(search: Search, comparison: Comparison) -> bool:
+    """Fit the waves beside all else that stand out of what a fit leaves, each located where ``comparison`` says
     how the recordings were laid; whether there are any.
 
     Teeth of a grade hide what is as small as their limits until they are fitted. What is left out then speaks against
     every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
     """
-    before = len(fit.model.strangers)
+    begun, before = search.kept(), len(search.model.strangers)
     for _ in range(LOOKS):
-        if not _fitted_anew(fit, comparison):
+        if not _fitted_anew(search, comparison):
             break
-    return len(fit.model.strangers) > before
+    if len(search.model.strangers) == before:
+        return False
+    try:
+        search.settle()
+    except GearpolyError:
+        search.restore(begun)  # gears jam where the fit would have them
+        return False
+    return True
 
 
 def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
@@ -55,8 +62,9 @@ def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
     aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
     found = False
     for wave in _by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
-        entry = wave[0][1]
-        if entry.moment is not None or not stands_out(entry, fit) or fit.over:
+        entries = [entry for _, entry in wave]
+        waves = all(entry.moment is None for entry in entries)
+        if fit.over or not waves or not any(stands_out(entry, fit) for entry in entries):
             continue
         columns = foreign_waves(comparison, wave)
         if not _slow(columns) and not _known(fit, columns):
@@ -77,7 +85,8 @@ def smooth_waves(search: Search, comparison: Comparison) -> bool:
     ones: dict[tuple[str | None, float | None], Entry] = {}
     # First what teeth of the grade cannot hold, then what they could.
     for one in (*located.entries, *located.where):
-        if _either(one, search) and not _known(search, _columns(one, comparison)):
+        lines = any(image.order in LINE_COUNTS for image in _images(one, search, comparison))
+        if _either(one, search) and not lines and not _known(search, _columns(one, comparison)):
             ones.setdefault((one.gear, one.order), one)
     strongest = list(ones.values())[:MOST]
     smooth = [_smooth(search, comparison, (one, *_images(one, search, comparison))) for one in strongest]
@@ -150,14 +159,14 @@ def _by_wave(found: Found) -> list[Found]:
 
 
 def _slow(columns: list[FloatArray]) -> bool:
-    """Whether the slowest of the waves (n_k, 2 q) turns less than ``CYCLES`` in a recording that has it."""
+    """Whether the waves (n_k, 2 q) turn less than ``CYCLES`` in the recording in which they turn most."""
     cycles = [
         np.ptp(np.unwrap(np.arctan2(one[:, at + 1], one[:, at]))) / (2.0 * np.pi)
         for one in columns
         for at in range(0, one.shape[1], 2)
         if np.any(one[:, at])
     ]
-    return not cycles or min(cycles) < CYCLES
+    return not cycles or max(cycles) < CYCLES
 
 
 def _known(fit: Weigh, columns: list[FloatArray]) -> bool:

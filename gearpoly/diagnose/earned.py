@@ -89,8 +89,7 @@ class _Weighing:
             if claim in named and claim.key not in self.plain:
                 self.plain[claim.key] = judge(
                     search.model, search.scenes, search.linear, k,
-                    refitted=(*self.refitted.get(claim.key, ()), *self.fitted.get(claim.key, ())),
-                    places=search.looked.own.get(claim.physics.name, 1),
+                    refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
                     without=search.rise_without(k), gone={one.claim.key for one in self.gone},
                 )  # fmt: skip
         return {claim.key: _doubted(claim, self.plain[claim.key], self.doubts.get(_tooth(claim))) for claim in named}
@@ -115,16 +114,23 @@ class _Weighing:
             return True
         gain = self.plain[stands.key].gain
         self.plain.clear()
-        if _stands_beside(search, stands, claim, gain=gain):
-            return True
-        # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
-        self._remember(claim, Refitted(claim=stands, behind=gained))
+        beside = _stands_beside(search, stands, claim, gain=gain)
+        if not beside:
+            # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
+            self._remember(claim, Refitted(claim=stands, behind=gained))
         if claim.physics.mean_tooth:
             # Nobody has asked yet what else may stand where this one does now.
             self.refitted = contest(search)
-        # What was believed beside the one may have no place beside the other.
-        search.withdraw()
+        if not beside:
+            # What was believed beside the one may have no place beside the other.
+            search.withdraw()
         return True
+
+    def _in_the_stead(self, claim: Claim) -> tuple[Refitted, ...]:
+        """What was fitted in the stead of a claim, but for what stands beside it now."""
+        there = {one.key for one in self.search.model.claims}
+        both = (*self.refitted.get(claim.key, ()), *self.fitted.get(claim.key, ()))
+        return tuple(one for one in both if one.claim.key not in there)
 
     def _remember(self, stands: Claim, other: Refitted) -> None:
         self.fitted[stands.key] = (*self.fitted.get(stands.key, ()), other)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from gearpoly.units import UM
+import numpy as np
+
+from gearpoly.units import UM, FloatArray
 
 FAINT = 0.012 * UM
 """mm rms. Effects below this are within what chords, contacts and interpolation leave of the simulation itself."""
@@ -36,3 +38,9 @@ CORNER = 0.2
 
 BESIDE_MESH = 2
 """Shaft orders beside a mesh order at which eccentric gears put what a law leaves of it."""
+
+
+def participation(effect: FloatArray) -> float:
+    """Part of the samples that count, were an ``effect`` (n,) as large in all of them: 1 over its kurtosis."""
+    fourth = float(np.sum(effect**4))
+    return float(np.sum(effect**2)) ** 2 / (fourth * effect.size) if fourth > 0.0 else 1.0

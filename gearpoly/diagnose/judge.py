@@ -135,8 +135,8 @@ def judge(
 
 def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
     """By how much a ``gain`` counts for less where teeth may make it whose scale nobody stated, or for more where they
-    are finer than the grade that they keep: nothing of what all teeth do, nor of what teeth of no scale can do. Of a
-    pit of 15 um, 2700 in misfit, no index deviation makes its edges."""
+    are finer than the grade that they keep. What all teeth do is not asked, and what no teeth of any scale can do
+    counts as it is: no index deviation makes the edges of a pit of 15 um, which gained 2700."""
     gear = claim.place.gear
     if gear is None or claim.physics.mean_tooth or not model.as_built.gears[gear].graded:
         return 0.0

@@ -225,8 +225,8 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Clai
 
 
 def _nearest(found: dict[tuple[float, int], float]) -> list[tuple[float, int]]:
-    """The places that may still be best after a first trial, of their misfits: few, and those that are nearly as good
-    as the best."""
+    """The places that may still be best after a first trial, of their misfits: few of those that are nearly as good as
+    the best."""
     most = HOPEFUL_PHASE * min(found.values(), default=math.inf)
     return sorted((one for one, misfit in found.items() if misfit <= most), key=lambda one: found[one])[:CLOSELY_EACH]
 

@@ -89,8 +89,7 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     search.step = watch.stage("search")
     if anew is None:
         smooth_waves(search, comparison)
-        if waves_beneath(search, comparison):
-            search.settle()
+        waves_beneath(search, comparison)
     first, begun = search.linear, without_columns(search.kept())
     looked_at = search.run() if anew is None else []
     stopped, budget = search.over, model.budget

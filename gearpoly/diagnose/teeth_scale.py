@@ -21,8 +21,14 @@ printed gear has. It only has to be wide; four times as much, and some fits end 
 
 
 WORTH_COUNTING = 8.0
-"""Gain in misfit from which on what it counts beside finer teeth is asked: that is three times as much at most, and 24
-is chance among a hundred places."""
+"""Gain in misfit from which on it is asked what it counts beside finer teeth: by chance one of a hundred places gains
+as much in one of ten recordings. What gains less has no name, however fine the teeth are."""
+
+PITCHES = frozenset({"tooth_pitch", "cumulative_pitch"})
+"""Physics that are index deviations and nothing else: teeth of another scale may have them."""
+
+TINY = 1e-280
+"""Part of the weight of scales beyond which figures of doubles end."""
 
 
 def is_unstated(model: Model, gear: int) -> bool:
@@ -33,29 +39,30 @@ def is_unstated(model: Model, gear: int) -> bool:
 
 def of_pitches(model: Model, claim: Claim) -> bool:
     """Whether a claim is about index deviations of a gear that nobody inspected, and of nothing else."""
-    place, physics = claim.place, claim.physics
-    alone = place.gear is not None and (place.tooth is not None or place.order is not None)
-    other = physics.mean_tooth or physics.shaped or physics.wavelike or physics.once_per_turn
-    return alone and not other and model.as_built.gears[place.gear or 0].graded
+    return claim.physics.name in PITCHES and model.as_built.gears[claim.place.gear or 0].graded
 
 
-def at_least(linear: Linear, model: Model, claim: Claim, gain: float) -> float:
-    """A ``gain`` in misfit of a ``claim``, or what it counts beside teeth that are finer than their grade."""
-    if gain < WORTH_COUNTING or not of_pitches(model, claim):
+def beside_finer(linear: Linear, model: Model, claim: Claim, gain: float) -> float:
+    """What a ``gain`` in misfit of a ``claim`` is where teeth may be finer than the grade that is stated, as large as
+    they come out: the ratio of likelihoods, each at its best scale. ``linear`` has the claim's columns."""
+    if is_unstated(model, claim.place.gear or 0):
         return gain
-    return max(gain, counted(linear, model, claim, gain))
+    spread, freedom = spread_of(linear, model, claim.place.gear or 0, beside=claim)
+
+    def least(squares: float) -> float:
+        return squares if squares >= freedom else freedom * math.log(squares / freedom) + freedom
+
+    return least(spread + gain) - least(spread)
 
 
 def counted(linear: Linear, model: Model, claim: Claim, gain: float, *, beside_any: float = 0.0) -> float:
     """What a ``gain`` in misfit of a ``claim`` about the teeth of a graded gear counts, of which ``beside_any`` is what
-    it gains beside teeth of any scale: less where nobody stated their grade, more where they are finer than it."""
+    it gains beside teeth of any scale: less where nobody stated their grade, more where they are finer than it.
+    ``linear`` has the claim's columns."""
     gear = claim.place.gear
     assert gear is not None
     scaled = min(gain, max(0.0, gain - beside_any))
-    spread, freedom = spread_of(linear, model, gear)
-    if all(one.key != claim.key for one in model.claims):
-        # The teeth have it so far, as far as they can.
-        spread, freedom = max(1.0, spread - scaled), max(1.0, freedom - len(claim.values))
+    spread, freedom = spread_of(linear, model, gear, beside=claim)
     return gain - scaled + beyond_scale(scaled, spread=spread, freedom=freedom, stated=not is_unstated(model, gear))
 
 
@@ -68,26 +75,33 @@ def beyond_scale(gain: float, *, spread: float, freedom: float, stated: bool = F
     n log S in the stead of S, and the gain n log(1 + gain / S), as in Student's density (Box and Tiao 1973, 2.4). Where
     the limits were taken too narrow, the teeth have more spread than freedoms and the gain counts for less; where too
     wide, for more. A gear that keeps its grade may be as much finer as it likes, and no coarser: the integral then ends
-    at the grade, and beyond it what is left is the gain itself (the incomplete gamma function; derived here).
+    at the grade, and far beyond it the gain counts for hardly more than it is (the incomplete gamma function; derived
+    here).
     """
     plain = freedom * math.log1p(gain / spread)
     if not stated:
         return plain
     within = [float(gammaincc(0.5 * freedom, 0.5 * one)) for one in (spread, spread + gain)]
     # Far beyond the limit all the weight is at it, where the gain counts as it is.
-    return max(gain, plain + 2.0 * math.log(within[0] / within[1])) if within[1] > 0.0 else gain
+    if min(within) < TINY:
+        return gain
+    return max(gain, plain + 2.0 * (math.log(within[0]) - math.log(within[1])))
 
 
-def spread_of(linear: Linear, model: Model, gear: int) -> tuple[float, float]:
+def spread_of(linear: Linear, model: Model, gear: int, *, beside: Claim | None = None) -> tuple[float, float]:
     """Sum of squares of the index deviations of a gear over what their prior takes them to be, as it is expected after
-    the fit, and its degrees of freedom: the teeth of every flank less the coordinates of the claims about them."""
+    the fit, and its degrees of freedom: the teeth of every flank less the coordinates of the claims about them, and of
+    one ``beside`` them that ``linear`` has the columns of."""
     teeth, start = model.as_built, linear.layout.built.start
     z = teeth.gears[gear].z
     at = np.concatenate([start + teeth.start(flank, gear) + np.arange(z) for flank in teeth.flanks])
     known = linear.system.precision[np.ix_(at, at)]
     pitch, covariance = linear.system.solution[at], linear.system.covariance[np.ix_(at, at)]
     spread = float(pitch @ known @ pitch) + float(np.sum(known * covariance))
-    mine = [one for one in model.claims if one.place.gear == gear and not one.physics.mean_tooth]
+    claims = list(model.claims)
+    if beside is not None and all(one.key != beside.key for one in claims):
+        claims.append(beside)
+    mine = [one for one in claims if one.place.gear == gear and not one.physics.mean_tooth]
     taken = sum(1 if one.place.tooth is not None else len(one.values) for one in mine)
     return max(spread, 1.0), max(1.0, float(at.size - taken))
 

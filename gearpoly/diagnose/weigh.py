@@ -17,6 +17,7 @@ from gearpoly.diagnose.fidelity import (
     MEAN_TOOTH_BY_LAWS,
     OF_DEVIATIONS,
     OTHERS_BY_LAWS,
+    participation,
 )
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.late import by_clock
@@ -24,7 +25,7 @@ from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.scan import KNOWN, Candidate, Looked, columns_of, together
 from gearpoly.diagnose.softness import Softness
 from gearpoly.diagnose.system import System
-from gearpoly.diagnose.teeth_scale import at_least
+from gearpoly.diagnose.teeth_scale import WORTH_COUNTING, beside_finer, of_pitches
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
@@ -101,13 +102,19 @@ class Weigh(Softness):
             return False
         if self.graded(one):
             return False
-        honest = replace(
-            one, gain=at_least(self.linear, self.model, one.claim, one.gain) / max(1.0, self.linear.system.whiteness)
-        )
+        honest = replace(one, gain=self.counted(one) / max(1.0, self.linear.system.whiteness))
         if honest.log_chance(tests=self.looked.tests(one.claim)) >= math.log(FAMILY):
             return False
         floors = self.law_floor(one), self.reading_floor(one), self.least(one), self.clock_floor(one)
         return self.size(one) > max(floors)
+
+    def counted(self, one: Candidate) -> float:
+        """The gain of a candidate, beside teeth that may be finer than their grade."""
+        if one.gain < WORTH_COUNTING or not of_pitches(self.model, one.claim):
+            return one.gain
+        columns, system = self.beside(one)
+        linear = replace(self.linear, system=system.with_columns(columns))
+        return beside_finer(linear, self.model, one.claim, one.gain)
 
     def sudden(self, one: Candidate) -> bool:
         """Whether what a slow candidate explains may as well have happened at once."""
@@ -351,9 +358,3 @@ class Weigh(Softness):
         if any(size <= low or (size >= high and not fixed) for size, (low, high) in zip(sizes, bounds, strict=True)):
             return 0.0
         return system.without(self.linear.layout.places(k)).misfit - system.misfit
-
-
-def participation(effect: FloatArray) -> float:
-    """Part of the samples that count, were an ``effect`` (n,) as large in all of them: 1 over its kurtosis."""
-    fourth = float(np.sum(effect**4))
-    return float(np.sum(effect**2)) ** 2 / (fourth * effect.size) if fourth > 0.0 else 1.0

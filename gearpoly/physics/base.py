@@ -94,8 +94,8 @@ class Scope:
         its order is 1, stated or not; ``by_teeth``: teeth make it, with side bands of the mesh.
 
         A worm that turns with the driven gear makes waves at every whole order of its own, as large as the pair's, and
-        so does any other part of the drive that the pair file states: a wave there is located, and named of neither,
-        unless teeth make it and it stands beside a smooth one that is fitted.
+        so does any other part of the drive that the pair file states: a wave there is located, and named of neither.
+        Beside another part, but no worm, what teeth make may be named where a smooth wave is fitted as well.
         """
         order = 1 if once else place.order
         if order is None:
