@@ -246,6 +246,10 @@ def test_a_sheet_is_recognised_beside_waves_of_the_shaft() -> None:
     assert not teeth(waves + rng.normal(0.0, 0.2, 24), sheet, uncertainty=0.2).contradicted
     other = [teeth(rng.normal(0.0, 3.0, 24) - one, one) for one in rng.normal(0.0, 3.0, (300, 24))]
     assert sum(one.recognised for one in other) <= 7
+    # Of a sheet that is the gear's all is there, of another's that is alike by chance a part.
+    apart = sheet - np.mean(sheet)
+    for part, own in ((0.4, False), (0.6, True)):
+        assert teeth((part - 1.0) * apart, apart).recognised is own
     # An empty sheet is like nothing.
     assert not teeth(waves, np.zeros(24)).recognised
 
