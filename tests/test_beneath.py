@@ -86,6 +86,7 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     assert smooth_waves(search, comparison)
     own = 2.0 / Z[0] * abs(np.fft.fft(PITCH)[2])
     assert amplitude(search) == pytest.approx(14.0, abs=own)
+    assert search.model.scope.smooth == {(0, 2)}
 
     pitch = 14.0 * np.cos(2.0 * 2.0 * np.pi / Z[0] * np.arange(Z[0]))
     made = graded(pitch.round(3).tolist())
@@ -94,3 +95,4 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     assert any(one.order == 2.0 and one.gear == "driving" for one in comparison.located.entries)
     assert not smooth_waves(search, comparison)
     assert search.model.strangers == ()
+    assert search.model.scope.smooth == frozenset()

@@ -56,7 +56,7 @@ def at_place(
     ).at(first, size=ordinary_rms(first, derivatives(model, scenes, first), effect), effect=effect)
     more = 0.0
     if of_pitches(model, first):
-        # Teeth that are finer than their grade speak for it, as much as of whatever else is there.
+        # Beside teeth finer than their grade it stands out by more, and so does any other cause there.
         wider = linear.system.with_columns(columns_of(model, scenes, linear, replace(found[0], claim=first)))
         gain = found[0].gain
         more = 0.5 * (counted(replace(linear, system=wider), model, first, gain) - gain) / trial.dispersion

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.foreign import Found, foreign_entries, foreign_waves, smooth_orders
+from gearpoly.diagnose.foreign import by_wave, foreign_entries, foreign_waves, smooth_orders
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
 from gearpoly.diagnose.search import Search
@@ -65,7 +65,7 @@ def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
     located = locate_residuals(fit, comparison, left, over=lambda: fit.over)
     aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
     found = False
-    for wave in _by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
+    for wave in by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
         entries = [entry for _, entry in wave]
         waves = all(entry.moment is None for entry in entries)
         if fit.over or not waves or not any(stands_out(entry, fit) for entry in entries):
@@ -124,8 +124,8 @@ def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bo
     """Whether one of some waves that teeth show alike is fitted as a smooth one now, the best of them."""
     if search.linear.system.beyond < SMOOTHER:
         return False
-    begun, noises, z_1, z_2 = search.kept(), search.noises, *(gear.z for gear in comparison.gears)
-    best, least = begun, _of_data(search.linear) - max(SMOOTHER, PART * search.linear.system.beyond)
+    begun, noises = search.kept(), search.noises
+    best, smooth, least = begun, None, _of_data(search.linear) - max(SMOOTHER, PART * search.linear.system.beyond)
     for entry in ones:
         columns = _columns(entry, comparison)
         if search.over or _known(search, columns):
@@ -140,26 +140,21 @@ def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bo
             continue
         left = _of_data(search.linear.under(noises))
         if left < least:
-            scope = search.model.scope
-            search.model.scope = replace(scope, smooth=scope.smooth | smooth_orders([(0, entry)], z=(z_1, z_2)))
-            best, least = search.kept(), left
+            best, smooth, least = search.kept(), entry, left
         search.restore(begun)
+    if smooth is None:
+        return False
     search.restore(best)
-    return best is not begun
+    z_1, z_2 = (gear.z for gear in comparison.gears)
+    scope = search.model.scope
+    search.model.scope = replace(scope, smooth=scope.smooth | smooth_orders([(0, smooth)], z=(z_1, z_2)))
+    return True
 
 
 def _of_data(linear: Linear) -> float:
     """Misfit of the samples alone: what a grade says of teeth is no word against the teeth of a gear that it is not
     of."""
     return linear.system.misfit - linear.system.strain
-
-
-def _by_wave(found: Found) -> list[Found]:
-    """The same by what is one wave: in one recording or in all."""
-    each: dict[int, Found] = {}
-    for k, entry in found:
-        each.setdefault(-1 if entry.together else id(entry), []).append((k, entry))
-    return list(each.values())
 
 
 def _slow(columns: list[FloatArray]) -> bool:

@@ -198,6 +198,19 @@ def smooth_orders(entries: Found, *, z: tuple[int, int]) -> frozenset[tuple[int,
     return frozenset(out)
 
 
+def by_wave(entries: Found) -> list[Found]:
+    """The entries of each wave, in one recording or in several; those of one train are one."""
+    each: dict[int, Found] = {}
+    for one in entries:
+        each.setdefault(_wave(one[1]), []).append(one)
+    return list(each.values())
+
+
+def _wave(entry: Entry) -> int:
+    """Which wave an entry is of."""
+    return -1 if entry.together else id(entry)
+
+
 def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
     """The columns of `foreign_waves` of each wave that no gear pair and no encoder makes, a cosine and a sine for every
     recording; those of one train are one."""
@@ -205,7 +218,7 @@ def strangers(entries: Found) -> tuple[tuple[int, ...], ...]:
     at = 0
     for _, entry in entries:
         if entry.moment is None:
-            found.setdefault(-1 if entry.together else id(entry), []).extend((at, at + 1))
+            found.setdefault(_wave(entry), []).extend((at, at + 1))
         at += _width(entry)
     return tuple(tuple(one) for one in found.values())
 

@@ -21,8 +21,8 @@ printed gear has. It only has to be wide; four times as much, and some fits end 
 
 
 WORTH_COUNTING = 8.0
-"""Gain in misfit from which on it is asked what it counts beside finer teeth: by chance one of a hundred places gains
-as much in one of ten recordings. What gains less has no name, however fine the teeth are."""
+"""Gain in misfit from which on it is asked what it counts beside finer teeth: one place in 200 gains as much by chance
+(chi-square of one freedom), one of a hundred in every third recording. What gains less has no name, however fine."""
 
 PITCHES = frozenset({"tooth_pitch", "cumulative_pitch"})
 """Physics that are index deviations and nothing else: teeth of another scale may have them."""
