@@ -73,6 +73,15 @@ def test_an_eccentricity_or_one_tooth_off_its_place_says_nothing_of_the_others()
     assert seen(off) == 0.0
 
 
+def test_teeth_of_six_times_their_doubt_are_seen_and_what_wanders_is_not() -> None:
+    """Printed teeth beneath coarse noise stood out by 4.7 and 5.9 times their doubt; a telescope's wander by 3.0."""
+    rng = np.random.default_rng(5)
+    found = [seen(rng.normal(0.0, 6.0 * KNOWN, Z)) for _ in range(50)]
+    assert np.mean(np.array(found) > 0.0) > 0.9
+    assert np.median(found) == pytest.approx(6.0 * math.sqrt(2.0) * KNOWN, rel=0.1)
+    assert max(seen(rng.normal(0.0, 2.0 * KNOWN, Z)) for _ in range(50)) == 0.0
+
+
 @pytest.mark.parametrize("order", [2, 4])
 @pytest.mark.parametrize("z", [18, 36])
 def test_a_pitch_wave_says_nothing_of_the_other_teeth(order: int, z: int) -> None:
