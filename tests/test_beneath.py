@@ -15,6 +15,7 @@ from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.system import System
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM
@@ -96,3 +97,14 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     assert not smooth_waves(search, comparison)
     assert search.model.strangers == ()
     assert search.model.scope.smooth == frozenset()
+
+
+def test_where_a_tooth_is_claimed_a_smooth_wave_is_asked_with_nothing_left_beyond_noise(
+    plain: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Noise that was estimated along may hold what teeth cannot do of a smooth wave."""
+    monkeypatch.setattr(System, "beyond", 0.0)
+    search, comparison = searched(graded(), with_wave(plain, order=2.0, amplitude_um=14.0), tmp_path / "pair.toml")
+    assert not smooth_waves(search, comparison)
+    assert smooth_waves(search, comparison, least=0.0)
+    assert search.model.scope.smooth == {(0, 2)}

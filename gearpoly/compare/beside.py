@@ -14,6 +14,7 @@ from gearpoly.compare.angles import smoothed
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_rate
 from gearpoly.compare.locate import Located
+from gearpoly.compare.other_pair import OtherPair
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
@@ -157,7 +158,8 @@ class Aligned:
 class Beside:
     """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
     what had to be assumed, ``parts`` what else turns in the drive, ``worm`` what the driven gear turns in a
-    telescope, ``scale`` what one reading was times the truth, before it was taken out."""
+    telescope, ``scale`` what one reading was times the truth, before it was taken out, ``another`` the pair whose teeth
+    show in the stead of the declared ones."""
 
     name: str
     assembled: Assembled
@@ -168,6 +170,7 @@ class Beside:
     parts: tuple[Part, ...] = ()
     worm: WormSection | None = None
     scale: Scale | None = None
+    another: OtherPair | None = None
 
     def named(self, entries: Sequence[Entry]) -> tuple[Entry, ...]:
         """The ``entries`` with the other parts of the drive that have a line there."""

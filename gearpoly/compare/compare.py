@@ -21,7 +21,7 @@ from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.read_late import on_one_clock
-from gearpoly.compare.remarks import remarks, scale_remarks
+from gearpoly.compare.remarks import of_other_teeth, remarks, scale_remarks
 from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -167,15 +167,18 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         _known(file.driving, file, alignment.zeros.driving, shafts.direction_1),
         _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
     )
+    parts = parts_of(file.also_turns, z_1=z_1, z_2=z_2)
+    another = of_other_teeth(aligned, parts, z=(z_1, z_2))
     return Beside(
         name=file.name,
         assembled=assembled,
         aligned=aligned,
         alignment=alignment,
         gears=gears,
-        remarks=(*jam_remarks(pair), *scale_remarks(scale), *remarks(file, aligned, alignment, base)),
+        remarks=(*jam_remarks(pair), *scale_remarks(scale, another), *remarks(file, aligned, alignment, base)),
         scale=scale,
-        parts=parts_of(file.also_turns, z_1=z_1, z_2=z_2),
+        another=another,
+        parts=parts,
         worm=file.worm,
     )
 
@@ -346,12 +349,7 @@ def _known(section: GearSection, file: PairFile, zero: float | None, direction: 
     mine = gears[0 if section is file.driving else 1]
     limits = stated_limits(section, mine, a=tight_centre_distance(*gears))
     return GearKnown(
-        z=section.teeth,
-        f_pT=limits.f_pT,
-        F_pT=limits.F_pT,
-        f_HalphaT=limits.f_HalphaT,
-        zero=zero,
-        direction=direction,
+        z=section.teeth, f_pT=limits.f_pT, F_pT=limits.F_pT, f_HalphaT=limits.f_HalphaT, zero=zero, direction=direction
     )
 
 

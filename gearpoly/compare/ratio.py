@@ -92,7 +92,7 @@ def explanations(these: Sequence[Travelled], *, z_1: int, z_2: int) -> list[Expl
     and other pairs of teeth of that ratio."""
     ratio = float(np.average([one.ratio for one in these], weights=[one.std**-2 for one in these]))
     std = 1.0 / math.sqrt(sum(one.std**-2 for one in these))
-    lines = [_Lines(one) for one in these]
+    lines = [_lines_of(one) for one in these]
     stated, highest = z_1 / z_2, int(ORDERS * max(z_1, z_2))
 
     def odds(mesh: float, driving: float, driven: float) -> float:
@@ -129,13 +129,18 @@ def other_teeth(ratio: float, tolerance: float) -> list[tuple[int, int]]:
     return [(a, b) for a, b in found if low <= b <= high and abs(a / b / ratio - 1.0) <= tolerance]
 
 
-class _Lines:
-    """Power of the transmission error over that of the background, at any order of the driving shaft's reading."""
+def _lines_of(one: Travelled) -> Lines:
+    """The lines of a recording, at orders of the driving shaft's reading."""
+    turns = one.cleaned.theta_1 / (one.factor * TURN)
+    return Lines(turns, one.cleaned.theta_2 - one.ratio * TURN * turns)
 
-    def __init__(self, one: Travelled) -> None:
-        turns = one.cleaned.theta_1 / (one.factor * TURN)
+
+class Lines:
+    """Power of a transmission error ``te`` (n,) over that of the background, at any order of the shaft whose ``turns``
+    (n,) were read."""
+
+    def __init__(self, turns: FloatArray, te: FloatArray) -> None:
         self.length = float(np.ptp(turns))
-        te = one.cleaned.theta_2 - one.ratio * TURN * turns
         x = (turns - turns[0]) / self.length * 2.0 - 1.0
         slow = np.polynomial.legendre.legvander(x, SLOW)
         te = te - slow @ np.linalg.lstsq(slow, te, rcond=None)[0]
@@ -149,12 +154,17 @@ class _Lines:
         self.power = power / (background + leaked)
 
     def evidence(self, orders: FloatArray, present: float) -> float:
-        """Log evidence of lines at ``orders`` (k,) of the driving reading, against none at any: a line is there with
-        probability ``present``, its power then exponential about ``STRENGTH``."""
+        """Log evidence of lines at ``orders`` (k,), against none at any."""
+        return float(np.sum(self.each(orders, present)))
+
+    def each(self, orders: FloatArray, present: float, *, most: float = math.inf) -> FloatArray:
+        """Log evidence (m,) of a line at each of ``orders`` (k,) that the recording can show, against none there: it is
+        there with probability ``present``, its power then exponential about ``STRENGTH``; ``most``: its log evidence
+        at most."""
         place = np.rint(orders / self.step).astype(np.int64)
         place = place[(orders > 1.5 / self.length) & (place < self.power.size)]
-        there = self.power[place] * STRENGTH / (1.0 + STRENGTH) - math.log1p(STRENGTH)
-        return float(np.sum(np.logaddexp(math.log1p(-present), math.log(present) + there)))
+        there = np.minimum(self.power[place] * STRENGTH / (1.0 + STRENGTH) - math.log1p(STRENGTH), most)
+        return np.asarray(np.logaddexp(math.log1p(-present), math.log(present) + there))
 
     def odds(self, mesh: float, driving: float, driven: float, highest: int) -> float:
         """Log odds of lines at multiples of the orders ``mesh``, of a ``driving`` and of a ``driven`` turn, of these as

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from gearpoly.compare.beside import COARSE, Aligned
+from gearpoly.compare.other_pair import OtherPair, other_pair
+from gearpoly.compare.ratio import Lines
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.stated import speed_remarks
 from gearpoly.compare.zeros import Alignment, Base
 from gearpoly.files.models import PairFile
+from gearpoly.keys.also_turns import Part
+from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, NM, UM
 
 VARIES = 0.02
@@ -70,8 +75,10 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
     return out
 
 
-def scale_remarks(scale: Scale | None) -> Iterator[str]:
-    """Which reading was wrong, where one was, and how its size is known."""
+def scale_remarks(scale: Scale | None, another: OtherPair | None) -> Iterator[str]:
+    """Which reading was wrong, where one was, and how its size is known; or which pair shows in the stead of this."""
+    if another is not None:
+        yield another.says
     if scale is not None:
         yield scale.says
         if scale.by_recording:
@@ -96,3 +103,20 @@ def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:
             "line of action, "
             + ("and in samples so even it makes waves of any order of either shaft" if one.stepped else "as noise")
         )
+
+
+def of_other_teeth(aligned: Sequence[Aligned], parts: Sequence[Part], *, z: tuple[int, int]) -> OtherPair | None:
+    """Whether recordings of ``z`` declared teeth are of other ones, where one shaft was read and the rig computed the
+    transmission error; where both were read their travels tell."""
+    read = {_read(one.cleaned.recording) for one in aligned}
+    if len(read) != 1 or (shaft := read.pop()) is None:
+        return None
+    turns = ((one.estimated[0] if shaft == 0 else one.theta_2) / (2.0 * math.pi) for one in aligned)
+    lines = [Lines(along, one.recorded) for along, one in zip(turns, aligned, strict=True)]
+    return other_pair(lines, read=shaft, z=z, parts=parts)
+
+
+def _read(recording: Recording) -> int | None:
+    """The only shaft that was read where the rig computed the transmission error; None of any other recording."""
+    there = recording.driving_angle_rad is not None, recording.driven_angle_rad is not None
+    return int(there[1]) if recording.computed and sum(there) == 1 else None

@@ -63,7 +63,7 @@ def _less_claims(search: Search, comparison: Comparison) -> list[FloatArray]:
     """What recordings and declared simulation differ by, less what the claims change (n_k,), in mm."""
     out = [one.residual.copy() for one in comparison.aligned]
     for claim in search.model.claims:
-        for rest, changed in zip(out, search.model.change(search.scenes, claim, claim.values), strict=True):
+        for rest, changed in zip(out, search.model.change(search.scenes, claim, claim.values, but=claim), strict=True):
             rest -= changed
     return out
 

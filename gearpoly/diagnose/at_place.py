@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from gearpoly.diagnose.linear import Linear, derivatives
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Looked, columns_of, polished, scan
 from gearpoly.diagnose.teeth_scale import counted, of_pitches
-from gearpoly.diagnose.trial import POSSIBLE, Trial, Unexplained, ordinary_rms
+from gearpoly.diagnose.trial import POSSIBLE, Trial, Unexplained, drawn_of, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, weighed
 from gearpoly.infer.prior import same_place, share_of_causes, unknown_share
 from gearpoly.physics.base import Claim, Physics
@@ -47,27 +47,34 @@ def at_place(
             best[one.claim.key] = polished(model, scenes, linear, one).claim if near else one.claim
     if not best:
         return None
-    claims = list(best.values())
-    first = claims[0]
+    tried = ((claim, drawn_of(model, scenes, claim)) for claim in best.values())
+    shown = [(claim, drawn) for claim, drawn in tried if drawn is not None]
+    if not shown:
+        return None
+    first, (columns, effect) = shown[0]
     weights = share_of_causes(first, (Claim(physics=physics, place=place, values=()) for physics, place in possible))
-    effect = model.change(scenes, first, first.values)
     trial, without_cause = Trial(
         others=model, scenes=scenes, linear=linear, plain=linear.system, dispersion=max(1.0, linear.system.whiteness)
-    ).at(first, size=ordinary_rms(first, derivatives(model, scenes, first), effect), effect=effect)
+    ).at(first, size=ordinary_rms(first, columns, effect), effect=effect)
     more = 0.0
     if of_pitches(model, first):
         # Beside teeth finer than their grade it stands out by more, and so does any other cause there.
-        wider = linear.system.with_columns(columns_of(model, scenes, linear, replace(found[0], claim=first)))
-        gain = found[0].gain
+        best_of = next(one for one in found if one.claim.key == first.key)
+        wider = linear.system.with_columns(columns_of(model, scenes, linear, replace(best_of, claim=first)))
+        gain = best_of.gain
         more = 0.5 * (counted(replace(linear, system=wider), model, first, gain) - gain) / trial.dispersion
     explanations = [
-        Explanation(claim=claim, log_evidence=trial.of(claim), weight=weights[claim.physics.name, claim.place.gear])
-        for claim in claims
+        Explanation(
+            claim=claim,
+            log_evidence=trial.of_drawn(claim, *drawn),
+            weight=weights[claim.physics.name, claim.place.gear],
+        )
+        for claim, drawn in shown
         if same_place(claim, first)
     ]
     unknown = trial.explanations(without_cause)
     every = [replace(one, log_evidence=one.log_evidence + more) for one in (*explanations, *unknown)]
-    share = max(unknown_share(claim, model.scope) for claim in claims)
+    share = max(unknown_share(claim, model.scope) for claim, _ in shown)
     places = looked.own.get(first.physics.name, 1)
     return Weighed(
         posterior=weighed(every, unknown_share=share, places=places),

@@ -77,9 +77,9 @@ def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
     return found
 
 
-def smooth_waves(search: Search, comparison: Comparison) -> bool:
+def smooth_waves(search: Search, comparison: Comparison, *, least: float = SMOOTHER) -> bool:
     """Fit the strongest waves of whole orders that ``comparison`` located as smooth ones of no cause, where that fits
-    better than teeth which make them; whether there are any.
+    better than teeth which make them; whether there are any. Asked where at ``least`` so much is left beyond noise.
 
     Teeth hand over from pair to pair, so what they have comes with side bands of the mesh, and about teeth that have
     settled for a wave no straight line leads back. Of 10 um of another wheel, twice per turn, pits of two teeth were
@@ -87,6 +87,8 @@ def smooth_waves(search: Search, comparison: Comparison) -> bool:
     """
     located = comparison.located
     ones: dict[tuple[str | None, float | None], Entry] = {}
+    if search.linear.system.beyond < least:
+        return False
     # First what teeth of the grade cannot hold, then what they could.
     for one in (*located.entries, *located.where):
         lines = any(image.order in LINE_COUNTS for image in _images(one, search, comparison))
@@ -122,8 +124,6 @@ def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
 
 def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bool:
     """Whether one of some waves that teeth show alike is fitted as a smooth one now, the best of them."""
-    if search.linear.system.beyond < SMOOTHER:
-        return False
     begun, noises = search.kept(), search.noises
     best, smooth, least = begun, None, _of_data(search.linear) - max(SMOOTHER, PART * search.linear.system.beyond)
     for entry in ones:

@@ -22,16 +22,19 @@ TEETH_MET = 0.75
 """Part of its teeth that have to be near the pitch point in some sample, or a fit makes up those between. Of 36 of 72
 teeth that a dividing head stopped at, and of 37 readings per turn of 74, sound gears broke three limits."""
 
+OF_ANOTHER = "shows nowhere: the lines are those of another pair, and no grade is told"
+"""What is told of a gear in the stead of its grade where the recordings are of other teeth."""
+
 FAR = 4.0
 """Standard deviations beyond which a tooth contradicts its inspection: one of 43 does by chance in 400 sets."""
 
 
 def built_gears(
-    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = ()
+    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = (), theirs: bool = True
 ) -> tuple[BuiltGear, BuiltGear]:
     """Both gears, driving first; ``left``: the rms of unseen samples over what is expected of it; ``unearned`` what did
-    not earn its name."""
-    unsure = _why_unsure(left, unearned)
+    not earn its name; ``theirs``: whether the recordings are of this pair."""
+    unsure = _why_unsure(left, unearned) if theirs else OF_ANOTHER
     return _built(search, file, 0, unsure), _built(search, file, 1, unsure)
 
 

@@ -109,7 +109,8 @@ def diagnose(
     watch.stage("leftovers")("looking for what is left")
     left_over = (*_places(search, comparison, found, unearned), *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
-    if found.anew is not None or back or (not left_over and not findings and after.unseen > LEFT * noise):
+    aside = found.anew is not None or comparison.another is not None
+    if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
         left_over = comparison.located.entries[:FOREMOST]
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
@@ -120,7 +121,8 @@ def diagnose(
     elif left_over:
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
-    built = built_gears(search, file, left=after.unseen / max(expected, 1e-12), unearned=unearned)
+    left = after.unseen / max(expected, 1e-12)
+    built = built_gears(search, file, left=left, unearned=unearned, theirs=comparison.another is None)
     everything = list(range(found.start.system.size))
     return Diagnosis(
         comparison=comparison,

@@ -13,6 +13,7 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
 from gearpoly.diagnose.system import Sums, System
+from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM
 from gearpoly.infer.prior import FORM
 from gearpoly.infer.unknown import tooth_hats
@@ -173,9 +174,18 @@ def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatA
     for k, quantity in enumerate(claim.physics.coordinates):
         most = quantity.most(model.scope, claim.place)
         step = quantity.step if claim.values[k] + quantity.step <= most else -quantity.step
-        values: Values = (*claim.values[:k], claim.values[k] + step, *claim.values[k + 1 :])
-        for mine, there, here in zip(out, model.change(scenes, claim, values, but=claim), base, strict=True):
-            mine.append((there - here) / step)
+
+        def stepped(k: int, step: float) -> list[FloatArray]:
+            values: Values = (*claim.values[:k], claim.values[k] + step, *claim.values[k + 1 :])
+            changes = model.change(scenes, claim, values, but=claim)
+            return [(there - here) / step for there, here in zip(changes, base, strict=True)]
+
+        try:
+            columns = stepped(k, step)
+        except GearpolyError:  # one step farther teeth bend too far, or jam
+            columns = stepped(k, -step)
+        for mine, column in zip(out, columns, strict=True):
+            mine.append(column)
     return [np.column_stack(mine) for mine in out]
 
 

@@ -15,6 +15,7 @@ from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.unearned import Unearned
+from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed
 from gearpoly.physics.base import Claim, Scope
@@ -192,6 +193,14 @@ class Model:
         others = self.file(but=but)
         with_, without = (self.assembled(physics.write(others, place, v)) for v in (values, nothing))
         return each(lambda scene: _again(scene, with_) - _again(scene, without), scenes)
+
+    def changed(self, scenes: list[Scene], claim: Claim) -> list[FloatArray] | None:
+        """What a claim that is not believed changes (n,) in mm in every scene; None where gears cannot run with it:
+        teeth bend too far, or jam."""
+        try:
+            return self.change(scenes, claim, claim.values)
+        except GearpolyError:
+            return None
 
     def drawn_without(self, claim: Claim, scenes: list[Scene]) -> list[Scene]:
         """``scenes`` without a ``claim``: where a tooth has lost contact over it, nothing else shows that the tooth may

@@ -37,7 +37,7 @@ class Searched:
     """A ``search`` that has come to its end: the ``comparison`` with the teeth where it has them, the system at its
     ``start`` and the state that it had ``begun`` in, the candidates of its last look, ``looked_at``, what was
     ``refitted`` in the stead of its claims, what was ``assumed`` on the way; ``anew``: what was mounted anew between
-    recordings, so that nothing was looked for; ``stopped``: time was over."""
+    recordings, so that nothing was looked for, as where they are of another pair; ``stopped``: time was over."""
 
     search: Search
     comparison: Comparison
@@ -87,11 +87,21 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     anew = remounted(model, search.linear, deflection=search.deflection)
     comparison = _placed_alike(start.comparison, search)
     search.step = watch.stage("search")
-    if anew is None:
+    theirs = anew is None and comparison.another is None
+    if theirs:
         smooth_waves(search, comparison)
         waves_beneath(search, comparison)
     first, begun = search.linear, without_columns(search.kept())
-    looked_at = search.run() if anew is None else []
+    looked_at = search.run() if theirs else []
+    if any(one.place.tooth is not None for one in search.model.claims):
+        # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
+        end = search.kept()
+        search.restore(begun)
+        if smooth_waves(search, comparison, least=0.0):
+            first, begun = search.linear, without_columns(search.kept())
+            looked_at = search.run()
+        else:
+            search.restore(end)
     stopped, budget = search.over, model.budget
     model.budget = budget.further
     search.step = watch.stage("rivals")

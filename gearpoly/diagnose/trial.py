@@ -11,6 +11,7 @@ import numpy as np
 from gearpoly.diagnose.linear import KNOTS, Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.posterior import Explanation, Sized
 from gearpoly.infer.prior import FORM, order_of
@@ -38,6 +39,15 @@ class Unexplained:
     wider: bool = False
 
 
+def drawn_of(model: Model, scenes: list[Scene], claim: Claim) -> tuple[list[FloatArray], list[FloatArray]] | None:
+    """Derivatives (n_k, q) and effect (n_k,) in mm of a claim beside the state of a ``model``; None where gears cannot
+    run with it, as teeth that bend too far."""
+    try:
+        return derivatives(model, scenes, claim), model.change(scenes, claim, claim.values)
+    except GearpolyError:
+        return None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
     """What explanations of one place are weighed with: the state ``others`` without the claim there, ``scenes`` of the
@@ -60,9 +70,13 @@ class Trial:
         return sized.log_evidence(self.plain.scores, dispersion=self.dispersion)
 
     def of(self, claim: Claim) -> float:
-        """Log evidence of a claim that is not in the state, to first order about its values."""
-        columns = derivatives(self.others, self.scenes, claim)
-        effect = self.others.change(self.scenes, claim, claim.values)
+        """Log evidence of a claim that is not in the state, to first order about its values; none at all where gears
+        cannot run with it."""
+        drawn = drawn_of(self.others, self.scenes, claim)
+        return -math.inf if drawn is None else self.of_drawn(claim, *drawn)
+
+    def of_drawn(self, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> float:
+        """The same of a claim by its derivatives (n_k, q) in mm and what it changes (n_k,)."""
         return self.either_form(self.sized(claim, columns, effect, loose=loose) for loose in (False, True))
 
     def either_form(self, ways: Iterable[Sized]) -> float:

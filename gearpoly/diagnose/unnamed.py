@@ -56,12 +56,13 @@ def is_weighed(claim: Claim) -> bool:
 
 
 def weigh_at(fit: Weigh, best: Candidate) -> Weighed | None:
-    """What may be at the place of the ``best`` candidate; None where that is not weighed before it is fitted."""
+    """What may be at the place of the ``best`` candidate; None where that is not weighed before it is fitted, or gears
+    cannot run with it, as its fit will tell."""
     claim = best.claim
     if claim.physics is LOAD_WAVE:
         alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
         return Weighed(posterior=alone, unknown=apart(fit.scenes, claim.place))
-    if not is_weighed(claim):
+    if not is_weighed(claim) or fit.model.changed(fit.scenes, claim) is None:
         return None
     possible = [
         one for one in all_places(fit.model) if same_place(Claim(physics=one[0], place=one[1], values=()), claim)

@@ -22,6 +22,7 @@ from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import FLOOR, System, scales_of
+from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray, IntArray
@@ -125,6 +126,11 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
     return float(np.sum(each)) + plain.strain - wider.strain, std
 
 
+ROSE = 1e-3
+"""Part of itself by which the rms of unseen samples may be larger with a name than without: what is told to four
+figures. Of 206 names of nine runs of the proof those of index deviations apart, which teeth as built may take over,
+it was larger with three: by 6e-5 with a right one, by 5e-3 and 3e-2 with two false ones."""
+
 LESS = 0.9
 """Part of the rms of unseen samples that has to be left without one of several claims, or none of them alone makes it
 larger. A judgement."""
@@ -149,7 +155,7 @@ def checked(
         if not gone:
             break
         refused += gone
-    while (worst := _runs_off(search, start)) is not None:
+    while (worst := next((k for k in (_runs_off(search, start), _rises(search)) if k is not None), None)) is not None:
         gone = _taken_back(search, [worst])
         if not gone:
             break
@@ -273,6 +279,20 @@ def _runs_off(search: Search, start: Linear) -> int | None:
     ]
     best = int(np.argmin(each))
     return best if each[best] < LESS * whole else None
+
+
+def _rises(search: Search) -> int | None:
+    """The claim with which the rms of unseen samples is larger than without it, the one by most; None where there is
+    none. Whether index deviations are a fault of one tooth or as all teeth were made, unseen samples do not tell."""
+    masks, model, hold = [one.fit for one in search.model.observed], search.model, held_places(search)
+    with_ = cross_validated(search.linear, masks, hold=hold).unseen
+    worst: tuple[float, int | None] = (with_ / (1.0 + ROSE), None)
+    for k, claim in enumerate(model.claims):
+        mine = search.linear.layout.places(k) + search.linear.layout.form_places(model, k)
+        if not of_pitches(model, claim):
+            rest = [place for place in hold if place not in mine]
+            worst = min(worst, (cross_validated(search.linear, masks, leave=mine, hold=rest).unseen, k))
+    return worst[1]
 
 
 def _doubt(search: Search) -> float:

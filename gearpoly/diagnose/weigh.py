@@ -159,7 +159,7 @@ class Weigh(Softness):
         chance = 2.0 * SNAP * sum(1.0 / turn for turn in turns)
         if len(self.model.strangers) * chance <= COINCIDENCE:
             return False
-        effect = self.model.change(self.scenes, one.claim, one.claim.values)
+        effect = self.model.changed(self.scenes, one.claim) or [np.zeros(1)]  # no gears run with so much of it
         return self.as_large(max(float(np.std(part)) for part in effect)) * chance > COINCIDENCE
 
     def as_large(self, rms: float) -> int:

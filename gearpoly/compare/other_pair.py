@@ -1,0 +1,135 @@
+"""Recordings of another pair of teeth, where one shaft alone was read: the orders of the other shaft then stand
+elsewhere than the pair file's teeth put them.
+
+Derived here. A transmission error that the rig computed fits any pair, and whole orders of the shaft that was read are
+the same of all. The other shaft turns ``p / q`` times with it, and so do its lines: of wrong teeth none stands where
+that shaft has an order, and all stand at multiples of one other number of turns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+
+from gearpoly.compare.ratio import ORDERS, PRESENT, SEEN, SURE, Lines
+from gearpoly.keys.also_turns import Part
+from gearpoly.units import BoolArray, FloatArray, IntArray
+
+TEETH = (5, 200)
+"""Teeth of gears that another pair may have. Nearly every spur gear has so few, and more fractions only cost certainty:
+each has to be as unlikely by chance."""
+
+MOST = 8.0
+"""Log evidence of a single line at most: a wave of another stage of the drive that stands a thousand times above the
+background is no surer a line than one that stands eight times above it, and one line is no comb."""
+
+APART = 1.5
+"""Lines of a recording's own width within which two orders are the same: a tapered line is two wide."""
+
+COMB = 4
+"""Lines of another shaft that have to show, apart from those that the declared pair may have: a wheel beside the pair
+showed up to three in 60 made recordings, another pair 6 to 50 in 14."""
+
+AS_GOOD, MULTIPLES = SEEN, 4
+"""Log evidence within which the pair of fewest teeth stands for all, and times that its shaft may turn as often as
+another's: neighbouring fractions, and a shaft that turns half as often, have the same lines, and chance one more."""
+
+UNLIKE = 0.5
+"""Part of the orders of the declared pair's shaft that must stand apart from those of the other one, or they are told
+together: a belt that turns half as often has all of them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherPair:
+    """The lines of a shaft that turns ``turns`` times per turn of the ``read`` one (0 driving, 1 driven), as that of
+    ``teeth`` (driving, driven) does, where those of the ``declared`` teeth should be; ``log_odds`` over chance."""
+
+    read: int
+    turns: float
+    teeth: tuple[int, int]
+    declared: tuple[int, int]
+    log_odds: float
+
+    @property
+    def says(self) -> str:
+        """What the engineer should know."""
+        names = ("driving", "driven")
+        other, read = names[1 - self.read], names[self.read]
+        return (
+            f"no order of the {other} shaft shows where {self.declared[0]} on {self.declared[1]} teeth put it, but "
+            f"orders of a shaft that turns {self.turns:.6g} times per {read} turn do, as of {self.teeth[0]} on "
+            f"{self.teeth[1]} teeth or a multiple: correct teeth in the pair file if that is the pair, or state the "
+            "shaft under [[also_turns]] if it is of another stage of the drive; till then nothing is named"
+        )
+
+
+def other_pair(
+    every: Sequence[Lines], *, read: int, z: tuple[int, int], parts: Sequence[Part] = ()
+) -> OtherPair | None:
+    """Whether recordings of ``z`` declared teeth are of other ones, by their lines at orders of the ``read`` shaft (0
+    driving, 1 driven); None where the declared pair shows, or nothing does. ``parts`` turn beside the pair, and are
+    none of it."""
+    own, turn = z[read] / z[1 - read], np.arange(1.0, ORDERS * max(z) + 1.0)
+    known = [one.turns * (1.0 if read else z[0] / z[1]) for one in parts]
+    teeth = _teeth()
+    ratios = teeth[:, 0] / teeth[:, 1]
+    found = [_comb(every, ratio * turn, beside=known) for ratio in ratios.tolist()]
+    odds = np.array([one if many >= COMB else -math.inf for one, many in found])
+    most = float(np.max(odds))
+    log_odds = most - _comb(every, own * turn, beside=known)[0] - math.log(ratios.size)
+    if log_odds <= SURE:
+        return None
+    p, q = _plainest(teeth[odds > most - AS_GOOD])
+    ratio = p / q
+    if _shared(every, own * turn, ratio) > 1.0 - UNLIKE or _comb(every, own * turn, beside=(*known, ratio))[0] > SEEN:
+        return None
+    return OtherPair(read=read, turns=ratio, teeth=(q, p) if read else (p, q), declared=z, log_odds=log_odds)
+
+
+def _plainest(teeth: IntArray) -> tuple[int, int]:
+    """Of pairs of teeth (m, 2) with the same lines the one of fewest, but for shafts that turn a part as often as
+    another of them: these have all its lines too."""
+    ratios = {Fraction(p, q) for p, q in teeth.tolist()}
+    first = [one for one in ratios if not any(times * one in ratios for times in range(2, MULTIPLES + 1))]
+    best = min(first, key=lambda one: one.numerator + one.denominator)
+    return best.numerator, best.denominator
+
+
+def _teeth() -> IntArray:
+    """Teeth (m, 2) of the read gear and of its mate, without a common divisor; but ratios that are whole, whose orders
+    the read gear has too."""
+    low, high = TEETH
+    whole = range(low, high + 1)
+    least = (Fraction(p, q) for p, q in product(whole, whole) if p % q)
+    return np.array(sorted({(one.numerator, one.denominator) for one in least}))
+
+
+def _comb(every: Sequence[Lines], orders: FloatArray, *, beside: Sequence[float]) -> tuple[float, int]:
+    """Log evidence of lines at ``orders`` (k,) that are no whole ones, nor multiples of those ``beside``, and how many
+    show."""
+    each = []
+    for lines in every:
+        apart = _apart(lines, orders, np.rint(orders))
+        for first in beside:
+            apart = apart & _apart(lines, orders, _nearest(orders, first))
+        each.append(lines.each(orders[apart], PRESENT, most=MOST))
+    return float(sum(np.sum(one) for one in each)), max(int(np.count_nonzero(one > 0.0)) for one in each)
+
+
+def _apart(lines: Lines, orders: FloatArray, others: FloatArray) -> BoolArray:
+    return np.asarray(np.abs(orders - others) * lines.length > APART)
+
+
+def _nearest(orders: FloatArray, first: float) -> FloatArray:
+    """The multiple of a ``first`` order that is nearest to each of ``orders``."""
+    return np.asarray(np.maximum(1.0, np.rint(orders / first)) * first)
+
+
+def _shared(every: Sequence[Lines], orders: FloatArray, ratio: float) -> float:
+    """Part of ``orders`` that no recording tells from the multiples of ``ratio``."""
+    return min(1.0 - float(np.mean(_apart(one, orders, _nearest(orders, ratio)))) for one in every)
