@@ -14,6 +14,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.as_recorded import as_recorded
 from gearpoly.diagnose.begin import begin
+from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth
@@ -30,6 +31,7 @@ from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
     not_excluded,
+    same_place,
     slow_or_sudden,
     taken_back,
     unexplained,
@@ -107,7 +109,7 @@ def diagnose(
     findings = (*([] if scaled is None else [scaled]), *findings)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     watch.stage("leftovers")("looking for what is left")
-    left_over = (*_places(search, comparison, found, unearned), *start.beyond, *start.contradicted)
+    left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
     aside = found.anew is not None or comparison.another is not None
     if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
@@ -181,13 +183,18 @@ def _findings(
     return tuple(gathered(search, each, hold=held_places(search))), comparison
 
 
-def _places(search: Search, comparison: Comparison, found: Searched, unearned: Sequence[Unearned]) -> tuple[Entry, ...]:
-    """What no name explains, with what it could be."""
+def _places(
+    search: Search, comparison: Comparison, found: Searched, unearned: Sequence[Unearned], before: Comparison
+) -> tuple[Entry, ...]:
+    """What no name explains, with what it could be, and what was located ``before`` anything was fitted and no grade
+    lets teeth have."""
     left_over = as_recorded(search, comparison, unexplained(search, comparison))
     left_over = (*left_over, *slow_or_sudden(search, found.looked_at))
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
-    return tuple(explained(search, comparison, left_over))
+    told = tuple(explained(search, comparison, left_over))
+    beyond = beyond_grade(search, before)
+    return (*(one for one in beyond if not any(same_place(one, other) for other in told)), *told)
 
 
 def _finding(

@@ -83,7 +83,7 @@ def with_causes(
     out = list(entries)
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
-        same = [k for k, entry in enumerate(out) if _same_place(entry, place)]
+        same = [k for k, entry in enumerate(out) if same_place(entry, place)]
         there = None if one.posterior is None else 1.0 - one.posterior.nothing
         if not same and (one.seen or (there is not None and there < 1.0 - EVEN)):
             continue
@@ -101,7 +101,7 @@ def with_causes(
     return tuple(out)
 
 
-def _same_place(one: Entry, other: Entry) -> bool:
+def same_place(one: Entry, other: Entry) -> bool:
     """Whether two entries are about one wave, one tooth, every mesh, or a slow course."""
     if one.kind in EVERY_MESH and other.kind in EVERY_MESH:
         return True
