@@ -25,13 +25,16 @@ def pair_file(
     driving: Table | None = None,
     driven: Table | None = None,
     points: int = 1200,
+    inspected: bool = True,
 ) -> PairFile:
-    """A pair of module 2 with further keys; teeth are 60 um thin, so that both flanks are apart. With 1200 points
-    chords lag by less than 0.3 nm."""
+    """A pair of module 2 with further keys; teeth are 60 um thin, so that both flanks are apart, and ``inspected`` to
+    0.2 um. With 1200 points chords lag by less than 0.3 nm."""
 
     def one(teeth: int, more: Table | None) -> Table:
-        inspection = {"tooth_thickness_um": -60.0, "uncertainty_um": 0.2} | (more or {}).pop("inspection", {})
         basis = {"teeth": teeth, "module_mm": 2.0, "face_width_mm": 20.0, "points_per_flank": points}
+        if not inspected:
+            return basis | (more or {})
+        inspection = {"tooth_thickness_um": -60.0, "uncertainty_um": 0.2} | (more or {}).pop("inspection", {})
         return basis | {"inspection": inspection} | (more or {})
 
     return PairFile.model_validate(

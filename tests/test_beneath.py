@@ -28,8 +28,10 @@ R_B2 = 23.0 * math.cos(math.radians(20.0))
 
 def graded(pitch_um: list[float] | None = None) -> PairFile:
     """Gears of grade 6, of which nobody else knows the driving one's pitches."""
-    no_sheet = {"inspection": {"pitch_um": pitch_um}} if pitch_um is not None else {"grade": 6}
-    return pair_file(Z, driving=dict(no_sheet), driven={"grade": 6}, model={"tooth_deflection": False}, points=800)
+    no_load = {"tooth_deflection": False}
+    if pitch_um is None:
+        return pair_file(Z, driving={"grade": 6}, driven={"grade": 6}, model=no_load, points=800, inspected=False)
+    return pair_file(Z, driving={"inspection": {"pitch_um": pitch_um}}, model=no_load, points=800)
 
 
 def with_wave(one: Recording, *, order: float, amplitude_um: float) -> Recording:

@@ -71,7 +71,7 @@ def beyond_grade(search: Search, before: Comparison) -> tuple[Entry, ...]:
 def _told(search: Search, before: Comparison) -> Iterator[Entry]:
     claimed = {(one.place.gear, order_of(one), one.place.tooth) for one in search.model.claims}
     for one in (*before.located.entries, *(one for one in before.located.where if one.kind == "shaft_order")):
-        if one.gear is None or one.parts:
+        if one.gear is None or one.parts or one.companion_of is not None:
             continue
         gear = ("driving", "driven").index(one.gear)
         held = list(_held(search, gear, one))
@@ -88,7 +88,7 @@ def _told(search: Search, before: Comparison) -> Iterator[Entry]:
         else:
             continue
         if chance < BY_CHANCE:
-            yield replace(one, as_built=False, companion_of=None)
+            yield replace(one, as_built=False)
 
 
 def _held(search: Search, gear: int, entry: Entry) -> Iterator[_Held]:
