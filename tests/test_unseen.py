@@ -12,13 +12,14 @@ import pytest
 
 from gearpoly.compare.entries import says
 from gearpoly.compare.stand_in import known_pair
+from gearpoly.diagnose.blocks import Blocks, gained
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.heldout import Checked, foretold_to
 from gearpoly.diagnose.leftovers import taken_back, with_causes
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unseen import Blocks, _idle, gained, repeats
+from gearpoly.diagnose.unseen import _idle, repeats
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -182,7 +183,11 @@ def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:
         "expected": 1e-3,
         "larger": True,
     }
-    refused, unchecked = Checked(**figures, refused=((wave, 1e-3),), unchecked=((tooth, 2e-3),)).says
+    relief = claim("tip_relief", 0, 3.0)
+    all_told = Checked(**figures, refused=((wave, 1e-3),), unchecked=((tooth, 2e-3),), of_keys=((relief, 3e-3),))
+    refused, of_keys, unchecked = all_told.says
+    assert "tip relief" in of_keys and "a key of the pair file was put right" in of_keys
+    assert {one.physics.name for one, _ in all_told.taken_back} == {"eccentricity", "tooth_pitch", "tip_relief"}
     assert "unseen data fit no better" in refused and "rms 3 um with names, 2 without" in refused
     assert "mean square" in refused and "eccentricity" in refused and "1.15 with names" in refused
     assert "not named" in unchecked and "tooth pitch" in unchecked and "came once only" in unchecked

@@ -36,7 +36,8 @@ class Begun:
     before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes. ``assumed``:
     what to tell of gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare``
     located what that explains; ``likely``: a physics of all teeth beside which hardly anything was left;
-    ``beyond``: what it located where long recordings are not fitted."""
+    ``beyond``: what it located where long recordings are not fitted; ``keys``: whether a key of the gears' shape was
+    put right."""
 
     file: PairFile
     recordings: Sequence[Recording]
@@ -48,6 +49,7 @@ class Begun:
     contradicted: tuple[Entry, ...] = ()
     likely: Claim | None = None
     beyond: tuple[Entry, ...] = ()
+    keys: bool = False
 
 
 def begin(
@@ -89,6 +91,7 @@ def begin(
         model=model,
         assumed=assumed,
         misread=(*now.misread, keys.says),
+        keys=True,
         contradicted=(*now.contradicted, *at_every_mesh),
     )
 

@@ -96,7 +96,7 @@ def diagnose(
     found = searched(model, start, watch)
     search, comparison, model, stopped = found.search, found.comparison, found.search.model, found.stopped
     search.step("holding the names against unseen data")
-    unseen = checked(search, found.begun, found.start, comparison, stopped=stopped)
+    unseen = checked(search, found.begun, found.start, comparison, stopped=stopped, keys=start.keys)
     leave_to_ghosts(search, comparison)
     apart = () if len(recordings) < 2 else give_up_beside(search, unexplained(search, comparison))
     shapes = forms(search)
@@ -110,7 +110,7 @@ def diagnose(
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     watch.stage("leftovers")("looking for what is left")
     left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
-    back = () if unseen is None or left_over or findings else (*unseen.refused, *unseen.unchecked, *unseen.unfinished)
+    back = () if unseen is None or left_over or findings else unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
     if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
         left_over = comparison.located.entries[:FOREMOST]

@@ -44,7 +44,7 @@ class Checked:
     part of the recordings cannot know of the other; ``larger``: more was left with names than without, by more than it
     is known to. ``refused``: names that were taken back, each with the rms in mm of what it does; ``unchecked``: those
     that were since nothing repeats them, so that nothing unseen tells of them; ``unfinished``: those that were since
-    time ended before all was asked."""
+    time ended before all was asked; ``of_keys``: those that were since a key of the pair file was put right."""
 
     declared: float
     as_built: float
@@ -57,6 +57,12 @@ class Checked:
     refused: tuple[tuple[Claim, float], ...] = ()
     unchecked: tuple[tuple[Claim, float], ...] = ()
     unfinished: tuple[tuple[Claim, float], ...] = ()
+    of_keys: tuple[tuple[Claim, float], ...] = ()
+
+    @property
+    def taken_back(self) -> tuple[tuple[Claim, float], ...]:
+        """All names that were."""
+        return (*self.refused, *self.unchecked, *self.unfinished, *self.of_keys)
 
     @property
     def says(self) -> Iterator[str]:
@@ -79,6 +85,11 @@ class Checked:
             yield (
                 f"not named, since time ended with more left than noise: {name} (what is "
                 "left may be of another cause that makes this one needless; give it longer with --within SECONDS)"
+            )
+        for name in _names(self.of_keys):
+            yield (
+                f"not named, since a key of the pair file was put right by the recordings: {name} (by how much that "
+                "key is still off looks alike; state it as the drawing has it)"
             )
         for name in _names(self.unchecked):
             yield (

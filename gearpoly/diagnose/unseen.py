@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.noise import pooled_level
+from gearpoly.diagnose.blocks import Blocks, gained
 from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
 from gearpoly.diagnose.heldout import Checked, cross_validated, foretold_to, held
 from gearpoly.diagnose.kept import Kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.system import FLOOR, System, scales_of
+from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -58,74 +58,6 @@ AGAINST = -0.5
 """Cosine between what two claims do, from which on they cancel in good part: neither is then worth more than both."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Unseen:
-    """What is left of the unseen blocks, white: ``left`` (n,) of all recordings in a row, and ``strain``, by how much
-    what was known beforehand is contradicted meanwhile, both squared a misfit."""
-
-    left: FloatArray
-    strain: float
-
-    @property
-    def misfit(self) -> float:
-        """Square misfit, 1 per sample where noise alone is left."""
-        return float(self.left @ self.left) + self.strain
-
-
-class Blocks:
-    """A linear ``system`` in blocks: ``number`` (n,) says to which one every sample belongs."""
-
-    def __init__(self, system: System, number: IntArray) -> None:
-        self._system, self._number = system, number
-        white, target = np.concatenate(system.white), np.concatenate(system.target)
-        where = [np.flatnonzero(number == k) for k in range(int(number[-1]) + 1)]
-        self._where = where
-        self._white, self._target = [white[one] for one in where], [target[one] for one in where]
-        self._normal = [a.T @ a for a in self._white]
-        self._right = [a.T @ y for a, y in zip(self._white, self._target, strict=True)]
-
-    def unseen(self, leave: Sequence[int] = ()) -> Unseen:
-        """Every block as the others foretell it, without the parameters ``leave``."""
-        system = self._system
-        keep = np.setdiff1d(np.arange(system.size), np.asarray(leave, dtype=np.int64))
-        at = np.ix_(keep, keep)
-        precision, prior = system.precision[at], system.prior[keep]
-        normal = precision + sum(one[at] for one in self._normal)
-        right = precision @ prior + sum(one[keep] for one in self._right)
-        left, strain = np.empty(self._number.size), 0.0
-        parts = zip(self._where, self._white, self._target, self._normal, self._right, strict=True)
-        for where, a, y, own, mine in parts:
-            x = _solved(normal - own[at], right - mine[keep])
-            left[where] = y - a[:, keep] @ x
-            strain += float((x - prior) @ precision @ (x - prior)) / len(self._where)
-        return Unseen(left=left, strain=strain)
-
-
-def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
-    """Inverse of a ``normal`` matrix (m, m) times ``right`` (m,); what nothing tells stays nothing."""
-    scale = scales_of(normal)
-    scaled = normal / np.outer(scale, scale)
-    scaled[np.diag_indices(scale.size)] += FLOOR
-    return np.asarray(cho_solve(cho_factor(scaled), right / scale) / scale)
-
-
-def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float]:
-    """By how much less unseen blocks misfit under ``wider`` than under ``plain``, and its standard error over blocks.
-
-    A block counts by how far both are apart in it, since a tooth shows in few: what it gains is expected to be so much
-    of all (the ratio estimator of Cochran, Sampling Techniques, 1977, chapter 6).
-    """
-    each = np.bincount(number, plain.left**2 - wider.left**2)
-    apart = np.bincount(number, (plain.left - wider.left) ** 2)
-    whole = float(np.sum(apart))
-    if whole == 0.0:
-        return plain.strain - wider.strain, 0.0
-    off = each - apart * (float(np.sum(each)) / whole)
-    count = max(2.0, whole**2 / float(apart @ apart))
-    std = math.sqrt(count / (count - 1.0) * float(off @ off))
-    return float(np.sum(each)) + plain.strain - wider.strain, std
-
-
 ROSE = 1e-3
 """Part of itself by which the rms of unseen samples may be larger with a name than without: what is told to four
 figures. Of 206 names of nine runs of the proof those of index deviations apart, which teeth as built may take over,
@@ -137,18 +69,20 @@ larger. A judgement."""
 
 
 def checked(
-    search: Search, begun: Kept, start: Linear, comparison: Comparison, *, stopped: bool = False
+    search: Search, begun: Kept, start: Linear, comparison: Comparison, *, stopped: bool = False, keys: bool = False
 ) -> Checked | None:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, one by one those
     that make their rms larger, and then all
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
     larger with names than without by more than it is known to, or is well above the noise. Of a search that was
-    ``stopped`` also what all teeth do, or one, is taken back, where more is left than noise. ``start`` is the fit of
-    the state ``begun`` before any claim. None where nothing is claimed."""
+    ``stopped`` also what all teeth do, or one, is taken back, where more is left than noise; where ``keys`` of the pair
+    file were put right, what all teeth do. ``start`` is the fit of the state ``begun`` before any claim. None where
+    nothing is claimed."""
     model = search.model
     refused: list[tuple[Claim, float]] = []
     if not model.claims:
         return None
+    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and one.physics.mean_tooth])
     unchecked = _taken_back(search, [k for k, one in enumerate(model.claims) if not repeats(search, one)])
     while (these := _idle(search)) is not None:
         gone = _taken_back(search, these)
@@ -192,6 +126,7 @@ def checked(
         refused=tuple(refused),
         unchecked=tuple(unchecked),
         unfinished=tuple(unfinished),
+        of_keys=tuple(of_keys),
     )
 
 
