@@ -20,12 +20,15 @@ from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import gear_priors
-from gearpoly.diagnose.tooth_forms import HALF_WAVES, with_forms
+from gearpoly.diagnose.tooth_forms import HALF_WAVES, gain_beside_form, with_forms
 from gearpoly.files.models import PairFile
 from gearpoly.gear.deviations import Form, Span
 from gearpoly.keys.inspection import Inspection
 from gearpoly.keys.sections import GearSection
 from gearpoly.mesh.pair import Flank
+from gearpoly.physics import catalogue
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
 from gearpoly.physics.samples import Samples
 from gearpoly.scene import Scene, stage
 from gearpoly.units import NM, UM, FloatArray
@@ -155,3 +158,44 @@ def test_waves_of_drawn_forms_are_as_large_as_stated() -> None:
     ]
     size = np.sqrt(np.mean(np.concatenate(seen) ** 2, axis=0))
     assert size == pytest.approx(np.full(HALF_WAVES, stated), rel=0.15)
+
+
+def least(columns: FloatArray, target: FloatArray) -> float:
+    """Sum of squares that columns leave of a target: a second way to the misfit, prior and all in rows of their own."""
+    left = target - columns @ np.linalg.lstsq(columns, target, rcond=None)[0]
+    return float(left @ left)
+
+
+def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
+    """Against least squares with the prior as further rows: those of the fit, and one for each half wave. A pit of
+    20 um stays far beyond any form of grade 6, of one of 2 um no more than chance is left."""
+    for spall_um, some in ((20.0, True), (2.0, False)):
+        file = pair(Z, grade=6, bends=True)
+        spall = {"tooth": 4, "depth_um": spall_um, "from_mm": 12.6, "to_mm": 13.8, "wall_mm": 0.3}
+        model, waves = began(file, drawn(pair(Z, bends=True, driven={"spall": [spall]}), 0))
+        place = Place(gear=1, tooth=4, shape=(12.6, 13.8, 0.3))
+        model.claims = [Claim(physics=catalogue()["tooth_spall"], place=place, values=(spall_um, 12.6, 13.8, 0.3))]
+        fit = Fit.begun(model, waves, lambda _: None, trial=PASSES)
+        linear, layout = fit.linear, fit.linear.layout
+        system = linear.without(layout.places(0) + layout.form_places(fit.model, 0)).system
+        gain = system.misfit - system.with_columns(linear.white_of(0)).misfit
+        found = gain_beside_form(fit.model, fit.scenes, linear, 0, gain)
+        one = fit.model.as_built.gears[1]
+        told = formed(file, ["drive"])
+        at = told.start("drive", 1) + 2 * one.z + 1 + 4 + np.arange(HALF_WAVES) * one.z
+        forms = linear.noises[0].whitened(told.columns(fit.scenes[0])[:, at])
+        root = np.linalg.cholesky(system.precision + 1e-12 * np.eye(system.size)).T
+        rows, target = system.size + HALF_WAVES, np.concatenate((system.target[0], root @ system.prior, np.zeros(4)))
+        prior = np.zeros((rows, rows))
+        prior[: system.size, : system.size] = root
+        prior[system.size :, system.size :] = np.eye(HALF_WAVES) / one.wave
+        plain = np.concatenate((np.concatenate((system.white[0], forms), axis=1), prior))
+        claim = np.concatenate((linear.white_of(0)[0], np.zeros((rows, 4))))
+        expected = least(plain, target) - least(np.concatenate((plain, claim), axis=1), target)
+        assert found == pytest.approx(expected, rel=1e-3, abs=0.1)
+        assert found < gain
+        # One in a thousand of four freedoms gains 18 by chance.
+        assert (found > 10.0 * 18.0) == some
+        free = replace(one, wave=0.0)
+        fit.model.as_built = make_as_built((fit.model.as_built.gears[0], free), fit.model.as_built.flanks)
+        assert gain_beside_form(fit.model, fit.scenes, linear, 0, gain) == gain

@@ -81,7 +81,11 @@ def _wave(search: Search, k: int, values: FloatArray, frequencies: Sequence[floa
     heights = np.linalg.lstsq(columns, values, rcond=None)[0][:2]
     noise = search.noises[k]
     level = float(np.interp(frequencies[0], noise.frequency, noise.density))
-    return float(np.hypot(*heights)), math.sqrt(2.0 * level / u.size), math.atan2(heights[1], heights[0])
+    # A wave that hardly comes round is known as well as it is told from the slow curve beside it.
+    doubt = np.linalg.pinv(columns.T @ columns)[:2, :2]
+    size = float(np.hypot(*heights))
+    along = heights / max(size, 1e-300)
+    return size, math.sqrt(level * float(along @ doubt @ along)), math.atan2(heights[1], heights[0])
 
 
 def _as_large(entry: Entry, sizes: dict[int, tuple[float, float, float]]) -> tuple[Entry, ...]:

@@ -18,6 +18,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import counted, gain_beside_any
+from gearpoly.diagnose.tooth_forms import gain_beside_form
 from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import (
@@ -131,6 +132,7 @@ def judge(
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
     less -= 0.5 * _by_scale(model, linear, claim, gain) / trial.dispersion
+    less -= 0.5 * max(0.0, gain - gain_beside_form(model, scenes, linear, k, gain)) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations, effect)

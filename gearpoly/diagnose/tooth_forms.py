@@ -10,11 +10,13 @@ import numpy as np
 from gearpoly.diagnose.as_built import AsBuilt, make_as_built
 from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.mesh.pair import Flank
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray, IntArray
 
 HALF_WAVES = 4
@@ -59,6 +61,37 @@ def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], No
     except GearpolyError:  # teeth that cannot run so are told where they are to run
         return model
     return replace(model, as_built=told, built=np.zeros(told.size)) if _differ(fit, told) else model
+
+
+def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, gain: float) -> float:
+    """What of a ``gain`` in misfit of claim ``k`` about one tooth is left where that tooth may have a form of its own
+    as its grade lets every tooth: whether they show theirs was asked of all, and few samples do not tell. Of a sound
+    gear of grade 8 and module 10, recorded for two turns, a pit of 3.3 um was made."""
+    claim = model.claims[k]
+    tooth, gear = claim.place.tooth, claim.place.gear or 0
+    one = model.as_built.gears[gear]
+    if tooth is None or one.wave <= 0.0 or one.form:
+        return gain
+    gears = [
+        replace(each, form=(each.wave,) * HALF_WAVES if j == gear else ())
+        for j, each in enumerate(model.as_built.gears)
+    ]
+    told = make_as_built((gears[0], gears[1]), model.as_built.flanks)
+    at = np.concatenate(
+        [
+            told.start(flank, gear) + 2 * one.z + 1 + tooth + np.arange(HALF_WAVES) * one.z
+            for flank in model.as_built.flanks
+        ]
+    )
+    forms = [noise.whitened(told.columns(scene)[:, at]) for noise, scene in zip(linear.noises, scenes, strict=True)]
+    bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k)).system
+    known = told.precision[np.ix_(at, at)]
+
+    def beside(system: System) -> float:
+        wider = system.with_columns(forms)
+        return wider.believing(slice(wider.size - at.size, wider.size), known).misfit
+
+    return beside(bare) - beside(bare.with_columns(linear.white_of(k)))
 
 
 def _open(as_built: AsBuilt) -> AsBuilt:
