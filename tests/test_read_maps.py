@@ -341,6 +341,27 @@ def test_angles_that_no_name_tells_are_offered_in_the_map(tmp_path: Path) -> Non
     assert "no column is" not in text
 
 
+def test_counts_that_begin_again_are_offered_as_turns(tmp_path: Path) -> None:
+    """A 12-bit encoder's counts from 0 to 4095: the map has the line that the refusal names, and with it the angles
+    are what was counted, to half a count."""
+    counts = [np.mod(np.rint(RUN[f"{one}_angle_deg"] / 360.0 * 4096.0), 4096.0) for one in ("driving", "driven")]
+    file = written(tmp_path, table([RUN["time_s"], *counts], ("time_s", "raw_motor", "raw_out")))
+    with pytest.raises(InputFileError) as caught:
+        read_recording(file)
+    settled = map_text(survey(file)[0])
+    for column, name in (("driving", "raw_motor"), ("driven", "raw_out")):
+        line = (
+            f'columns.{column}_angle_deg = {{ from = "{name}", unit = "rev", scale = {1.0 / 4096.0!r}, wraps = 4096 }}'
+        )
+        assert line in str(caught.value) and f"# {line}\n" in settled
+        settled = settled.replace(f"# {line}", line)
+    recording = read_recording(file, chart=chart(tmp_path, settled))
+    for angle, column in ((recording.driving_angle_rad, "driving"), (recording.driven_angle_rad, "driven")):
+        assert angle is not None
+        off = np.exp(1j * (angle - RUN[f"{column}_angle_deg"] * DEGREE)) - 1.0
+        assert np.max(np.abs(off)) <= 1.01 * math.pi / 4096.0
+
+
 def in_groups(*, apart: float = 0.0) -> Table:
     """What a reader of a format with groups hands over: channels by path, each with its unit and its own times."""
     late = RUN["time_s"][RUN["time_s"] >= apart]

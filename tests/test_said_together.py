@@ -30,6 +30,11 @@ def test_other_numbers_are_told_once_and_counted() -> None:
     assert told == ["recordings 0 and 1, 3: 1.67 driving turns (and so recording 2, with other numbers)"]
 
 
+def test_what_is_said_of_several_stretches_of_a_recording_names_it_once() -> None:
+    said = [f"recording {k}: {count} samples left out" for k, count in ((0, 461), (0, 461), (1, 12), (1, 13), (2, 14))]
+    assert together(said) == ["recording 0: 461 samples left out (and so recordings 1 and 2, with other numbers)"]
+
+
 def test_two_recordings_and_other_words_stay_as_they_are() -> None:
     said = ["recording 0: a gap", "recording 1: a gap", "recording 2: a stop", "recording 0 reads both: rounding"]
     assert together(said) == said

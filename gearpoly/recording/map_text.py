@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from gearpoly.errors import escaped
 from gearpoly.recording.asked import angles_known
-from gearpoly.recording.map_lines import LEFT, each_once, entry, quoted
+from gearpoly.recording.map_lines import LEFT, angle_entries, each_once, entry, quoted
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.survey import Seen, Survey
 
@@ -47,7 +47,12 @@ def _angles_asked(found: Survey) -> Iterator[str]:
         if angles_known([*named, *(other for other in ANGLE_COLUMNS if other != angle)]):
             continue
         yield f"# no column is {angle} by its name: one of these, with the unit that it has?"
-        yield from (f"# {entry(angle, one.name, one.known)}" for one in free)
+        yield from (f"# {line}" for one in free for line in _offers(angle, one))
+
+
+def _offers(angle: str, one: Seen) -> tuple[str, ...]:
+    """The lines that give an ``angle`` to a channel: by what its readings do where it states no unit."""
+    return (entry(angle, one.name, one.known),) if one.unit else angle_entries(angle, one.name, one.values)
 
 
 def _line(one: Seen) -> str:

@@ -30,8 +30,9 @@ def _told(group: list[tuple[str, str | None]]) -> list[str]:
     if len(group) <= SINGLY:
         return [said if k is None else f"recording {k}: {said}" for said, k in group]
     first = group[0][0]
-    same = [k for (said, _), k in zip(group, numbers, strict=True) if said == first]
-    others = [k for k in numbers if k not in same]
+    # Of one recording the same may be said of several stretches.
+    same = sorted({k for (said, _), k in zip(group, numbers, strict=True) if said == first})
+    others = sorted({k for k in numbers if k not in same})
     out = f"recording{'s' * (len(same) > 1)} {ranges(same)}: {first}"
     return [
         out + (f" (and so recording{'s' * (len(others) > 1)} {ranges(others)}, with other numbers)" if others else "")
