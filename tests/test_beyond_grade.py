@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import f as snedecor
+from scipy.stats import norm as normal
+from scipy.stats import t as student
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import chain
@@ -60,6 +62,8 @@ def test_a_scale_read_off_few_teeth_makes_it_likelier(ratio: float) -> None:
     one = held(np.zeros(Z), freedom)
     assert one._tail(ratio, 2) == pytest.approx(float(snedecor.sf(ratio / 2.0, 2.0, freedom)), rel=1e-9)
     assert one._tail(ratio, 2) > held(np.zeros(Z))._tail(ratio, 2)
+    assert one._tail(ratio, 1) == pytest.approx(2.0 * float(student.sf(math.sqrt(ratio), freedom)), rel=1e-9)
+    assert held(np.zeros(Z))._tail(ratio, 1) == pytest.approx(2.0 * float(normal.sf(math.sqrt(ratio))), rel=1e-9)
 
 
 GEARS = 17, 23
@@ -85,4 +89,4 @@ def test_a_wave_that_the_teeth_took_up_is_told(amplitude: float, told: list[tupl
     model = prepare(graded(), comparison, path=path)
     free = [np.zeros((one.samples.size, 0)) for one in model.observed]
     search = from_declared(Search, model, free, lambda _: None)
-    assert [(one.gear, one.order) for one in beyond_grade(search, comparison)] == told
+    assert [(one.gear, one.order) for one in beyond_grade(search, comparison, comparison)] == told

@@ -25,7 +25,7 @@ TURNS, SAMPLES = 40.0, 12_000
 
 
 def lines(turns_of: dict[float, int], *, seed: int = 2, noise: float = 1.0) -> Lines:
-    """Waves of five times the noise at the first so many multiples of each order of the shaft that was read."""
+    """Waves of half the noise at the first so many multiples of each order of the shaft that was read."""
     rng = np.random.default_rng(seed)
     turns = np.cumsum(rng.uniform(0.5, 1.5, SAMPLES)) * (TURNS / SAMPLES)
     te = rng.normal(0.0, noise, SAMPLES)
@@ -66,6 +66,14 @@ def test_what_turns_beside_the_pair_is_no_other_pair() -> None:
     assert found({1.0: 4, own: 3, 37.0 / 22.0: 14}) is None
     assert found({1.0: 4, 0.675676: 14}, parts=(Part(name="next wheel", turns=0.675676),)) is None
     assert found({1.0: 4, 0.5 * own: 14}) is None
+
+
+def test_a_shaft_that_turns_a_whole_number_of_times_has_no_orders_of_its_own() -> None:
+    """20 on 40 teeth: what the driving shaft has comes at whole orders of the driven one, so nothing says that it is
+    not there, however much a wheel of another stage shows."""
+    busy = [lines({1.0: 6, 2.0: 14, 37.0 / 22.0: 14})]
+    assert other_pair(busy, read=1, z=(20, 40)) is None
+    assert other_pair(busy, read=1, z=(30, 30)) is None
 
 
 def test_noise_is_no_other_pair() -> None:

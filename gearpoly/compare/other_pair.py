@@ -32,8 +32,8 @@ APART = 1.5
 """Lines of a recording's own width within which two orders are the same: a tapered line is two wide."""
 
 COMB = 4
-"""Lines of another shaft that have to show, apart from those that the declared pair may have: a wheel beside the pair
-showed up to three in 60 made recordings, another pair 6 to 50 in 14."""
+"""Lines of another shaft that have to show, whole orders of the read one apart: a wheel beside the pair showed up to
+three in 60 made recordings, another pair 6 to 50 in 14."""
 
 AS_GOOD, MULTIPLES = SEEN, 4
 """Log evidence within which the pair of fewest teeth stands for all, and times that its shaft may turn as often as
@@ -64,7 +64,7 @@ class OtherPair:
             f"no order of the {other} shaft shows where {self.declared[0]} on {self.declared[1]} teeth put it, but "
             f"orders of a shaft that turns {self.turns:.6g} times per {read} turn do, as of {self.teeth[0]} on "
             f"{self.teeth[1]} teeth or a multiple: correct teeth in the pair file if that is the pair, or state the "
-            "shaft under [[also_turns]] if it is of another stage of the drive; till then nothing is named"
+            "shaft under [[also_turns]] if it is of another stage of the drive; no physics is named of such a recording"
         )
 
 
@@ -75,6 +75,8 @@ def other_pair(
     driving, 1 driven); None where the declared pair shows, or nothing does. ``parts`` turn beside the pair, and are
     none of it."""
     own, turn = z[read] / z[1 - read], np.arange(1.0, ORDERS * max(z) + 1.0)
+    if all(float(np.mean(_apart(one, own * turn, np.rint(own * turn)))) < UNLIKE for one in every):
+        return None  # the declared shaft turns a whole number of times: its orders are those of the one that was read
     known = [one.turns * (1.0 if read else z[0] / z[1]) for one in parts]
     teeth = _teeth()
     ratios = teeth[:, 0] / teeth[:, 1]

@@ -82,10 +82,10 @@ def _wave(search: Search, k: int, values: FloatArray, frequencies: Sequence[floa
     noise = search.noises[k]
     level = float(np.interp(frequencies[0], noise.frequency, noise.density))
     # A wave that hardly comes round is known as well as it is told from the slow curve beside it.
-    doubt = np.linalg.pinv(columns.T @ columns)[:2, :2]
+    root = np.linalg.pinv(columns)[:2]
     size = float(np.hypot(*heights))
-    along = heights / max(size, 1e-300)
-    return size, math.sqrt(level * float(along @ doubt @ along)), math.atan2(heights[1], heights[0])
+    along = heights / size if size > 0.0 else np.full(2, math.sqrt(0.5))
+    return size, math.sqrt(level) * float(np.linalg.norm(along @ root)), math.atan2(heights[1], heights[0])
 
 
 def _as_large(entry: Entry, sizes: dict[int, tuple[float, float, float]]) -> tuple[Entry, ...]:

@@ -66,6 +66,8 @@ def begin(
         )
 
     now = beside(file, recordings)
+    if now.comparison.another is not None:
+        return now  # nothing of the file can be put right by what another pair shows
     wrong = reread(now.model, now.waves, watch.stage("prepare")) or []
     if sign_may_be_wrong(file, recordings, wrong):
         # Teeth hand over where either is ahead of the other: of the other sign no teeth fit, and no order of theirs.

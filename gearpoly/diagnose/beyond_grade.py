@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import stdtr
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.causes import tooth_of
 from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.teeth_scale import is_unstated
 from gearpoly.infer.prior import order_of
@@ -49,26 +49,30 @@ class _Held:
         return min(1.0, self.pitch.size * self._tail(pull**2 / float(self.known[tooth, tooth]), 1))
 
     def _tail(self, square: float, count: int) -> float:
-        """Chance that ``count`` normal values of deviation 1 have more than this ``square`` together, or as many of
-        Student's density; of one a bound, which is close where it is small."""
-        part = math.inf if math.isinf(self.freedom) else self.freedom
-        log = -0.5 * square if math.isinf(part) else -0.5 * part * math.log1p(square / part)
-        return math.exp(log) * (1.0 if count == 2 else min(1.0, math.sqrt(2.0 / (math.pi * max(square, 1e-9)))))
+        """Chance that one or two (``count``) normal values of deviation 1 have more than this ``square`` together, or
+        as many of Student's density, whose scale is known with ``freedom`` (Fisher's and Student's distributions)."""
+        if math.isinf(self.freedom):
+            return math.exp(-0.5 * square) if count == 2 else math.erfc(math.sqrt(0.5 * square))
+        if count == 2:
+            return math.exp(-0.5 * self.freedom * math.log1p(square / self.freedom))
+        return 2.0 * float(stdtr(self.freedom, -math.sqrt(square)))
 
 
-def beyond_grade(search: Search, before: Comparison) -> tuple[Entry, ...]:
+def beyond_grade(search: Search, before: Comparison, now: Comparison) -> tuple[Entry, ...]:
     """What ``before``, the comparison with the declared pair alone, located at whole orders and single teeth and that
-    as-built teeth hold by now, where no gear within its limits has so much; but what has a name, and what other parts
-    of the drive make.
+    as-built teeth hold by ``now``, where no gear within its limits has so much; but what has a name, and what other
+    parts of the drive make.
 
     Of two telescope gears that were never graded one ran 30 um off its axis, every 122 s; it was located, the teeth
     took it up, and nothing was told.
     """
-    places = {(one.gear, one.order, one.encoder_deg): one for one in _told(search, before)}
+    places: dict[tuple[object, ...], Entry] = {}
+    for one in _told(search, before, now):
+        places.setdefault((one.gear, one.order, one.tooth, one.encoder_deg), one)
     return tuple(sorted(places.values(), key=lambda one: -one.mean_square(*(gear.z for gear in before.gears))))
 
 
-def _told(search: Search, before: Comparison) -> Iterator[Entry]:
+def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry]:
     claimed = {(one.place.gear, order_of(one), one.place.tooth) for one in search.model.claims}
     for one in (*before.located.entries, *(one for one in before.located.where if one.kind == "shaft_order")):
         if one.gear is None or one.parts or one.companion_of is not None:
@@ -81,14 +85,26 @@ def _told(search: Search, before: Comparison) -> Iterator[Entry]:
             if not 1 <= order < 0.5 * z or (gear, order, None) in claimed or search.model.scope.others_at(gear, order):
                 continue
             chance = min((flank.chance_of_wave(order) for flank in held), default=1.0)
-        elif one.kind == "tooth" and (tooth := tooth_of(before, one)) is not None:
+        elif one.kind == "tooth" and (tooth := _tooth_now(now, one, gear)) is not None:
             if any((gear, tooth) == (other, its) for other, _, its in claimed):
                 continue
             chance = min((flank.chance_of_tooth(tooth) for flank in held), default=1.0)
+            one = replace(one, encoder_deg=now.gears[gear].encoder_deg(tooth))
         else:
             continue
         if chance < BY_CHANCE:
             yield replace(one, as_built=False)
+
+
+def _tooth_now(now: Comparison, entry: Entry, gear: int) -> int | None:
+    """The tooth that an entry is about, as teeth are numbered by ``now``: they may have been moved by whole pitches,
+    and the reading at which it passes has not."""
+    known = now.gears[gear]
+    passes = [known.encoder_deg(tooth) for tooth in range(known.z)]
+    if entry.encoder_deg is None or any(one is None for one in passes):
+        return None
+    off = np.array([one for one in passes if one is not None]) - entry.encoder_deg
+    return int(np.argmin(np.abs((off + 180.0) % 360.0 - 180.0)))
 
 
 def _held(search: Search, gear: int, entry: Entry) -> Iterator[_Held]:

@@ -22,7 +22,7 @@ TEETH_MET = 0.75
 """Part of its teeth that have to be near the pitch point in some sample, or a fit makes up those between. Of 36 of 72
 teeth that a dividing head stopped at, and of 37 readings per turn of 74, sound gears broke three limits."""
 
-OF_ANOTHER = "shows nowhere: the lines are those of another pair, and no grade is told"
+OF_ANOTHER = "cannot be judged: the lines are those of another pair or stage, and no grade is told"
 """What is told of a gear in the stead of its grade where the recordings are of other teeth."""
 
 FAR = 4.0

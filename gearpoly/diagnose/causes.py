@@ -23,7 +23,7 @@ def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> 
     out: list[Posterior | None] = []
     for one in entries:
         asked = one.companion_of is None and one.probability is None and len(out) < MANY and not search.over
-        possible = _at(search, one, tooth_of(comparison, one)) if asked else []
+        possible = _at(search, one, _tooth(comparison, one)) if asked else []
         found = (
             at_place(search.model, search.scenes, search.linear, possible, looked=search.looked) if possible else None
         )
@@ -31,10 +31,12 @@ def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> 
     return out
 
 
-def tooth_of(comparison: Comparison, entry: Entry) -> int | None:
+def _tooth(comparison: Comparison, entry: Entry) -> int | None:
     """The tooth that an entry is about, by its number, or by where it passes where numbers are open."""
     if entry.kind != "tooth" or entry.gear is None or entry.tooth is not None:
         return entry.tooth
+    if entry.encoder_deg is None:
+        return None
     known = comparison.gears[("driving", "driven").index(entry.gear)]
     passes = (tooth for tooth in range(known.z) if known.encoder_deg(tooth) == entry.encoder_deg)
     return next(passes, None)

@@ -113,14 +113,14 @@ def diagnose(
     back = () if unseen is None or left_over or findings else unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
     if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
-        left_over = comparison.located.entries[:FOREMOST]
+        left_over = comparison.located.entries[:FOREMOST] or start.comparison.located.where[:FOREMOST] or left_over
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
     scale = compliance_scale(search)
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"
-    elif left_over:
+    elif left_over or comparison.another is not None:
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
     left = after.unseen / max(expected, 1e-12)
@@ -193,7 +193,7 @@ def _places(
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
     left_over = with_causes(comparison, left_over, unearned, could_be, flank_curves(search))
     told = tuple(explained(search, comparison, left_over))
-    beyond = beyond_grade(search, before)
+    beyond = beyond_grade(search, before, comparison)
     return (*(one for one in beyond if not any(same_place(one, other) for other in told)), *told)
 
 
@@ -296,7 +296,7 @@ def _held_out_by(search: Search, *, jumped: bool) -> str:
 def _remarks(
     search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear], comparison: Comparison
 ) -> tuple[str, ...]:
-    out = [*contradicted(search), *_of_another_pair(search)]
+    out = [] if comparison.another is not None else [*contradicted(search), *_of_another_pair(search)]
     for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
         needed = built[gear].grade_needed
         known = comparison.gears[gear]

@@ -89,7 +89,7 @@ class Checked:
         for name in _names(self.of_keys):
             yield (
                 f"not named, since a key of the pair file was put right by the recordings: {name} (by how much that "
-                "key is still off looks alike; state it as the drawing has it)"
+                "key is still off looks alike; write into the pair file what the drawing says, and run again)"
             )
         for name in _names(self.unchecked):
             yield (

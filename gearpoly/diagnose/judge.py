@@ -131,8 +131,8 @@ def judge(
             explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
-    less -= 0.5 * _by_scale(model, linear, claim, gain) / trial.dispersion
-    less -= 0.5 * max(0.0, gain - gain_beside_form(model, scenes, linear, k, gain)) / trial.dispersion
+    as_graded = _by_scale(model, linear, claim, gain) + gain - gain_beside_form(model, scenes, linear, k, gain)
+    less -= 0.5 * min(as_graded, gain) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
         explanations = _as_far_as_simulated(trial, claim, explanations, effect)

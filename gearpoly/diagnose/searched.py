@@ -95,13 +95,17 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     looked_at = search.run() if theirs else []
     if any(one.place.tooth is not None for one in search.model.claims):
         # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
-        end = search.kept()
+        end, scope = search.kept(), model.scope
         search.restore(begun)
-        if smooth_waves(search, comparison, least=0.0):
-            first, begun = search.linear, without_columns(search.kept())
-            looked_at = search.run()
+        asked = smooth_waves(search, comparison, least=0.0)
+        started = search.linear, without_columns(search.kept())
+        looked_again = search.run() if asked else []
+        if asked and not search.over:
+            (first, begun), looked_at = started, looked_again
         else:
+            # What was found till then is told.
             search.restore(end)
+            model.scope = scope
     stopped, budget = search.over, model.budget
     model.budget = budget.further
     search.step = watch.stage("rivals")

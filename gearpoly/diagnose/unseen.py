@@ -24,6 +24,7 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
+from gearpoly.infer.prior import SHAPED_BY_KEYS
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray, IntArray
 
@@ -82,7 +83,7 @@ def checked(
     refused: list[tuple[Claim, float]] = []
     if not model.claims:
         return None
-    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and one.physics.mean_tooth])
+    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and of_keys_too(one)])
     unchecked = _taken_back(search, [k for k, one in enumerate(model.claims) if not repeats(search, one)])
     while (these := _idle(search)) is not None:
         gone = _taken_back(search, these)
@@ -221,13 +222,23 @@ def _rises(search: Search) -> int | None:
     none. Whether index deviations are a fault of one tooth or as all teeth were made, unseen samples do not tell."""
     masks, model, hold = [one.fit for one in search.model.observed], search.model, held_places(search)
     with_ = cross_validated(search.linear, masks, hold=hold).unseen
-    worst: tuple[float, int | None] = (with_ / (1.0 + ROSE), None)
+    least, worst = with_ / (1.0 + ROSE), None
     for k, claim in enumerate(model.claims):
+        if of_pitches(model, claim):
+            continue
         mine = search.linear.layout.places(k) + search.linear.layout.form_places(model, k)
-        if not of_pitches(model, claim):
-            rest = [place for place in hold if place not in mine]
-            worst = min(worst, (cross_validated(search.linear, masks, leave=mine, hold=rest).unseen, k))
-    return worst[1]
+        rest = [place for place in hold if place not in mine]
+        without = cross_validated(search.linear, masks, leave=mine, hold=rest).unseen
+        if without < least:
+            least, worst = without, k
+    return worst
+
+
+def of_keys_too(claim: Claim) -> bool:
+    """Whether a wrong key of the gears' shape may look like a claim: what all teeth of a gear have, and where they
+    stand to each other."""
+    shaped = claim.physics.mean_tooth and claim.place.gear is not None
+    return shaped or claim.physics.name in SHAPED_BY_KEYS
 
 
 def _doubt(search: Search) -> float:
