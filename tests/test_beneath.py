@@ -110,3 +110,17 @@ def test_where_a_tooth_is_claimed_a_smooth_wave_is_asked_with_nothing_left_beyon
     assert not smooth_waves(search, comparison)
     assert smooth_waves(search, comparison, least=0.0)
     assert search.model.scope.smooth == {(0, 2)}
+
+
+def test_an_image_of_what_comes_once_per_turn_is_no_smooth_wave(plain: Recording, tmp_path: Path) -> None:
+    """Teeth show order 1 beside the mesh too, at z - 1 and z + 1: a gear or an encoder off its axis tells it, and as a
+    wave of no cause it would take their name."""
+    once = with_wave(plain, order=1.0, amplitude_um=14.0)
+    search, comparison = searched(graded(), once, tmp_path / "pair.toml")
+    known = comparison.located.entries[0]
+    image = replace(known, kind="shaft_order", gear="driving", order=Z[0] - 1.0, amplitude_um=0.4, companion_of=None)
+    first = replace(image, order=1.0, amplitude_um=14.0)
+    both = replace(comparison, located=replace(comparison.located, entries=(image, first), where=()))
+    assert not smooth_waves(search, both)
+    assert search.model.scope.smooth == frozenset()
+    assert search.model.strangers == ()

@@ -29,19 +29,39 @@ def claim(name: str, values: tuple[float, ...], **place: Any) -> Claim:
     return Claim(physics=catalogue()[name], place=Place(gear=1, tooth=18, **place), values=values)
 
 
+def tip_at(r_a: float) -> Any:
+    """A model of two gears of module 2 with tip circles of this radius in mm."""
+    return SimpleNamespace(scope=SimpleNamespace(gears=(SimpleNamespace(r_a=r_a, m=2.0),) * 2))
+
+
 def test_a_freedom_costs_what_it_might_have_told() -> None:
     """Schwarz (1978): half the log of the data for each; a refit has counted one (Akaike) for each already."""
     spall, chip = claim("tooth_spall", SPALL), claim("tooth_chip", CHIP)
-    gain = 14035.5
+    gain, far = 14035.5, tip_at(60.0)
     two = 2.0 * (math.log(gain) - 2.0)
-    assert _behind(chip, Refitted(claim=spall, behind=1.23), gain) == pytest.approx(1.23 + two)
+    assert _behind(far, chip, Refitted(claim=spall, behind=1.23), gain) == pytest.approx(1.23 + two)
     # The other way round the simpler one is ahead, though it fits a little worse.
-    assert _behind(spall, Refitted(claim=chip, behind=1.23), gain) == pytest.approx(1.23 - two)
-    assert _behind(spall, Refitted(claim=spall, behind=3.0), gain) == 3.0
+    assert _behind(far, spall, Refitted(claim=chip, behind=1.23), gain) == pytest.approx(1.23 - two)
+    assert _behind(far, spall, Refitted(claim=spall, behind=3.0), gain) == 3.0
     # One that fits better is ahead: as if level it fell with the claim, below causes that it had beaten.
-    assert _behind(spall, Refitted(claim=spall, behind=-57.8), gain) == -57.8
+    assert _behind(far, spall, Refitted(claim=spall, behind=-57.8), gain) == -57.8
     # Data that hardly tell one freedom from none cannot tell two from one.
-    assert _behind(chip, Refitted(claim=spall, behind=0.5), 4.0) == 0.5
+    assert _behind(far, chip, Refitted(claim=spall, behind=0.5), 4.0) == 0.5
+
+
+def test_a_missing_tip_is_not_behind_a_pit_that_ends_at_the_tip_circle() -> None:
+    """Both say that the flank is gone there, and no tip breaks off with the sharp edge that is drawn: up to a tenth of
+    the gain. Of a pit whose edge lies a tenth of a module below the tip circle, or of a larger difference, nothing of
+    the kind is known."""
+    spall, chip = claim("tooth_spall", SPALL), claim("tooth_chip", CHIP)
+    gain = 2000.0
+    at_tip, below = tip_at(SPALL[2]), tip_at(SPALL[2] + 0.2)
+    dearer = 2.0 * (math.log(gain) - 2.0)
+    assert _behind(at_tip, spall, Refitted(claim=chip, behind=130.0), gain) == 0.0
+    assert _behind(at_tip, spall, Refitted(claim=chip, behind=5.0), gain) == pytest.approx(5.0 - dearer)
+    assert _behind(at_tip, spall, Refitted(claim=chip, behind=300.0), gain) == pytest.approx(300.0 - dearer)
+    assert _behind(below, spall, Refitted(claim=chip, behind=130.0), gain) == pytest.approx(130.0 - dearer)
+    assert _behind(at_tip, chip, Refitted(claim=spall, behind=130.0), gain) == pytest.approx(130.0 + dearer)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

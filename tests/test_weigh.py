@@ -296,9 +296,9 @@ def test_where_many_waves_are_foreign_one_at_an_order_may_be_another(strangers: 
     wave = Candidate(claim=claim_of("undulation", Place(gear=0, order=61)), gain=100.0, freedoms=2)
     crack = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=100.0, freedoms=1)
     # Strangers of 1 um beside a wave of 1.9 um, and beside one that is more than twice as large as they are.
-    weigh.model.change = lambda *given, **more: [1.9 * UM * np.cos(61.0 * turns)]
+    weigh.model.changed = lambda *given: [1.9 * UM * np.cos(61.0 * turns)]
     assert weigh.by_coincidence(wave) is not named
-    weigh.model.change = lambda *given, **more: [2.1 * UM * np.cos(61.0 * turns)]
+    weigh.model.changed = lambda *given: [2.1 * UM * np.cos(61.0 * turns)]
     assert not weigh.by_coincidence(wave)
     assert not weigh.by_coincidence(crack)
 

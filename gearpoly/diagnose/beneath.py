@@ -142,8 +142,8 @@ def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry]) -> bo
         if left < least:
             best, smooth, least = search.kept(), entry, left
         search.restore(begun)
-    if smooth is None:
-        return False
+    if smooth is None or smooth.order == 1.0:
+        return False  # what comes once per turn, and has an image beside the mesh, is told by a gear or an encoder
     search.restore(best)
     z_1, z_2 = (gear.z for gear in comparison.gears)
     scope = search.model.scope
