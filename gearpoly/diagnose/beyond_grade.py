@@ -74,7 +74,8 @@ def beyond_grade(search: Search, before: Comparison, now: Comparison) -> tuple[E
 
 def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry]:
     claimed = {(one.place.gear, order_of(one), one.place.tooth) for one in search.model.claims}
-    for one in (*before.located.entries, *(one for one in before.located.where if one.kind == "shaft_order")):
+    # Orders as large as the whole mismatch has them: beside teeth a fit gives a part to these and another to a wave.
+    for one in (*before.located.where, *(one for one in before.located.entries if one.kind == "tooth")):
         if one.gear is None or one.parts or one.companion_of is not None:
             continue
         gear = ("driving", "driven").index(one.gear)
