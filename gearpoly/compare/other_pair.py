@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -102,6 +103,7 @@ def _plainest(teeth: IntArray) -> tuple[int, int]:
     return best.numerator, best.denominator
 
 
+@lru_cache(maxsize=1)
 def _teeth() -> IntArray:
     """Teeth (m, 2) of the read gear and of its mate, without a common divisor; but ratios that are whole, whose orders
     the read gear has too."""
