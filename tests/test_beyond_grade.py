@@ -12,6 +12,7 @@ from scipy.stats import norm as normal
 from scipy.stats import t as student
 
 from gearpoly.compare.compare import compare
+from gearpoly.compare.set_up import GearKnown
 from gearpoly.diagnose.as_built import chain
 from gearpoly.diagnose.beyond_grade import BY_CHANCE, _Held, beyond_grade
 from gearpoly.diagnose.prepare import prepare
@@ -64,6 +65,18 @@ def test_a_scale_read_off_few_teeth_makes_it_likelier(ratio: float) -> None:
     assert one._tail(ratio, 2) > held(np.zeros(Z))._tail(ratio, 2)
     assert one._tail(ratio, 1) == pytest.approx(2.0 * float(student.sf(math.sqrt(ratio), freedom)), rel=1e-9)
     assert held(np.zeros(Z))._tail(ratio, 1) == pytest.approx(2.0 * float(normal.sf(math.sqrt(ratio))), rel=1e-9)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_tooth_is_found_by_its_reading(direction: int) -> None:
+    """The inverse of where it passes, to a third of a pitch, whichever way the encoder counts."""
+    gear = GearKnown(z=23, zero=math.radians(311.0), direction=direction)
+    for tooth in range(23):
+        reading = gear.encoder_deg(tooth)
+        assert reading is not None
+        assert [gear.tooth_at(reading + off) for off in (0.0, 5.2, -5.2, 360.0)] == [tooth] * 4
+    assert gear.tooth_at(None) is None
+    assert GearKnown(z=23).tooth_at(12.0) is None
 
 
 GEARS = 17, 23

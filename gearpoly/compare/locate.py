@@ -98,6 +98,7 @@ def locate(
         squares.append(float(np.var(r.residual)) * r.residual.size)
         turns.append(float(np.ptp(r.theta_1)) / (2.0 * math.pi))
         parts.append(_to_search(r, k=k, gears=gears, recordings=recordings, floor=floor))
+        del r  # a long one is let go before the next is laid out
     short = [one.data for one in parts]
     search = Search(short, gears, floor)
     solution = search.run(over)

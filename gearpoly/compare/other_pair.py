@@ -41,8 +41,9 @@ AS_GOOD, MULTIPLES = SEEN, 4
 another's: neighbouring fractions, and a shaft that turns half as often, have the same lines, and chance one more."""
 
 UNLIKE = 0.5
-"""Part of the orders of the declared pair's shaft that must stand apart from those of the other one, or they are told
-together: a belt that turns half as often has all of them."""
+"""Part of the orders of the declared pair's shaft that must stand apart from those of the other one, and from whole
+orders of the read one, or nothing tells them apart: a belt that turns half as often has all of them. A judgement:
+recordings of three other pairs, 0.2 to 0.4 % off in ratio, had 0.66 to 0.82."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -66,6 +66,14 @@ class GearKnown:
             return None
         return float(np.degrees(self.zero) + self.direction * 360.0 * tooth / self.z) % 360.0
 
+    def tooth_at(self, reading_deg: float | None) -> int | None:
+        """The tooth whose pitch point passes the line of centres nearest to an encoder reading in deg; None where the
+        zero is not known, or no reading is given."""
+        if self.zero is None or reading_deg is None:
+            return None
+        turned = self.direction * (reading_deg - float(np.degrees(self.zero))) / 360.0
+        return round(turned * self.z) % self.z
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AlignedResidual:

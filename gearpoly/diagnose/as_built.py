@@ -14,7 +14,7 @@ from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
-from gearpoly.units import UM, FloatArray, read_only
+from gearpoly.units import UM, FloatArray, IntArray, read_only
 
 IDEAL = 0.01
 """um. Doubt about the teeth of a gear that is declared ideal or inspected without any uncertainty."""
@@ -100,6 +100,11 @@ class AsBuilt:
         """The forms of one gear's flank: of each of K half waves, from two on, its amplitude on every tooth (K, z)."""
         one, start = self.gears[gear], self.start(flank, gear)
         return values[start + 2 * one.z + 1 : start + one.size].reshape(len(one.form), one.z)
+
+    def form_at(self, flank: Flank, gear: int, tooth: int) -> IntArray:
+        """Where the half waves of a tooth's form stand (K,) among the parameters."""
+        one = self.gears[gear]
+        return self.start(flank, gear) + 2 * one.z + 1 + tooth + np.arange(len(one.form)) * one.z
 
     def alike(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
         """The parameters (m,) with the teeth of these ``gears`` without crowning and form, all of a flank leaning as

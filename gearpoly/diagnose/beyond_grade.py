@@ -86,7 +86,8 @@ def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry
             if not 1 <= order < 0.5 * z or (gear, order, None) in claimed or search.model.scope.others_at(gear, order):
                 continue
             chance = min((flank.chance_of_wave(order) for flank in held), default=1.0)
-        elif one.kind == "tooth" and (tooth := _tooth_now(now, one, gear)) is not None:
+        # Teeth may have been moved by whole pitches since, and the reading at which one passes has not.
+        elif one.kind == "tooth" and (tooth := now.gears[gear].tooth_at(one.encoder_deg)) is not None:
             if any((gear, tooth) == (other, its) for other, _, its in claimed):
                 continue
             chance = min((flank.chance_of_tooth(tooth) for flank in held), default=1.0)
@@ -95,17 +96,6 @@ def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry
             continue
         if chance < BY_CHANCE:
             yield replace(one, as_built=False)
-
-
-def _tooth_now(now: Comparison, entry: Entry, gear: int) -> int | None:
-    """The tooth that an entry is about, as teeth are numbered by ``now``: they may have been moved by whole pitches,
-    and the reading at which it passes has not."""
-    known = now.gears[gear]
-    passes = [known.encoder_deg(tooth) for tooth in range(known.z)]
-    if entry.encoder_deg is None or any(one is None for one in passes):
-        return None
-    off = np.array([one for one in passes if one is not None]) - entry.encoder_deg
-    return int(np.argmin(np.abs((off + 180.0) % 360.0 - 180.0)))
 
 
 def _held(search: Search, gear: int, entry: Entry) -> Iterator[_Held]:

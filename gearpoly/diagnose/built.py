@@ -30,11 +30,11 @@ FAR = 4.0
 
 
 def built_gears(
-    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = (), theirs: bool = True
+    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = (), of_this_pair: bool = True
 ) -> tuple[BuiltGear, BuiltGear]:
     """Both gears, driving first; ``left``: the rms of unseen samples over what is expected of it; ``unearned`` what did
-    not earn its name; ``theirs``: whether the recordings are of this pair."""
-    unsure = _why_unsure(left, unearned) if theirs else OF_ANOTHER
+    not earn its name; ``of_this_pair``: whether the recordings are of this pair."""
+    unsure = _why_unsure(left, unearned) if of_this_pair else OF_ANOTHER
     return _built(search, file, 0, unsure), _built(search, file, 1, unsure)
 
 
@@ -83,7 +83,7 @@ def _ungraded(search: Search, file: PairFile, gear: int) -> str:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
     if others := search.model.scope.others_at(gear, 1):
         parts = " and ".join(others)
-        return f"turns with other parts ({parts}): what comes once per turn may be theirs, and no grade is told"
+        return f"turns with other parts ({parts}): what comes once per turn may be of_this_pair, and no grade is told"
     section = gear_section(file, gear)
     if not graded_by_iso(section):
         return f"is of a size for which ISO 1328-1 ({section.grade_edition}) has no tolerances, and no grade is told"

@@ -35,11 +35,7 @@ def _tooth(comparison: Comparison, entry: Entry) -> int | None:
     """The tooth that an entry is about, by its number, or by where it passes where numbers are open."""
     if entry.kind != "tooth" or entry.gear is None or entry.tooth is not None:
         return entry.tooth
-    if entry.encoder_deg is None:
-        return None
-    known = comparison.gears[("driving", "driven").index(entry.gear)]
-    passes = (tooth for tooth in range(known.z) if known.encoder_deg(tooth) == entry.encoder_deg)
-    return next(passes, None)
+    return comparison.gears[("driving", "driven").index(entry.gear)].tooth_at(entry.encoder_deg)
 
 
 def _at(search: Search, entry: Entry, tooth: int | None) -> list[tuple[Physics, Place]]:

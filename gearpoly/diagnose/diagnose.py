@@ -124,7 +124,7 @@ def diagnose(
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
     left = after.unseen / max(expected, 1e-12)
-    built = built_gears(search, file, left=left, unearned=unearned, theirs=comparison.another is None)
+    built = built_gears(search, file, left=left, unearned=unearned, of_this_pair=comparison.another is None)
     everything = list(range(found.start.system.size))
     return Diagnosis(
         comparison=comparison,

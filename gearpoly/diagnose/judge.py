@@ -43,10 +43,13 @@ TWIN = 0.25
 """The same for a damage of the mate's tooth, whose coarse shapes are laid elsewhere than those of the claim: where two
 teeth always meet, either has it."""
 
-PIT, TIP, EDGE, NEAR_TIP = "tooth_spall", "tooth_chip", 0.1, 0.05
-"""Part of its gain by which a missing tip may be behind a pit that ends at the tip circle (modules) and be as likely:
-both say that the flank is gone there, and no tip breaks off with the sharp edge that is drawn. Of one that was 0.84 mm
-high the pit had 1850 of misfit, and the missing tip 131 less. A judgement."""
+PIT, TIP = "tooth_spall", "tooth_chip"
+"""Two physics that say the same where the pit ends at the tip circle: the flank is gone there."""
+
+EDGE, NEAR_TIP = 0.1, 0.05
+"""Part of its gain by which a missing tip may be behind such a pit and be as likely, and modules from the tip circle at
+which a pit ends there: no tip breaks off with the sharp edge that is drawn. Of one 0.84 mm high the pit had 1850 of
+misfit, and the missing tip 131 less. Judgements."""
 
 LOOKED_AT = 12
 """Rivals that are looked at closely."""

@@ -87,12 +87,12 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     anew = remounted(model, search.linear, deflection=search.deflection)
     comparison = _placed_alike(start.comparison, search)
     search.step = watch.stage("search")
-    theirs = anew is None and comparison.another is None
-    if theirs:
+    of_this_pair = anew is None and comparison.another is None
+    if of_this_pair:
         smooth_waves(search, comparison)
         waves_beneath(search, comparison)
     first, begun = search.linear, without_columns(search.kept())
-    looked_at = search.run() if theirs else []
+    looked_at = search.run() if of_this_pair else []
     if any(one.place.tooth is not None for one in search.model.claims):
         # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
         end, scope = search.kept(), model.scope

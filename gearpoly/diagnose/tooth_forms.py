@@ -77,12 +77,7 @@ def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, 
         for j, each in enumerate(model.as_built.gears)
     ]
     told = make_as_built((gears[0], gears[1]), model.as_built.flanks)
-    at = np.concatenate(
-        [
-            told.start(flank, gear) + 2 * one.z + 1 + tooth + np.arange(HALF_WAVES) * one.z
-            for flank in model.as_built.flanks
-        ]
-    )
+    at = np.concatenate([told.form_at(flank, gear, tooth) for flank in told.flanks])
     forms = [noise.whitened(told.columns(scene)[:, at]) for noise, scene in zip(linear.noises, scenes, strict=True)]
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k)).system
     known = told.precision[np.ix_(at, at)]
@@ -117,10 +112,9 @@ def _differ(fit: Fit, told: AsBuilt) -> bool:
     """Whether forms make what a ``fit`` without them leaves likelier where none of those teeth touches that differ
     most."""
     teeth = [
-        _Tooth(flank=flank, gear=gear, tooth=tooth, at=told.start(flank, gear) + 2 * one.z + 1 + tooth + waves * one.z)
+        _Tooth(flank=flank, gear=gear, tooth=tooth, at=told.form_at(flank, gear, tooth))
         for flank in told.flanks
         for gear, one in enumerate(told.gears)
-        for waves in [np.arange(len(one.form))]
         if one.form
         for tooth in range(one.z)
     ]

@@ -83,7 +83,7 @@ def checked(
     refused: list[tuple[Claim, float]] = []
     if not model.claims:
         return None
-    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and of_keys_too(one)])
+    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and _as_keys_do(one)])
     unchecked = _taken_back(search, [k for k, one in enumerate(model.claims) if not repeats(search, one)])
     while (these := _idle(search)) is not None:
         gone = _taken_back(search, these)
@@ -206,13 +206,7 @@ def _runs_off(search: Search, start: Linear) -> int | None:
     without, whole = _told(search, start)
     if whole <= without * (1.0 + _doubt(search)):
         return None
-    masks, layout = [one.fit for one in model.observed], search.linear.layout
-    each = [
-        cross_validated(
-            search.linear, masks, leave=layout.places(k) + layout.form_places(model, k), hold=held_places(search)
-        ).unseen
-        for k in range(len(model.claims))
-    ]
+    each = _without_each(search)
     best = int(np.argmin(each))
     return best if each[best] < LESS * whole else None
 
@@ -220,21 +214,27 @@ def _runs_off(search: Search, start: Linear) -> int | None:
 def _rises(search: Search) -> int | None:
     """The claim with which the rms of unseen samples is larger than without it, the one by most; None where there is
     none. Whether index deviations are a fault of one tooth or as all teeth were made, unseen samples do not tell."""
-    masks, model, hold = [one.fit for one in search.model.observed], search.model, held_places(search)
-    with_ = cross_validated(search.linear, masks, hold=hold).unseen
-    least, worst = with_ / (1.0 + ROSE), None
-    for k, claim in enumerate(model.claims):
-        if of_pitches(model, claim):
-            continue
-        mine = search.linear.layout.places(k) + search.linear.layout.form_places(model, k)
-        rest = [place for place in hold if place not in mine]
-        without = cross_validated(search.linear, masks, leave=mine, hold=rest).unseen
-        if without < least:
+    model = search.model
+    masks = [one.fit for one in model.observed]
+    least, worst = cross_validated(search.linear, masks, hold=held_places(search)).unseen / (1.0 + ROSE), None
+    for k, without in enumerate(_without_each(search)):
+        if without < least and not of_pitches(model, model.claims[k]):
             least, worst = without, k
     return worst
 
 
-def of_keys_too(claim: Claim) -> bool:
+def _without_each(search: Search) -> list[float]:
+    """The rms in mm of unseen samples without each claim, all else fitted again."""
+    masks, layout, hold = [one.fit for one in search.model.observed], search.linear.layout, held_places(search)
+    out = []
+    for k in range(len(search.model.claims)):
+        mine = layout.places(k) + layout.form_places(search.model, k)
+        rest = [place for place in hold if place not in mine]
+        out.append(cross_validated(search.linear, masks, leave=mine, hold=rest).unseen)
+    return out
+
+
+def _as_keys_do(claim: Claim) -> bool:
     """Whether a wrong key of the gears' shape may look like a claim: what all teeth of a gear have, and where they
     stand to each other."""
     shaped = claim.physics.mean_tooth and claim.place.gear is not None
