@@ -251,10 +251,12 @@ class Scene:
     def swung(self, changes: FloatArray) -> FloatArray:
         """``changes`` (n,) or (n, m) of the mesh's own transmission error as a resonance, if there is one, magnifies
         them."""
-        shafts = self.assembled.shafts
-        if shafts.frequency is None or self.samples.speed is None:
-            return changes
-        return self._magnified(shafts, changes)
+        return self._magnified(self.assembled.shafts, changes) if self.resonant else changes
+
+    @property
+    def resonant(self) -> bool:
+        """Whether a resonance of the shafts magnifies what the mesh does."""
+        return self.assembled.shafts.frequency is not None and self.samples.speed is not None
 
     def _magnified(self, shafts: Shafts, changes: FloatArray) -> FloatArray:
         if self.samples.backward:

@@ -15,6 +15,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import AsBuilt, GearPrior, chain, make_as_built
 from gearpoly.diagnose.both_flanks import SHARED, scattered, surprise, told, turns_told
 from gearpoly.diagnose.prepare import only_shaft_read, prepare
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
@@ -46,7 +47,7 @@ def read(true: FloatArray, as_built: AsBuilt) -> System:
     noisy = true + np.random.default_rng(5).normal(0.0, NOISE, true.size)
     size = as_built.size
     return System(
-        white=[np.eye(size) / NOISE], target=[noisy / NOISE], precision=as_built.precision, prior=np.zeros(size)
+        white=[full(np.eye(size) / NOISE)], target=[noisy / NOISE], precision=as_built.precision, prior=np.zeros(size)
     )
 
 
@@ -74,7 +75,7 @@ def asked(as_built: AsBuilt, system: System, **more: object) -> tuple[Any, Any, 
     model = SimpleNamespace(as_built=as_built, claims=[], change=change, **more)
     parts = [of_drive, ~of_drive]
     split = replace(
-        system, white=[system.white[0][part] for part in parts], target=[system.target[0][part] for part in parts]
+        system, white=[system.white[0].rows(part) for part in parts], target=[system.target[0][part] for part in parts]
     )
     scenes = [SimpleNamespace(samples=SimpleNamespace(flank=flank)) for flank in ("drive", "coast")]
     noise = SimpleNamespace(whitened=lambda values: values / NOISE)

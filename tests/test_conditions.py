@@ -16,6 +16,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
@@ -30,7 +31,7 @@ def systems(sizes: list[float], known: list[float]) -> tuple[System, System]:
     """Recordings of one sample each that tell sizes of an effect with the information ``known``, without the effect
     and with it; nothing else is open but a parameter that no sample tells, held to 0."""
     target = [np.array([np.sqrt(i) * a]) for a, i in zip(sizes, known, strict=True)]
-    plain = System(white=[np.zeros((1, 1))] * len(sizes), target=target, precision=np.eye(1), prior=np.zeros(1))
+    plain = System(white=[full(np.zeros((1, 1)))] * len(sizes), target=target, precision=np.eye(1), prior=np.zeros(1))
     return plain, plain.with_columns([np.array([[np.sqrt(i)]]) for i in known])
 
 
@@ -49,7 +50,8 @@ def test_what_contradicts_an_inspection_counts_under_every_condition() -> None:
     """A tooth that stands 6 um off where it was inspected to 0.5 um, alike under two conditions that know it far
     better: either explains the other without a claim, but not the sheet, by (6 / 0.5)^2 = 144."""
     white, known = [np.full((1, 1), 100.0)] * 2, np.full((1, 1), 0.5**-2)
-    plain = System(white=white, target=[np.array([600.0])] * 2, precision=known, prior=np.zeros(1))
+    wide = [full(one) for one in white]
+    plain = System(white=wide, target=[np.array([600.0])] * 2, precision=known, prior=np.zeros(1))
     assert foretold(plain, plain.with_columns([one.copy() for one in white]), [[0], [1]]) == pytest.approx(
         144.0, rel=0.01
     )
@@ -180,10 +182,10 @@ def test_a_wave_of_the_drive_beside_an_order_does_not_make_a_tooth_swell(shown: 
     columns = np.column_stack((np.cos(angle), np.sin(angle), tooth))
     target = tooth * (1.0 + along if shown == "swells" else 1.0) + drive * np.cos(angle + 0.4)
     target = target + rng.standard_normal(turns.size)
-    system = System(white=[columns], target=[target], precision=1e-9 * np.eye(3), prior=np.zeros(3))
+    system = System(white=[full(columns)], target=[target], precision=1e-9 * np.eye(3), prior=np.zeros(3))
     layout = SimpleNamespace(claims=[slice(2, 3)], foreign=slice(0, 2), places=lambda k: [2])
     noise = SimpleNamespace(whitened=lambda a: a)
-    linear: Any = SimpleNamespace(system=system, layout=layout, noises=[noise], columns=[columns])
+    linear: Any = SimpleNamespace(system=system, layout=layout, noises=[noise], columns=[full(columns)])
     seen = SimpleNamespace(along=along, theta_1=2.0 * np.pi * 1.5 * turns, theta_2=2.0 * np.pi * turns)
     claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=3, flank="drive"), values=(1.0,))
     model: Any = SimpleNamespace(

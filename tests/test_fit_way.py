@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.way import Way
 from gearpoly.units import FloatArray
@@ -18,7 +19,9 @@ def system(of: Curve, x: FloatArray, *, step: float = 1e-7) -> System:
     """The residuals ``of`` (n,) linear about ``x`` (m,), every parameter known to 1000 beforehand."""
     here = of(x)
     columns = np.column_stack([(here - of(x + step * unit)) / step for unit in np.eye(x.size)])
-    return System(white=[columns], target=[here + columns @ x], precision=1e-6 * np.eye(x.size), prior=np.zeros(x.size))
+    return System(
+        white=[full(columns)], target=[here + columns @ x], precision=1e-6 * np.eye(x.size), prior=np.zeros(x.size)
+    )
 
 
 def walked(of: Curve, start: FloatArray, *, most: int) -> tuple[FloatArray, int, list[float]]:
@@ -82,7 +85,10 @@ def test_what_is_not_in_the_simulation_is_where_it_fits_best() -> None:
     """The misfit at a state with an open parameter is that of the best value of it."""
     rng = np.random.default_rng(2)
     one = System(
-        white=[rng.standard_normal((30, 3))], target=[rng.standard_normal(30)], precision=np.eye(3), prior=np.zeros(3)
+        white=[full(rng.standard_normal((30, 3)))],
+        target=[rng.standard_normal(30)],
+        precision=np.eye(3),
+        prior=np.zeros(3),
     )
     state = np.array([0.3, -0.2, np.nan])
     tried = [one.misfit_at(np.array([0.3, -0.2, z])) for z in np.linspace(-2.0, 2.0, 4001)]
@@ -93,7 +99,7 @@ def test_what_is_not_in_the_simulation_is_where_it_fits_best() -> None:
 def test_what_neither_data_nor_priors_fix_stays_where_it_is() -> None:
     """A parameter that nothing depends on makes the normal matrix singular; damped steps leave it alone."""
     a = np.array([[3.0, 0.0], [0.5, 0.0]])
-    free = System(white=[a], target=[a @ np.array([2.0, 0.0])], precision=np.zeros((2, 2)), prior=np.zeros(2))
+    free = System(white=[full(a)], target=[a @ np.array([2.0, 0.0])], precision=np.zeros((2, 2)), prior=np.zeros(2))
     plain, damped = (free.damped(free.normal @ free.solution, np.full(2, more)) for more in (0.0, 1.0))
     np.testing.assert_allclose(plain, [2.0, 0.0], atol=1e-8)
     np.testing.assert_allclose(damped, [1.0, 0.0], atol=1e-8)  # the diagonal counts twice

@@ -10,6 +10,7 @@ import numpy as np
 
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.foreign import _images, faded, foreign_entries, found_alone, smooth_orders, swells_by
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.keys.also_turns import Part
 from gearpoly.units import FloatArray
@@ -28,7 +29,7 @@ def made(orders: list[float], recorded: np.ndarray, beside: np.ndarray | None = 
     white = np.concatenate(columns, axis=1)
     m = white.shape[1]
     target = recorded + np.random.default_rng(3).normal(0.0, 1.0, N)
-    system = System(white=[white], target=[target], precision=np.zeros((m, m)), prior=np.zeros(m))
+    system = System(white=[full(white)], target=[target], precision=np.zeros((m, m)), prior=np.zeros(m))
     return system, [[2 * k, 2 * k + 1] for k in range(len(orders))]
 
 

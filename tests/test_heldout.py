@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.heldout import unseen_misfit
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 
 SAMPLES = 400
@@ -17,12 +18,12 @@ def system(size: float, rng: np.random.Generator) -> System:
     sample."""
     touching = (np.arange(SAMPLES) % 8 == 0).astype(float)
     target = size * touching + rng.standard_normal(SAMPLES)
-    return System(white=[touching[:, None]], target=[target], precision=np.array([[4.0]]), prior=np.zeros(1))
+    return System(white=[full(touching[:, None])], target=[target], precision=np.array([[4.0]]), prior=np.zeros(1))
 
 
 def gained(plain: System) -> float:
     """Misfit that the same deviation, free, takes off both halves, each by what the other teaches."""
-    wider = plain.with_columns([plain.white[0].copy()])
+    wider = plain.with_columns([plain.white[0].dense()])
     ways = (([HALF], [~HALF]), ([~HALF], [HALF]))
     return sum(unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen) for seen, unseen in ways)
 

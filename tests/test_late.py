@@ -10,6 +10,7 @@ import pytest
 
 from gearpoly.compare.clock import RATE_STD
 from gearpoly.diagnose.late import by_clock
+from gearpoly.diagnose.sparse import full
 from gearpoly.units import UM
 
 
@@ -27,7 +28,7 @@ def test_a_rate_that_is_off_shows_as_the_slope_times_the_way_from_the_middle() -
         system = SimpleNamespace(solution=np.array([built, 9.0]))
         columns = np.column_stack((wave, theta))  # the second is no tooth
         return SimpleNamespace(
-            layout=SimpleNamespace(built=slice(0, 1)), system=system, columns=[columns], noises=[noise]
+            layout=SimpleNamespace(built=slice(0, 1)), system=system, columns=[full(columns)], noises=[noise]
         )
 
     assert by_clock(scenes, linear(0.5)) == pytest.approx(size * order * RATE_STD * 30.0 / np.sqrt(24.0), rel=0.01)

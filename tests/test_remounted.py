@@ -11,6 +11,7 @@ import pytest
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.remounted import give_up_beside, remounted
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.units import UM, FloatArray
 
@@ -35,7 +36,7 @@ def found(*waves: tuple[float, float], flanks: str = "dd", deflection: float = 0
         columns = [np.column_stack([np.ones(N), np.kron(np.eye(len(target))[k], own)]) for k in range(len(target))]
     size = columns[0].shape[1]
     system = System(
-        white=[one / NOISE for one in columns],
+        white=[full(one / NOISE) for one in columns],
         target=[one / NOISE for one in target],
         precision=np.zeros((size, size)),
         prior=np.zeros(size),
@@ -43,7 +44,7 @@ def found(*waves: tuple[float, float], flanks: str = "dd", deflection: float = 0
     linear = Linear(
         system=system,
         layout=cast(Any, SimpleNamespace(foreign=slice(1, size))),
-        columns=columns,
+        columns=[full(one) for one in columns],
         target=target,
         noises=[cast(Any, SimpleNamespace(whitened=lambda values: values / NOISE))] * len(target),
     )

@@ -183,13 +183,13 @@ def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
         one = fit.model.as_built.gears[1]
         told = formed(file, ["drive"])
         at = told.start("drive", 1) + 2 * one.z + 1 + 4 + np.arange(HALF_WAVES) * one.z
-        forms = linear.noises[0].whitened(told.columns(fit.scenes[0])[:, at])
+        forms = linear.noises[0].whitened(told.columns(fit.scenes[0]).part(at))
         root = np.linalg.cholesky(system.precision + 1e-12 * np.eye(system.size)).T
         rows, target = system.size + HALF_WAVES, np.concatenate((system.target[0], root @ system.prior, np.zeros(4)))
         prior = np.zeros((rows, rows))
         prior[: system.size, : system.size] = root
         prior[system.size :, system.size :] = np.eye(HALF_WAVES) / one.wave
-        plain = np.concatenate((np.concatenate((system.white[0], forms), axis=1), prior))
+        plain = np.concatenate((np.concatenate((system.white[0].dense(), forms), axis=1), prior))
         claim = np.concatenate((linear.white_of(0)[0], np.zeros((rows, 4))))
         expected = least(plain, target) - least(np.concatenate((plain, claim), axis=1), target)
         assert found == pytest.approx(expected, rel=1e-3, abs=0.1)
@@ -199,3 +199,27 @@ def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
         free = replace(one, wave=0.0)
         fit.model.as_built = make_as_built((fit.model.as_built.gears[0], free), fit.model.as_built.flanks)
         assert gain_beside_form(fit.model, fit.scenes, linear, 0, gain) == gain
+
+
+def test_columns_of_teeth_are_what_each_pair_in_contact_adds() -> None:
+    """Sample by sample, all columns at hand: a pitch moves a tooth as a whole, a slope by how far along it touches from
+    its middle, crowning by the square of that, and half waves of form as cosines of it."""
+    model, waves = began(pair(Z, grade=6, bends=True), drawn(pair(Z, grade=6, bends=True), 0))
+    fit = Fit.begun(model, waves, lambda _: None, trial=1)
+    told, scene = formed(pair(Z, grade=6, bends=True), ["drive"]), fit.scenes[0]
+    expected = np.zeros((scene.samples.size, told.size))
+    for gear, one in enumerate(told.gears):
+        start, u = told.start("drive", gear), scene.spans[gear].u(scene.roll(gear))
+        for p, row in np.argwhere(scene.weight != 0.0):
+            tooth, carried = int(scene.teeth(gear)[p, row]), scene.samples.sense * float(scene.weight[p, row]) * UM
+            along = float(u[p, row])
+            expected[row, start + tooth] += carried
+            expected[row, start + one.z + tooth] += carried * (along - 0.5)
+            expected[row, start + 2 * one.z] -= carried * (2.0 * along - 1.0) ** 2
+            for k in range(HALF_WAVES):
+                wave = np.cos((k + 2) * np.pi * np.clip(along, 0.0, 1.0))
+                expected[row, start + 2 * one.z + 1 + k * one.z + tooth] += carried * wave
+    columns = told.columns(scene)
+    np.testing.assert_allclose(columns.dense(), expected, rtol=1e-9, atol=1e-12 * UM)
+    assert max(one.size for one in columns.at) < told.size
+    assert not told.columns(replace(scene, samples=replace(scene.samples, flank="coast"))).dense().any()

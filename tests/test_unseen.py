@@ -17,6 +17,7 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.heldout import Checked, foretold_to
 from gearpoly.diagnose.leftovers import taken_back, with_causes
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import _idle, repeats
@@ -37,7 +38,7 @@ NUMBER: IntArray = np.arange(N) // PER_TURN
 def system(columns: FloatArray, target: FloatArray) -> System:
     """Free white columns of one recording."""
     q = columns.shape[1]
-    return System(white=[columns], target=[target], precision=np.zeros((q, q)), prior=np.zeros(q))
+    return System(white=[full(columns)], target=[target], precision=np.zeros((q, q)), prior=np.zeros(q))
 
 
 def waves(*orders: float) -> FloatArray:
@@ -100,7 +101,7 @@ def test_what_contradicts_an_inspection_is_paid_for_unseen_too() -> None:
     column = (np.arange(N) % 40 < 4).astype(float)[:, None]
     known = np.array([[1.0]])
     plain = System(
-        white=[column], target=[6.0 * column[:, 0] + rng.standard_normal(N)], precision=known, prior=np.zeros(1)
+        white=[full(column)], target=[6.0 * column[:, 0] + rng.standard_normal(N)], precision=known, prior=np.zeros(1)
     )
     gain, _ = gained(
         Blocks(plain, NUMBER).unseen(), Blocks(plain.with_columns([column.copy()]), NUMBER).unseen(), NUMBER
@@ -114,7 +115,7 @@ def search(columns: FloatArray, target: FloatArray, claims: list[Claim], places:
     layout = SimpleNamespace(
         places=lambda k: places[k], form_places=lambda model, k: [], claims=[slice(p[0], p[-1] + 1) for p in places]
     )
-    linear = SimpleNamespace(system=one, layout=layout, columns=[columns], target=[target])
+    linear = SimpleNamespace(system=one, layout=layout, columns=[full(columns)], target=[target])
     linear.white_of = lambda k: [columns[:, layout.claims[k]]]
     samples = SimpleNamespace(theta_1=ANGLE, theta_2=ANGLE, number=0)
     gears = (SimpleNamespace(z=20), SimpleNamespace(z=20))
@@ -215,8 +216,10 @@ def test_half_a_recording_foretells_the_other_as_well_as_it_knows_it() -> None:
     the scatter of that square, which is one of 1 freedom in either half: (2 + 2 sqrt(4)) / 2n = 3 / n at most."""
     n, noise = 50, 0.3
     columns = np.ones((2 * n, 1))
-    white = System(white=[columns / noise], target=[np.zeros(2 * n)], precision=np.zeros((1, 1)), prior=np.zeros(1))
-    linear: Any = SimpleNamespace(system=white, columns=[columns])
+    white = System(
+        white=[full(columns / noise)], target=[np.zeros(2 * n)], precision=np.zeros((1, 1)), prior=np.zeros(1)
+    )
+    linear: Any = SimpleNamespace(system=white, columns=[full(columns)])
     first = np.arange(2 * n) < n
     assert foretold_to(linear, [first], noise, hold=[]) == pytest.approx(noise * math.sqrt(1.0 + 3.0 / n), rel=1e-6)
     # What is held is known, and where nothing is held out nothing is foretold.

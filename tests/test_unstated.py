@@ -18,6 +18,7 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import graded_prior
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import (
     COARSEST,
@@ -298,7 +299,9 @@ def test_a_pit_gains_as_much_beside_teeth_of_any_scale_and_a_pitch_does_not() ->
         columns[:, m] = mine
         precision = np.zeros((m + 1, m + 1))
         precision[:m, :m] = built.precision
-        system = System(white=[columns / read], target=[10.0 * mine / read], precision=precision, prior=np.zeros(m + 1))
+        system = System(
+            white=[full(columns / read)], target=[10.0 * mine / read], precision=precision, prior=np.zeros(m + 1)
+        )
         layout = SimpleNamespace(built=slice(0, m), places=lambda k: [m], form_places=lambda model, k: [])
         linear: Any = SimpleNamespace(
             system=system, layout=layout, white_of=lambda k, white=columns: [white[:, m:] / read]

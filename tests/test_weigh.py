@@ -13,6 +13,7 @@ import pytest
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.scan import Candidate, Looked
+from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
@@ -35,7 +36,7 @@ class White:
 
 
 def scales(recorded: FloatArray) -> Any:
-    system = System(white=[np.ones((N, 1))], target=[recorded], precision=np.zeros((1, 1)), prior=np.zeros(1))
+    system = System(white=[full(np.ones((N, 1)))], target=[recorded], precision=np.zeros((1, 1)), prior=np.zeros(1))
     weigh = Weigh.__new__(Weigh)
     weigh.linear = White(system)  # type: ignore[assignment]
     weigh.model = SimpleNamespace(observed=[SimpleNamespace(samples=SimpleNamespace(size=N))])  # type: ignore[assignment]
@@ -49,7 +50,8 @@ def several(recorded: list[FloatArray]) -> Any:
         one[:, k] = 1.0
     weigh = scales(recorded[0])
     unknown = np.zeros((len(recorded), len(recorded)))
-    weigh.linear = White(System(white=white, target=recorded, precision=unknown, prior=np.zeros(len(recorded))))
+    wide = [full(one) for one in white]
+    weigh.linear = White(System(white=wide, target=recorded, precision=unknown, prior=np.zeros(len(recorded))))
     weigh.model.observed = [SimpleNamespace(samples=SimpleNamespace(size=N))] * len(recorded)
     return weigh
 
@@ -253,7 +255,7 @@ def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(dat
     rng = np.random.default_rng(8)
     column = rng.normal(0.0, 1.0, N)
     column *= math.sqrt(data) / np.linalg.norm(column)
-    system = System(white=[column[:, None]], target=[np.zeros(N)], precision=np.eye(1), prior=np.zeros(1))
+    system = System(white=[full(column[:, None])], target=[np.zeros(N)], precision=np.eye(1), prior=np.zeros(1))
     weigh = scales(np.zeros(N))
     weigh.beside = lambda one: ([column[:, None]], system)
     one = Candidate(claim=claim_of("profile_slope", Place(gear=0)), gain=1.0, freedoms=1)
@@ -319,7 +321,9 @@ def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows() -> None
     built = there - np.mean(there)
     weigh.scenes = [SimpleNamespace(bends=False), SimpleNamespace(bends=True)]
     system = SimpleNamespace(solution=np.array([UM]), samples=N)
-    weigh.linear = SimpleNamespace(layout=SimpleNamespace(built=slice(0, 1)), columns=[there, there], system=system)
+    weigh.linear = SimpleNamespace(
+        layout=SimpleNamespace(built=slice(0, 1)), columns=[full(there), full(there)], system=system
+    )
     own = 0.03 * float(built[0, 0]) * UM * math.sqrt(0.5 * 0.04)
     assert weigh.law_floor(pit) == pytest.approx(laws + own)
     weigh.scenes = [SimpleNamespace(bends=False)] * 2

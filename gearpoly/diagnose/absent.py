@@ -42,7 +42,7 @@ def misfit_without_mesh(model: Model, scenes: Sequence[Scene], linear: Linear, *
             held[at.start : at.start + claim.physics.amplitudes] = claim.values[: claim.physics.amplitudes]
             places += range(at.start, at.stop)
     # Teeth as built stay open: what they have settled to do at every mesh counts as theirs.
-    built = [columns[:, layout.built] @ model.built for columns in linear.columns]
+    built = [columns.times(layout.built, model.built) for columns in linear.columns]
     target = [
         y - white @ held + noise.whitened(_of_every_mesh(scene, scene.te - own))
         for scene, own, noise, white, y in zip(scenes, built, linear.noises, system.white, system.target, strict=True)

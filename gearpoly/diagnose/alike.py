@@ -99,7 +99,7 @@ def alike(model: Model, scenes: list[Scene], claims: Sequence[Claim]) -> Alike:
     laws = law_modes(scenes, law_changes(scenes))
     recordings = []
     for k, scene in enumerate(scenes):
-        parts = [model.as_built.columns(scene), np.ones((scene.samples.size, 1)), softened(scene)[:, None]]
+        parts = [model.as_built.columns(scene).dense(), np.ones((scene.samples.size, 1)), softened(scene)[:, None]]
         opened = np.concatenate(parts if laws is None else [*parts, laws.parts[k]], axis=1) / NOISE
         effect = np.column_stack(signals[k]) / NOISE
         recordings.append(Products(open=opened.T @ opened, cross=opened.T @ effect, own=effect.T @ effect))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from gearpoly.diagnose.sparse import stacked
 from gearpoly.diagnose.system import FLOOR, System, scales_of
 from gearpoly.units import FloatArray, IntArray
 
@@ -32,11 +33,11 @@ class Blocks:
 
     def __init__(self, system: System, number: IntArray) -> None:
         self._system, self._number = system, number
-        white, target = np.concatenate(system.white), np.concatenate(system.target)
+        white, target = stacked(system.white), np.concatenate(system.target)
         where = [np.flatnonzero(number == k) for k in range(int(number[-1]) + 1)]
         self._where = where
-        self._white, self._target = [white[one] for one in where], [target[one] for one in where]
-        self._normal = [a.T @ a for a in self._white]
+        self._white, self._target = [white.rows(one) for one in where], [target[one] for one in where]
+        self._normal = [a.gram() for a in self._white]
         self._right = [a.T @ y for a, y in zip(self._white, self._target, strict=True)]
 
     def unseen(self, leave: Sequence[int] = ()) -> Unseen:
@@ -51,7 +52,7 @@ class Blocks:
         parts = zip(self._where, self._white, self._target, self._normal, self._right, strict=True)
         for where, a, y, own, mine in parts:
             x = _solved(normal - own[at], right - mine[keep])
-            left[where] = y - a[:, keep] @ x
+            left[where] = y - a.times(keep, x)
             strain += float((x - prior) @ precision @ (x - prior)) / len(self._where)
         return Unseen(left=left, strain=strain)
 

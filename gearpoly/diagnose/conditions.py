@@ -131,7 +131,7 @@ def _ramps(linear: Linear, model: Model, k: int) -> list[FloatArray]:
     """White columns (n_k, q) of what claim ``k`` does where it swells along each recording by itself."""
     mine, columns = linear.layout.claims[k], []
     for j, (noise, own, one) in enumerate(zip(linear.noises, linear.columns, model.observed, strict=True)):
-        amplitudes = own[:, mine][:, : model.claims[k].physics.amplitudes]
+        amplitudes = own.part(mine)[:, : model.claims[k].physics.amplitudes]
         x = one.samples.along[:, None]
         ramps = noise.whitened(np.concatenate((amplitudes * x, amplitudes * (1.5 * x**2 - 0.5)), axis=1))
         wide = np.zeros((ramps.shape[0], len(linear.noises) * ramps.shape[1]))
@@ -147,7 +147,9 @@ def _beats(linear: Linear, model: Model, claim: Claim, wave: Sequence[int]) -> b
         return True
     shaft = claim.place.gear or 0
     for own, one in zip(linear.columns, model.observed, strict=True):
-        pairs = [own[:, linear.layout.foreign.start + np.array(two)] for two in zip(wave[::2], wave[1::2], strict=True)]
+        pairs = [
+            own.part(linear.layout.foreign.start + np.array(two)) for two in zip(wave[::2], wave[1::2], strict=True)
+        ]
         turns = float(np.ptp((one.samples.theta_1, one.samples.theta_2)[shaft])) / (2.0 * math.pi)
         for pair in pairs:
             if not np.any(pair):

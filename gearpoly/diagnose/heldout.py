@@ -10,6 +10,7 @@ import numpy as np
 
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Observed
+from gearpoly.diagnose.sparse import Sparse
 from gearpoly.diagnose.system import Mask, System
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM, FloatArray
@@ -117,7 +118,7 @@ def cross_validated(
     if leave:
         system = system.without(leave)
         keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
-        columns = [c[:, keep] for c in columns]
+        columns = [c.only(keep) for c in columns]
     others = [~mask for mask in masks]
     if not all(np.any(mask) for mask in others):
         whole = _rms(system, columns, linear.target, masks)
@@ -142,8 +143,8 @@ def foretold_to(linear: Linear, masks: list[Mask], noise: float, *, hold: list[i
         return noise
     mean, variance, count = 0.0, 0.0, 0
     for fit, rest in ((masks, others), (others, masks)):
-        unseen = [own[mask][:, keep] for own, mask in zip(columns, rest, strict=True)]
-        doubt = system.at(fit).covariance @ sum(a.T @ a for a in unseen)
+        unseen = [own.rows(mask).only(keep) for own, mask in zip(columns, rest, strict=True)]
+        doubt = system.at(fit).covariance @ sum(a.gram() for a in unseen)
         mean += float(np.trace(doubt))
         variance += 2.0 * float(np.sum(doubt * doubt.T))
         count += sum(a.shape[0] for a in unseen)
@@ -174,11 +175,11 @@ def held(linear: Linear, places: list[int]) -> Linear:
     return replace(linear, target=target, system=replace(linear.system, target=white))
 
 
-def _rms(system: System, columns: list[FloatArray], target: list[FloatArray], masks: list[Mask]) -> float:
+def _rms(system: System, columns: list[Sparse], target: list[FloatArray], masks: list[Mask]) -> float:
     return _root([_square(system.solution, columns, target, masks)])
 
 
-def _square(x: FloatArray, columns: list[FloatArray], target: list[FloatArray], masks: list[Mask]) -> tuple[float, int]:
+def _square(x: FloatArray, columns: list[Sparse], target: list[FloatArray], masks: list[Mask]) -> tuple[float, int]:
     left = [(y - a @ x)[mask] for a, y, mask in zip(columns, target, masks, strict=True)]
     return sum(float(r @ r) for r in left), sum(r.size for r in left)
 
@@ -198,6 +199,5 @@ def unseen_misfit(system: System, seen: list[Mask], unseen: list[Mask]) -> float
     x = system.at(seen).solution
     off = x - system.prior
     return 0.5 * float(off @ system.precision @ off) + sum(
-        float(np.sum((y[mask] - a[mask] @ x) ** 2))
-        for a, y, mask in zip(system.white, system.target, unseen, strict=True)
+        float(np.sum((y - a @ x)[mask] ** 2)) for a, y, mask in zip(system.white, system.target, unseen, strict=True)
     )

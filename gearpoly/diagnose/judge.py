@@ -93,7 +93,7 @@ def judge(
         others=model.but(claim), scenes=drawn, linear=linear, plain=plain, dispersion=max(1.0, linear.system.whiteness)
     )
     effect = model.change(scenes, claim, claim.values, but=claim)
-    columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
+    columns = [one.part(linear.layout.claims[k]) for one in linear.columns]
     trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
@@ -217,12 +217,12 @@ def _standing(
     trial: Trial, claim: Claim, linear: Linear, k: int, wider: System, effect: Sequence[FloatArray], *, loose: bool
 ) -> Sized:
     """The claim that stands, by all that it does where that is simulated; ``loose``: with the doubt about its form."""
-    columns = [one[:, linear.layout.claims[k]] for one in linear.columns]
+    columns = [one.part(linear.layout.claims[k]) for one in linear.columns]
     sized = trial.sized(claim, columns, effect, loose=loose)
     if not claim.simulated:
         return sized
     unit = abs(claim.values[0]) or 1.0
-    whole = [a[:, -1:] for a in wider.white]
+    whole = [a.part([wider.size - 1]) for a in wider.white]
     std = sized.std.copy()
     std[0] /= unit
     low, high = (one / claim.values[0] if claim.values[0] else one for one in sized.bounds)

@@ -22,7 +22,7 @@ def by_clock(scenes: Sequence[Scene], linear: Linear) -> float:
     at, off = linear.layout.built, []
     for scene, columns, noise in zip(scenes, linear.columns, linear.noises, strict=True):
         angle = scene.samples.theta_2
-        curve = scene.mesh_te + columns[:, at] @ linear.system.solution[at]
+        curve = scene.mesh_te + columns.times(at, linear.system.solution[at])
         late = RATE_STD * (angle - np.mean(angle)) * np.gradient(curve, angle)
         off.append(noise.whitened(late))
     return mean_innovation(linear.noises) * math.sqrt(float(np.mean(np.concatenate(off) ** 2)))

@@ -12,6 +12,7 @@ from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.as_built import AsBuilt
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance
+from gearpoly.diagnose.sparse import Sparse
 from gearpoly.diagnose.system import Sums, System
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM
@@ -58,7 +59,7 @@ class Linear:
 
     system: System
     layout: Layout
-    columns: list[FloatArray]
+    columns: list[Sparse]
     target: list[FloatArray]
     noises: list[Noise]
 
@@ -73,7 +74,7 @@ class Linear:
         return Linear(
             system=self.system.without(leave),
             layout=self.layout,
-            columns=[c[:, keep] for c in self.columns],
+            columns=[c.only(keep) for c in self.columns],
             target=self.target,
             noises=self.noises,
         )
@@ -85,7 +86,7 @@ class Linear:
             precision = precision.copy()
             precision[self.layout.built, self.layout.built] = as_built.precision
         system = System(
-            white=each(lambda pair: pair[0].whitened(pair[1]), zip(noises, self.columns, strict=True)),
+            white=whitened(noises, self.columns),
             target=[noise.whitened(y) for noise, y in zip(noises, self.target, strict=True)],
             precision=precision,
             prior=self.system.prior,
@@ -93,11 +94,11 @@ class Linear:
         return Linear(system=system, layout=self.layout, columns=self.columns, target=self.target, noises=noises)
 
     @cached_property
-    def _backward(self) -> list[tuple[FloatArray, FloatArray]]:
+    def _backward(self) -> list[tuple[FloatArray, Sparse]]:
         """What is left (n_k,) and all columns (n_k, m) whitened twice, forth and back: their products with further
         columns need not have these whitened."""
         return [
-            (noise.score(left), noise.score(white))
+            (noise.score(left), white.through(noise.score, after=noise.ar.size))
             for noise, left, white in zip(self.noises, self.system.left, self.system.white, strict=True)
         ]
 
@@ -115,11 +116,21 @@ class Linear:
             forth = self.noises[k].whitened(columns)
             return Sums(score=columns.T @ left, own=forth.T @ forth, cross=white.T @ columns)
         forth, there = self.noises[k].whitened_at(columns, where), columns[where]
-        return Sums(score=there.T @ left[where], own=forth.T @ forth, cross=white[where].T @ there)
+        return Sums(score=there.T @ left[where], own=forth.T @ forth, cross=white.rows(where).T @ there)
 
     def white_of(self, k: int) -> list[FloatArray]:
         """Whitened columns (n_k, q) of claim ``k``."""
-        return [a[:, self.layout.claims[k]] for a in self.system.white]
+        return [a.part(self.layout.claims[k]) for a in self.system.white]
+
+
+def whitened(noises: Sequence[Noise], columns: Sequence[Sparse]) -> list[Sparse]:
+    """Columns (n_k, m) in mm of every recording with its noise made white."""
+
+    def white(one: tuple[Noise, Sparse]) -> Sparse:
+        noise, mine = one
+        return mine.through(noise.whitened, before=noise.ar.size)
+
+    return each(white, zip(noises, columns, strict=True))
 
 
 def derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
@@ -235,7 +246,7 @@ def linearise(
     """The system of the present state; ``foreign`` (n_k, q) are waves that no physics makes."""
     built = each(model.as_built.columns, scenes)
     forms, form_std = loose_forms(model, scenes)
-    blocks = [[b, c, w, f] for b, c, w, f in zip(built, nuisance.columns, foreign, forms, strict=True)]
+    others = [[c, w, f] for c, w, f in zip(nuisance.columns, foreign, forms, strict=True)]
     m_b, m_n, m_w, m_f = built[0].shape[1], nuisance.std.size, foreign[0].shape[1], form_std.size
     present = np.zeros(m_b + m_n + m_w + m_f)
     present[:m_b] = model.built
@@ -251,7 +262,7 @@ def linearise(
     precision[range(first, first + m_f), range(first, first + m_f)] = form_std**-2.0
     slices, at = [], present.size
     for claim in model.claims:
-        for mine, columns in zip(blocks, derivatives(model, scenes, claim), strict=True):
+        for mine, columns in zip(others, derivatives(model, scenes, claim), strict=True):
             mine.append(columns)
         q = len(claim.values)
         slices.append(slice(at, at + q))
@@ -270,10 +281,10 @@ def linearise(
         wider[: at - q, : at - q] = precision
         wider[range(at - q, at), range(at - q, at)] = shape
         precision = wider
-    columns_all = [np.concatenate(mine, axis=1) for mine in blocks]
+    columns_all = [mine.beside(np.concatenate(more, axis=1)) for mine, more in zip(built, others, strict=True)]
     target = [r + a @ present for r, a in zip(model.residuals(scenes), columns_all, strict=True)]
     system = System(
-        white=each(lambda pair: pair[0].whitened(pair[1]), zip(noises, columns_all, strict=True)),
+        white=whitened(noises, columns_all),
         target=[noise.whitened(y) for noise, y in zip(noises, target, strict=True)],
         precision=precision,
         prior=prior,

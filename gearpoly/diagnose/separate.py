@@ -13,6 +13,7 @@ from gearpoly.diagnose.imagine import Imagined, NextRecording, effects
 from gearpoly.diagnose.linear import Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.nuisance import Nuisance, slope_of, softened
+from gearpoly.diagnose.sparse import Sparse, full
 from gearpoly.diagnose.system import scales_of
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -37,7 +38,7 @@ class Separation:
 Part = tuple[list[FloatArray], list[list[FloatArray]]]
 """Of some recordings, in sigmas: a claim's signal (n_k,), and of each rival what it can make (n_k, a)."""
 
-Seen = tuple[list[FloatArray], list[FloatArray], list[list[FloatArray]]]
+Seen = tuple[list[Sparse], list[FloatArray], list[list[FloatArray]]]
 """The same with the columns (n_k, m) of all that is open before them."""
 
 
@@ -61,7 +62,7 @@ def would_separate(
     """
     leave = linear.layout.places(k) + linear.layout.form_places(model, k)
     keep = np.setdiff1d(np.arange(linear.system.size), np.asarray(leave))
-    whites = [a[:, keep] for a in linear.system.white]
+    whites = [a.only(keep) for a in linear.system.white]
     precision = linear.system.precision[np.ix_(keep, keep)]
     claim = model.claims[k]
     others = model.but(claim)
@@ -77,7 +78,7 @@ def would_separate(
         )
 
     told = signals(scenes, lambda n, c: linear.noises[n].whitened(c))
-    normal = precision + sum((a.T @ a for a in whites), np.zeros_like(precision))
+    normal = sum((a.gram() for a in whites), precision)
     now = least_sine(normal, [(whites, *told)])
     best: Separation | None = None
     level = float(np.mean([noise.level for noise in linear.noises]))
@@ -92,9 +93,9 @@ def would_separate(
         grown = np.zeros((wider.shape[0], wider.shape[0]))
         grown[: keep.size, : keep.size] = precision
         grown += wider
-        padded = [np.pad(a, ((0, 0), (0, grown.shape[0] - keep.size))) for a in whites]
-        total = grown + sum((a.T @ a for a in padded), np.zeros_like(grown)) + new.T @ new
-        seen = [(padded, *told), ([new], *more)]
+        padded = [replace(a, shape=(a.shape[0], grown.shape[0])) for a in whites]
+        total = sum((a.gram() for a in padded), grown) + new.T @ new
+        seen = [(padded, *told), ([full(new)], *more)]
         sine = least_sine(total, seen)
         if best is None or sine > best.separability + 0.01:
             best = Separation(recording=made, separability=sine, now=now, told=least_told(total, seen))
@@ -121,7 +122,7 @@ def _open_columns(
     yet."""
     n, layout = scene.samples.size, linear.layout
     whole = np.zeros((n, linear.system.size))
-    whole[:, layout.built] = model.as_built.columns(scene)
+    whole[:, layout.built] = model.as_built.columns(scene).dense()
     # The mean over both encoders' common zero, which is the first of the nuisance.
     whole[:, layout.nuisance.start] = 1.0
     whole[:, layout.nuisance.start + nuisance.shift] = slope_of(scene)
@@ -148,7 +149,7 @@ def _open_columns(
         place = np.concatenate((np.arange(old.size) + layout.built.start, size + per_flank))
         precision = np.zeros((size + more.size, size + more.size))
         precision[np.ix_(place, place)] = joint
-        out = np.concatenate((out, more.columns(scene)), axis=1)
+        out = np.concatenate((out, more.columns(scene).dense()), axis=1)
     precision[range(keep.size, size), range(keep.size, size)] = 1.0
     return out / level, precision
 

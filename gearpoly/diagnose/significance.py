@@ -91,7 +91,7 @@ def outlying_teeth(of: FitResidual, waves: Sequence[Entry]) -> list[Entry]:
     pitch = np.array([built.start + as_built.start(flank, gear) + tooth for flank, gear, tooth in places])
     slope = pitch + np.array([scope.gears[gear].z for _, gear, _ in places])
     both = np.column_stack((pitch, slope)).ravel()
-    free = [white[:, both] for white in of.system.white]
+    free = [white.part(both) for white in of.system.white]
     system = of.system.with_columns(_white_columns(waves, of)) if waves else of.system
     score, information = system.scores(free)
     found: list[tuple[int, float, float]] = []

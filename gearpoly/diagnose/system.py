@@ -10,12 +10,10 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from gearpoly.diagnose.sparse import Sparse
 from gearpoly.units import FloatArray, IntArray
 
 Mask = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
-
-MOSTLY = 0.8
-"""Part of the columns that are not 0 from which a product takes all of them: to pick them costs as much."""
 
 FLOOR = 1e-9
 """Relative precision added to every parameter, so that what neither data nor prior fix stays where it is."""
@@ -32,7 +30,7 @@ class System:
     """Least squares of ``white`` columns (n_k, m) and ``target`` (n_k,) of every recording k, whitened by its noise,
     under a prior of ``precision`` (m, m) about ``prior`` (m,)."""
 
-    white: list[FloatArray]
+    white: list[Sparse]
     target: list[FloatArray]
     precision: FloatArray
     prior: FloatArray
@@ -45,16 +43,7 @@ class System:
     @cached_property
     def normal(self) -> FloatArray:
         """Normal matrix (m, m)."""
-        out = self.precision.copy()
-        for a in self.white:
-            # Of a recording of one flank, nothing tells of the other: a quarter of the work.
-            seen = np.flatnonzero(a.any(axis=0))
-            if seen.size > MOSTLY * self.size:
-                out += a.T @ a
-            else:
-                mine = a[:, seen]
-                out[np.ix_(seen, seen)] += mine.T @ mine
-        return out
+        return sum((a.gram() for a in self.white), self.precision)
 
     @cached_property
     def _scaled(self) -> tuple[FloatArray, FloatArray]:
@@ -154,7 +143,7 @@ class System:
         """The same without some parameters."""
         keep = np.setdiff1d(np.arange(self.size), np.asarray(places, dtype=np.int64))
         out = System(
-            white=[a[:, keep] for a in self.white],
+            white=[a.only(keep) for a in self.white],
             target=self.target,
             precision=self.precision[np.ix_(keep, keep)],
             prior=self.prior[keep],
@@ -184,20 +173,25 @@ class System:
 
     def with_columns(self, columns: list[FloatArray]) -> System:
         """The same with further free whitened columns (n_k, q) at the end."""
-        q = columns[0].shape[1]
-        precision = np.zeros((self.size + q, self.size + q))
-        precision[: self.size, : self.size] = self.precision
-        return System(
-            white=[np.concatenate((a, c), axis=1) for a, c in zip(self.white, columns, strict=True)],
+        q, m = columns[0].shape[1], self.size
+        precision = np.zeros((m + q, m + q))
+        precision[:m, :m] = self.precision
+        out = System(
+            white=[a.beside(c) for a, c in zip(self.white, columns, strict=True)],
             target=self.target,
             precision=precision,
             prior=np.concatenate((self.prior, np.zeros(q))),
         )
+        if "normal" not in self.__dict__:
+            return out
+        cross = sum((a.T @ c for a, c in zip(self.white, columns, strict=True)), np.zeros((m, q)))
+        own = sum((c.T @ c for c in columns), np.zeros((q, q)))
+        return out._knowing(np.block([[self.normal, cross], [cross.T, own]]))
 
     def at(self, masks: Sequence[Mask]) -> System:
         """The same, seen only at some samples of every recording."""
         return System(
-            white=[a[mask] for a, mask in zip(self.white, masks, strict=True)],
+            white=[a.rows(mask) for a, mask in zip(self.white, masks, strict=True)],
             target=[y[mask] for y, mask in zip(self.target, masks, strict=True)],
             precision=self.precision,
             prior=self.prior,

@@ -10,9 +10,10 @@ import numpy as np
 from gearpoly.diagnose.as_built import AsBuilt, make_as_built
 from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.linear import Linear, whitened
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.sparse import Sparse
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.mesh.pair import Flank
@@ -78,7 +79,7 @@ def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, 
     ]
     told = make_as_built((gears[0], gears[1]), model.as_built.flanks)
     at = np.concatenate([told.form_at(flank, gear, tooth) for flank in told.flanks])
-    forms = [noise.whitened(told.columns(scene)[:, at]) for noise, scene in zip(linear.noises, scenes, strict=True)]
+    forms = [noise.whitened(told.columns(scene).part(at)) for noise, scene in zip(linear.noises, scenes, strict=True)]
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k)).system
     known = told.precision[np.ix_(at, at)]
 
@@ -118,7 +119,7 @@ def _differ(fit: Fit, told: AsBuilt) -> bool:
         if one.form
         for tooth in range(one.z)
     ]
-    columns = [noise.whitened(told.columns(scene)) for noise, scene in zip(fit.noises, fit.scenes, strict=True)]
+    columns = whitened(fit.noises, [told.columns(scene) for scene in fit.scenes])
     every = np.concatenate([one.at for one in teeth])
     system = _beside_every_mesh(fit).with_columns(_of_all_teeth(columns, teeth))
     score, information = _scores(system, columns, every, size=told.size)
@@ -135,7 +136,7 @@ def _differ(fit: Fit, told: AsBuilt) -> bool:
                 if scene.samples.flank == flank:
                     mask &= ~np.any(np.isin(scene.teeth(gear), apart) & (scene.weight > 0.0), axis=0)
     every = np.concatenate([teeth[k].at for k in asked])
-    clean = [one[mask] for one, mask in zip(columns, masks, strict=True)]
+    clean = [one.rows(mask) for one, mask in zip(columns, masks, strict=True)]
     score, information = _scores(system.at(masks), clean, every, size=told.size)
     if _evidence(score, information, told.precision, every) < CLEARLY:
         return False
@@ -157,13 +158,18 @@ def _beside_every_mesh(fit: Fit) -> System:
     return fit.linear.system.with_columns(columns)
 
 
-def _of_all_teeth(columns: list[FloatArray], teeth: Sequence[_Tooth]) -> list[FloatArray]:
+def _of_all_teeth(columns: list[Sparse], teeth: Sequence[_Tooth]) -> list[FloatArray]:
     """Columns (n_k, q) of the forms that all teeth of a flank have in common."""
     groups: dict[tuple[Flank, int], list[IntArray]] = {(one.flank, one.gear): [] for one in teeth}
     for one in teeth:
         groups[one.flank, one.gear].append(one.at)
-    every = [np.array(at) for at in groups.values()]
-    return [np.concatenate([white[:, at].sum(axis=1) for at in every], axis=1) for white in columns]
+    sums = []
+    for at in groups.values():
+        every = np.array(at)
+        ones = np.zeros((columns[0].shape[1], every.shape[1]))
+        ones[every, np.arange(every.shape[1])] = 1.0
+        sums.append(ones)
+    return [white @ np.concatenate(sums, axis=1) for white in columns]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,10 +183,10 @@ class _Tooth:
     at: IntArray
 
 
-def _scores(system: System, columns: list[FloatArray], at: IntArray, *, size: int) -> tuple[FloatArray, FloatArray]:
+def _scores(system: System, columns: list[Sparse], at: IntArray, *, size: int) -> tuple[FloatArray, FloatArray]:
     """Score (m,) and information (m, m) of those whitened ``columns`` (n_k, m) that stand ``at`` (q,), 0 elsewhere, all
     else fitted again beside them."""
-    found = system.scores([one[:, at] for one in columns])
+    found = system.scores([one.part(at) for one in columns])
     score, information = np.zeros(size), np.zeros((size, size))
     score[at], information[np.ix_(at, at)] = found
     return score, information

@@ -102,7 +102,7 @@ class Trial:
         here = [one for one in found if not one.wider]
         for wave in self.others.strangers:
             columns = [start + column for column in wave]
-            mine = [white[:, columns] for white in self.plain.white]
+            mine = [white.part(columns) for white in self.plain.white]
             if here and _held(mine, here) > SAME:
                 taken += columns
                 std = np.full(len(columns), math.sqrt(2.0 / len(columns)) * size)

@@ -258,7 +258,7 @@ def _declared(search: Search, start: Linear, comparison: Comparison) -> System:
     left = [one.residual for one in comparison.aligned]
     return replace(
         start.system,
-        white=[a[:, at] for a in start.system.white],
+        white=[a.only(np.arange(at.start, at.stop)) for a in start.system.white],
         target=[noise.whitened(rest) for noise, rest in zip(search.noises, left, strict=True)],
         precision=start.system.precision[at, at],
         prior=start.system.prior[at],

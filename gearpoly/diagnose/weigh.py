@@ -314,7 +314,7 @@ class Weigh(Softness):
         for scene, columns, effect in zip(self.scenes, self.linear.columns, effects, strict=True):
             square = float(effect @ effect)
             if scene.bends and square > 0.0:
-                built = columns[:, at] @ self.linear.system.solution[at]
+                built = columns.times(at, self.linear.system.solution[at])
                 there = float(np.sum(effect**2 * (built - np.mean(built)) ** 2)) / square
                 squares += there * participation(effect) * effect.size
         return math.sqrt(squares / self.linear.system.samples)
