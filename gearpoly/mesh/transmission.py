@@ -21,6 +21,7 @@ from gearpoly.mesh.bodies import WIDE_SHARE
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
+from gearpoly.threads import each
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 NEAR = 10.0 * UM
@@ -38,8 +39,8 @@ SAMPLES = 64
 """Positions of a fast run that the polygon kernel certifies: 20 ms, and a fault in one position of twenty cannot
 hide."""
 
-FAST_CHUNK = 5000
-"""Positions of a fast run between two reports of progress."""
+FAST_CHUNK, ABREAST = 5000, 8
+"""Positions of a fast run that one thread searches, and so many times as many between two reports of progress."""
 
 FOLLOWED = 0.15
 """Of the base pitch. Eccentricities and deviations together that both kernels follow without question. Of 3000 random
@@ -110,13 +111,19 @@ def contacts(
     reach = near / pair.r_b1
     parts: list[Closings] = []
     if fast:
-        for start in range(0, theta_2.size, FAST_CHUNK):
+
+        def searched(start: int) -> Closings:
             part = slice(start, start + FAST_CHUNK)
             found = closing_rotations_fast(
                 *bodies, axis_distance=pair.a, poses=poses[part], guesses=guesses[part], near=reach
             )
-            parts.append(replace(found, pose=found.pose + start))
-            progress(found.positions)
+            return replace(found, pose=found.pose + start)
+
+        starts = list(range(0, theta_2.size, FAST_CHUNK))
+        for k in range(0, len(starts), ABREAST):
+            for found in each(searched, starts[k : k + ABREAST]):
+                parts.append(found)
+                progress(found.positions)
     else:
         for found in closing_rotations(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach):
             parts.append(found)
