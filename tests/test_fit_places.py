@@ -298,7 +298,7 @@ def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
     monkeypatch.setattr("gearpoly.diagnose.placing.shortened", lambda model, foreign, few: (model, foreign))
     monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", lambda *given, **how: fit)
     monkeypatch.setattr("gearpoly.diagnose.placing.relieved", lambda model: [])
-    monkeypatch.setattr("gearpoly.diagnose.placing._best_of", lambda m, f, s, ways, **how: tried.extend(ways))
+    monkeypatch.setattr("gearpoly.diagnose.placing._best_of", lambda m, f, ways, **how: tried.extend(ways))
     placed(model, [], lambda text: None)
     assert len(tried) == (8 if doubted else 0)
     # The nearer way round, so that a zero that was read keeps its tooth; the stated place comes first.
@@ -321,23 +321,24 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
     """A tooth far out of its place fits nowhere, and a wrong place takes some of it."""
     moved: list[float] = []
 
-    def begun(*given: Any, **how: Any) -> Any:
-        system = SimpleNamespace(misfit=here if round(sum(moved), 9) == 0.0 else there)
+    def fit(way: float) -> Any:
+        system = SimpleNamespace(misfit=here if way == 0.0 else there)
         return SimpleNamespace(noises=[1], linear=SimpleNamespace(under=lambda noises: SimpleNamespace(system=system)))
+
+    def fits(trial: Any, columns: Any, places: Any, starts: Any, *, rounds: int) -> Any:
+        return [fit(way) for way, _ in places]
 
     observed = [SimpleNamespace(samples=SimpleNamespace(size=1000))]
     model: Any = SimpleNamespace(
         stated=stated,
         observed=observed,
         moved=moved.append,
-        kept=dict,
-        restore=lambda kept: None,
         claims=[],
         budget=Budget(),
     )
     monkeypatch.setattr("gearpoly.diagnose.placing.shortened", lambda model, foreign, few: (model, foreign))
-    monkeypatch.setattr("gearpoly.diagnose.placing.Fit.begun", begun)
-    _best_of(model, [], lambda text: None, [0.0, 0.05], hopeful=1.15)
+    monkeypatch.setattr("gearpoly.diagnose.placing._fits", fits)
+    _best_of(model, [], [0.0, 0.05], hopeful=1.15)
     assert sum(moved) == pytest.approx(0.05 if moves else 0.0)
 
 

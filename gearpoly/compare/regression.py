@@ -17,6 +17,7 @@ from gearpoly.compare.columns import Part
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import ComplexArray, Grid
+from gearpoly.threads import each
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 BLOCK = 8192
@@ -214,9 +215,9 @@ def solve(stacks: list[Stack], *, precision: FloatArray, before: list[Stack] | N
     neither data nor prior fix stay at zero, by a precision a billionth of the largest information.
     """
     m = precision.size
-    normal = np.diag(precision).astype(np.float64)
-    for k, stack in enumerate(stacks):
-        normal += stack.normal(m, before=None if before is None else before[k])
+    befores: list[Stack | None] = [None] * len(stacks) if before is None else list(before)
+    own = each(lambda pair: pair[0].normal(m, before=pair[1]), zip(stacks, befores, strict=True))
+    normal = sum(own, np.diag(precision).astype(np.float64))
     # A column that no sample meets (a tooth's shape beyond its contact) stays at zero, as wide as a tooth.
     empty = np.diag(normal) == 0.0
     normal[empty, empty] = 1.0
@@ -229,9 +230,8 @@ def solve(stacks: list[Stack], *, precision: FloatArray, before: list[Stack] | N
     left = [stack.values for stack in stacks]
     exact = all(stack.values.size <= DENSE_SAMPLES for stack in stacks)
     for _ in range(2 if exact else STEPS):
-        gradient = -precision * beta
-        for stack, rest in zip(stacks, left, strict=True):
-            gradient = gradient + stack.gradient(rest, m)
+        pulls = each(lambda pair: pair[0].gradient(pair[1], m), zip(stacks, left, strict=True))
+        gradient = sum(pulls, -precision * beta)
         step = cho_solve(factor, gradient / scale) / scale
         beta = beta + step
         left = [stack.values - stack.apply(beta) for stack in stacks]

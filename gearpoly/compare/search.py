@@ -17,6 +17,7 @@ from gearpoly.compare.model import State
 from gearpoly.compare.noise import mean_innovation
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
+from gearpoly.threads import each
 
 ROUNDS = 14
 """Most rounds of find and refit."""
@@ -95,7 +96,12 @@ class Search(JumpSearch):
             for j in np.flatnonzero(take)
         ]  # fmt: skip
 
+    def all_wave_candidates(self, solution: Solution) -> list[list[Peak]]:
+        """Waves in what is left of each recording, the strongest first."""
+        return each(lambda k: self.wave_candidates(k, solution), range(len(self.states)))
+
     def wave_candidates(self, k: int, solution: Solution) -> list[Peak]:
+        """Waves in what is left of recording ``k``, the strongest first."""
         s = self.states[k]
         known = self.order_candidates(k, solution)
         white = s.noise.whitened(solution.left[k])
@@ -222,7 +228,7 @@ class Search(JumpSearch):
                 break
             if turn >= ONE_BY_ONE and over():
                 break
-            waves = [self.wave_candidates(k, solution) for k in range(len(self.states))]
+            waves = self.all_wave_candidates(solution)
             teeth = self.tooth_candidates(solution)
             best_wave = max((w[0].gain for w in waves if w), default=0.0)
             best_tooth = teeth[0].gain if teeth else 0.0

@@ -31,7 +31,7 @@ LEANING, TO_SIGMA = 5.0, 1.4826
 """Standard deviations of the teeth of its gear by which a tooth leans as none of them does, and that deviation over the
 median one, so that few such teeth do not count."""
 
-BLOCK = 64, 512
+BLOCK = 128, 512
 """Samples of a block of columns at least and at most: shorter ones cost more calls than products."""
 
 _NONE = np.zeros(0, dtype=np.int64)

@@ -20,6 +20,7 @@ from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.misdeclared import misdeclared
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import as_seen
@@ -55,7 +56,7 @@ class Begun:
 def begin(
     file: PairFile, recordings: Sequence[Recording], *, path: Path, method: Method, budget: Budget, watch: Watch
 ) -> Begun:
-    """The state to begin with. Raises what ``compare`` does."""
+    """The state to begin with, its teeth placed. Raises what ``compare`` does, and ``placed``."""
 
     def beside(file: PairFile, recordings: Sequence[Recording]) -> Begun:
         comparison = compare(file, recordings, path=path, step=watch.stage("compare"), over=lambda: budget.over)
@@ -65,8 +66,15 @@ def begin(
             file=file, recordings=recordings, comparison=part.comparison, model=model, waves=waves, beyond=part.beyond
         )
 
+    def seen(now: Begun) -> Begun:
+        preparing = watch.stage("prepare")
+        model, assumed = as_seen(now.model, now.waves, preparing)
+        placed(model, now.waves, preparing)
+        return replace(now, model=model, assumed=assumed)
+
     now = beside(file, recordings)
     if now.comparison.another is not None:
+        placed(now.model, now.waves, watch.stage("prepare"))
         return now  # nothing of the file can be put right by what another pair shows
     wrong = reread(now.model, now.waves, watch.stage("prepare")) or []
     if sign_may_be_wrong(file, recordings, wrong):
@@ -79,19 +87,18 @@ def begin(
         contradicted = tuple(entry for one in sheets for entry in located_on(now.comparison, one.gear))
         file, misread = as_read(file, wrong)
         now = replace(beside(file, now.recordings), misread=misread, contradicted=contradicted)
-    model, assumed = as_seen(now.model, now.waves, watch.stage("prepare"))
-    now = replace(now, model=model, assumed=assumed)
+    now = seen(now)
     if not (at_every_mesh := located_at_every_mesh(now.comparison)):
         return now
-    keys, likely = misdeclared(now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"))
+    # The teeth of the file as it stands are placed, those of another have to be.
+    stands = replace(now.model, phased=True), now.waves
+    keys, likely = misdeclared(
+        now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"), stated=lambda _: stands
+    )
     if keys is None:
         return replace(now, likely=likely)
-    right = beside(keys.file, now.recordings)
-    model, assumed = as_seen(right.model, right.waves, watch.stage("prepare"))
     return replace(
-        right,
-        model=model,
-        assumed=assumed,
+        seen(beside(keys.file, now.recordings)),
         misread=(*now.misread, keys.says),
         keys=True,
         contradicted=(*now.contradicted, *at_every_mesh),

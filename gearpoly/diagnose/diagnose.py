@@ -39,7 +39,6 @@ from gearpoly.diagnose.leftovers import (
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.remounted import give_up_beside
 from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.search import MOST, Search
@@ -91,7 +90,6 @@ def diagnose(
     start = begin(file, recordings, path=Path(path), method=method or Method(), budget=budget, watch=watch)
     file, comparison, model, waves = start.file, start.comparison, start.model, start.waves
     preparing = watch.stage("prepare")
-    placed(model, waves, preparing)
     model = with_forms(model, waves, preparing)
     found = searched(model, start, watch)
     search, comparison, model, stopped = found.search, found.comparison, found.search.model, found.stopped

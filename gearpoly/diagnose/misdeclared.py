@@ -73,42 +73,43 @@ class OtherKeys:
     shift: float | None = None
 
 
-def misdeclared(file: PairFile, begin: Begin, step: Step) -> tuple[OtherKeys | None, Claim | None]:
+def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> tuple[OtherKeys | None, Claim | None]:
     """Other keys of the pair ``file`` that leave hardly anything of what is amiss at every mesh, where no physics does,
-    and a physics that does; None where there is none, or time is over."""
+    and a physics that does; None where there is none, or time is over. ``stated``: the state of the file as it stands,
+    its teeth placed; at a first look no teeth are."""
     step("holding the keys of the pair file against every mesh")
     roughly = _fit(begin, file, close=False)
     if roughly is None or roughly.over or _beyond(roughly, by=roughly) < AMISS:
         return None, None
     if not any(scene.bends for scene in roughly.scenes):
         return None, None
-    stated = _fit(begin, file, close=True)
+    plain = _fit(stated, file, close=True)
     # What a closer fit of the stated keys, or a physics, explains needs no other keys: nothing more is simulated then.
-    if stated is None or _beyond(stated, by=stated) < AMISS or _of_every_mesh(stated) < OF_MISFIT:
+    if plain is None or _beyond(plain, by=plain) < AMISS or _of_every_mesh(plain) < OF_MISFIT:
         return None, None
     likeliest = _likeliest(file, begin, by=roughly)
     if likeliest is None:
         return None, None
-    beside: list[Fit | None] = [stated]
-    for claims in _rivals(stated):
-        fit = _fit(begin, file, close=True, beside=claims)
+    beside: list[Fit | None] = [plain]
+    for claims in _rivals(plain):
+        fit = _fit(stated, file, close=True, beside=claims)
         beside.append(fit)
         if fit is not None and _beyond(fit, by=fit) < AMISS:
             # To first order another one may seem to gain more, and stand when this one's turn comes.
             return None, fit.model.claims[0] if len(claims) == 1 else None
-        if stated.over:
+        if plain.over:
             return None, None
     found = _closely(file, likeliest, begin)
-    if found is None or stated.over or _beyond(found[1], by=found[1]) > HOPEFUL * _beyond(stated, by=found[1]):
+    if found is None or plain.over or _beyond(found[1], by=found[1]) > HOPEFUL * _beyond(plain, by=found[1]):
         return None, None
     best, fit = found
-    for claims in _others(stated):
+    for claims in _others(plain):
         # What would change the file has to be better than every physics: 13 um of wear were taken for a profile shift.
-        other = _fit(begin, file, close=True, beside=claims)
+        other = _fit(stated, file, close=True, beside=claims)
         beside.append(other)
         if other is not None and _beyond(other, by=other) < AMISS:
             return None, other.model.claims[0]
-        if stated.over:
+        if plain.over:
             return None, None
     missing = min(_beyond(one, by=fit) for one in beside if one is not None)
     return (best if _beyond(fit, by=fit) < OF_RIVALS * missing else None), None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from typing import TypeVar
@@ -20,6 +19,7 @@ from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.place import Place
+from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
 Begun = TypeVar("Begun", bound=Fit)
@@ -65,7 +65,7 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         # Every tooth hands over at the same place of its pitch, also beside a wrong one: the nearer way round.
         ways = sorted(((k - PHASES // 2 + 1) * pitch / PHASES for k in range(PHASES)), key=abs)
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
-        _best_of(model, foreign, step, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
+        _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
     _turned(model, foreign, step)
     if model.elsewhere:
         step("telling the teeth apart")
@@ -87,7 +87,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
     """Move ``model`` by whole ``pitch``es in rad of driven rotation to the teeth that fit best."""
     if any(model.scope.inspected):
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
-        _best_of(model, foreign, step, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
+        _best_of(model, foreign, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
         return
     if not _eccentric(model):
         return
@@ -199,16 +199,10 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Clai
     places = [(k * pitch / PHASES, which) for k in steps for which in range(len(starts))]
     bare = replace(model, built=np.zeros_like(model.built))
 
-    def misfits(places: list[tuple[float, int]], rounds: int, few: int) -> dict[tuple[float, int], float]:
+    def misfits(places: Sequence[tuple[float, int]], rounds: int, few: int) -> dict[tuple[float, int], float]:
         trial, columns = shortened(bare, foreign, few=few)
-        kept, fits = trial.kept(), {}
-        for way, k in places:
-            trial.moved(way)
-            trial.claims = list(starts[k])
-            with suppress(GearpolyError):
-                fits[way, k] = Fit.begun(trial, columns, lambda _: None, trial=rounds)
-            trial.restore(kept)
-            trial.moved(-way)
+        tried = zip(places, _fits(trial, columns, places, starts, rounds=rounds), strict=True)
+        fits = {place: fit for place, fit in tried if not isinstance(fit, GearpolyError)}
         if not fits:
             return {}
         by = min(fits.values(), key=lambda one: sum(noise.level**2 for noise in one.noises)).noises
@@ -232,8 +226,7 @@ def _nearest(found: dict[tuple[float, int], float]) -> list[tuple[float, int]]:
 
 
 def _best_of(
-    model: Model, foreign: list[FloatArray], step: Callable[[str], None], ways: list[float], *, hopeful: float,
-    besides: Sequence[Claim] = (),
+    model: Model, foreign: list[FloatArray], ways: list[float], *, hopeful: float, besides: Sequence[Claim] = ()
 ) -> None:  # fmt: skip
     """Move all by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
     ``besides``, unless the first does as well; only what is ``hopeful`` times the least or better after a first trial
@@ -246,29 +239,42 @@ def _best_of(
         most = min(closest, hopeful * min(tried.values()))
         tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= most}
         trial, columns = shortened(model, foreign, few=few)
-        kept, noises = trial.kept(), None
         counted = sum(one.samples.size for one in trial.observed)
         if trial.budget.over:
             return
-        for way, k in tried if len(tried) > len(starts) else ():
-            trial.moved(way)
-            trial.claims = list(starts[k])
-            try:
-                fit = Fit.begun(trial, columns, step, trial=rounds)
-            except GearpolyError:
+        fits = _fits(trial, columns, list(tried) if len(tried) > len(starts) else [], starts, rounds=rounds)
+        # By the same noise, so that the misfits compare.
+        by = next((fit.noises for fit in fits if not isinstance(fit, GearpolyError)), [])
+        for one, fit in zip(tried, fits, strict=False):
+            if not isinstance(fit, GearpolyError):
+                tried[one] = fit.linear.under(by).system.misfit
+            elif starts[one[1]]:
                 # What is supposed beside the declared pair may take more off its teeth than there is.
-                if not trial.claims:
-                    raise
-                tried[way, k] = math.inf
+                tried[one] = math.inf
             else:
-                # By the same noise, so that the misfits compare.
-                noises = noises or fit.noises
-                tried[way, k] = fit.linear.under(noises).system.misfit
-            trial.restore(kept)
-            trial.moved(-way)
+                raise fit
     best, _ = min(tried, key=lambda one: tried[one])
     least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
     # Where no place fits, what is missing says more than the place does, and a reading of the zero counts.
     blind = model.stated and least > (1.0 + LOST) * counted
     if least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated):
         model.moved(best)
+
+
+def _fits(
+    trial: Model, columns: list[FloatArray], places: Sequence[tuple[float, int]], starts: Sequence[list[Claim]], *,
+    rounds: int,
+) -> list[Fit | GearpolyError]:  # fmt: skip
+    """The fit of a ``trial`` moved by each of ``places`` in rad of driven rotation with those of the ``starts`` that it
+    numbers, or why gears cannot run so."""
+
+    def fitted(place: tuple[float, int]) -> Fit | GearpolyError:
+        way, which = place
+        here = replace(trial, claims=list(starts[which]))
+        here.moved(way)
+        try:
+            return Fit.begun(here, columns, lambda _: None, trial=rounds)
+        except GearpolyError as error:
+            return error
+
+    return each(fitted, places)

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from gearpoly.diagnose.sparse import Sparse
+from gearpoly.threads import each
 from gearpoly.units import FloatArray, IntArray
 
 Mask = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
@@ -43,7 +44,7 @@ class System:
     @cached_property
     def normal(self) -> FloatArray:
         """Normal matrix (m, m)."""
-        return sum((a.gram() for a in self.white), self.precision)
+        return sum(each(lambda a: a.gram(), self.white), self.precision)
 
     @cached_property
     def _scaled(self) -> tuple[FloatArray, FloatArray]:
