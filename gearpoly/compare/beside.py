@@ -15,6 +15,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_rate
 from gearpoly.compare.locate import Located
 from gearpoly.compare.other_pair import OtherPair
+from gearpoly.compare.same_ratio import SameRatio
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.compare.template import Template
@@ -170,7 +171,7 @@ class Beside:
     parts: tuple[Part, ...] = ()
     worm: WormSection | None = None
     scale: Scale | None = None
-    another: OtherPair | None = None
+    another: OtherPair | SameRatio | None = None
 
     def named(self, entries: Sequence[Entry]) -> tuple[Entry, ...]:
         """The ``entries`` with the other parts of the drive that have a line there."""
