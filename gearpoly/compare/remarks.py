@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.beside import COARSE, Aligned
+from gearpoly.compare.beside import COARSE, Aligned, Beside
+from gearpoly.compare.entries import Entry
 from gearpoly.compare.other_pair import OtherPair, other_pair
 from gearpoly.compare.ratio import Lines
+from gearpoly.compare.same_ratio import same_ratio
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.stated import speed_remarks
 from gearpoly.compare.zeros import Alignment, Base
@@ -114,6 +117,14 @@ def of_other_teeth(aligned: Sequence[Aligned], parts: Sequence[Part], *, z: tupl
     turns = ((one.estimated[0] if shaft == 0 else one.theta_2) / (2.0 * math.pi) for one in aligned)
     lines = [Lines(along, one.recorded) for along, one in zip(turns, aligned, strict=True)]
     return other_pair(lines, read=shaft, z=z, parts=parts)
+
+
+def of_same_ratio(beside: Beside, entries: Sequence[Entry]) -> Beside:
+    """The same, with the pair of the same ratio whose mesh shows among the ``entries`` located, if there is one."""
+    z = beside.gears[0].z, beside.gears[1].z
+    if beside.another is not None or (other := same_ratio(entries, z=z)) is None:
+        return beside
+    return replace(beside, another=other, remarks=(other.says, *beside.remarks))
 
 
 def _read(recording: Recording) -> int | None:
