@@ -12,6 +12,7 @@ from gearpoly.errors import GeometryError, JammedError
 from gearpoly.gear.deviations import Deviations, Index, Slope, pitch_and_thickness
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
+from gearpoly.gear.modules import module_at
 from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.pair import GearPair, active_start, mount
 from gearpoly.mesh.transmission import FlankContacts, both_flanks, contacts, mean_pairs
@@ -463,3 +464,15 @@ def test_gears_apart_and_gears_too_near_are_refused() -> None:
         make(a=47.1)
     with pytest.raises(GeometryError, match=r"cuts .* into its mate's root"):
         make(a=42.4)
+
+
+def test_a_centre_distance_of_another_module_says_which() -> None:
+    """2 a / (z_1 + z_2) of pairs without profile shift; between two modules nothing is said."""
+    assert module_at(84.0, z=(24, 60)) == 2.0
+    assert module_at(0.5 * 0.3 * 84, z=(70, 14)) == 0.3
+    assert module_at(86.0, z=(24, 60)) is None
+    z_1, z_2 = (one.gear.z for one in (make().driving, make().driven))
+    with pytest.raises(GeometryError, match=r"cannot reach each other.*module_mm = 2\.5"):
+        make(a=1.25 * (z_1 + z_2))
+    with pytest.raises(GeometryError, match=r"root; .*module_mm = 1\.75"):
+        make(a=0.875 * (z_1 + z_2))

@@ -18,6 +18,7 @@ import numpy as np
 from gearpoly.errors import GeometryError
 from gearpoly.gear.flank import Flanks
 from gearpoly.gear.gear import Gear, inv, inv_inverse
+from gearpoly.gear.modules import module_at
 from gearpoly.gear.polygon import rotate
 from gearpoly.mesh.bodies import Body
 from gearpoly.mesh.contact import mirrored
@@ -141,15 +142,24 @@ class GearPair:
         if self.a + self.driving.eccentricity[0] + self.driven.eccentricity[0] >= reach:
             raise GeometryError(
                 f"centre_distance_mm = {self.a:g}: the gears cannot reach each other; their tip circles end at "
-                f"{reach:.3f} mm"
+                f"{reach:.3f} mm{self._other_module}"
             )
         for gear, mate, name in ((gear_1, gear_2, "driving"), (gear_2, gear_1, "driven")):
             room = self.a - self.driving.eccentricity[0] - self.driven.eccentricity[0] - gear.r_a - mate.r_f
             if room <= 0.0:
                 raise GeometryError(
                     f"centre_distance_mm = {self.a:g}: the {name} gear's tip cuts {-room:.3f} mm into its mate's root; "
-                    "use a larger centre distance, more dedendum or a smaller addendum"
+                    f"use a larger centre distance, more dedendum or a smaller addendum{self._other_module}"
                 )
+
+    @property
+    def _other_module(self) -> str:
+        """A word of the module whose gears stand so far apart, if that is not the stated one."""
+        z = self.driving.gear.z, self.driven.gear.z
+        m = module_at(self.a, z=z)
+        if m is None or m == self.driving.gear.m:
+            return ""
+        return f"; {z[0]} and {z[1]} teeth stand so far apart with module_mm = {m:g}: check which is wrong"
 
     @property
     def ratio(self) -> float:
