@@ -16,9 +16,9 @@ import numpy as np
 
 from gearpoly.diagnose.fit import BETTER, MOST_SHIFT, PASSES, Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.shortened import shortened
+from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.errors import GearpolyError
-from gearpoly.units import FloatArray
+from gearpoly.units import FloatArray, IntArray
 
 Begun = TypeVar("Begun", bound=Fit)
 
@@ -86,6 +86,31 @@ def relax(fit: Fit, *, first: bool = False) -> None:
             tries.better_from(teeth.alike(model.built, graded), shift)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Few:
+    """A ``fit`` of few samples of each recording, those of the numbers ``where`` (n_k,), and which ``part`` of all they
+    are."""
+
+    fit: Fit
+    where: list[IntArray]
+    part: float
+
+
+def few_of(whole: Fit) -> Few | None:
+    """A fit of few samples that begins where the ``whole`` one stands; None where recordings are short, or gears cannot
+    run so."""
+    where = [opening(one, whole.model, few=FEWER) for one in whole.model.observed]
+    model, columns = shortened(whole.model, whole.foreign, few=FEWER)
+    sizes = [sum(one.samples.size for one in each.observed) for each in (model, whole.model)]
+    if sizes[0] == sizes[1]:
+        return None
+    try:
+        fit = Fit.begun(model, columns, lambda _: None, trial=PASSES)
+    except GearpolyError:
+        return None
+    return Few(fit=fit, where=where, part=sizes[0] / sizes[1])
+
+
 @dataclass(eq=False)
 class _Tries:
     """Other beginnings of a ``fit``, tried on a few samples first."""
@@ -93,17 +118,9 @@ class _Tries:
     fit: Fit
 
     @cached_property
-    def few(self) -> tuple[Fit, float] | None:
-        """The fit of a part of the samples, and that part; None where recordings are short."""
-        whole = self.fit.model
-        model, columns = shortened(whole, self.fit.foreign, few=FEWER)
-        sizes = [sum(one.samples.size for one in each.observed) for each in (model, whole)]
-        if sizes[0] == sizes[1]:
-            return None
-        try:
-            return Fit.begun(model, columns, lambda _: None, trial=PASSES), sizes[0] / sizes[1]
-        except GearpolyError:
-            return None
+    def few(self) -> Few | None:
+        """The fit of a part of the samples."""
+        return few_of(self.fit)
 
     def better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
@@ -111,9 +128,9 @@ class _Tries:
         better = max(BETTER, WORTH_WHILE * self.fit.linear.system.beyond)
         if self.few is None:
             return _ends_better(self.fit, built, shift, better=better)
-        few, part = self.few
+        few = self.few.fit
         before = few.kept()
-        if not _ends_better(few, built, shift, better=part * better):
+        if not _ends_better(few, built, shift, better=self.few.part * better):
             return False
         if _ends_better(self.fit, few.model.built, few.model.shift, better=better):
             return True
