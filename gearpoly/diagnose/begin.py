@@ -23,6 +23,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
+from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
 from gearpoly.keys.also_turns import parts_of
@@ -67,15 +68,19 @@ def begin(
         )
 
     def seen(now: Begun) -> Begun:
-        preparing = watch.stage("prepare")
-        model, assumed = as_seen(now.model, now.waves, preparing)
-        placed(model, now.waves, preparing)
+        model, assumed = as_seen(now.model, now.waves, watch.stage("prepare"))
         return replace(now, model=model, assumed=assumed)
+
+    def stood(now: Begun) -> Begun:
+        # Teeth of one form are placed wrongly where they have many: a sound gear of grade 10 needed another shape then.
+        preparing = watch.stage("prepare")
+        model = with_forms(now.model, now.waves, preparing)
+        placed(model, now.waves, preparing)
+        return replace(now, model=model)
 
     now = beside(file, recordings)
     if now.comparison.another is not None:
-        placed(now.model, now.waves, watch.stage("prepare"))
-        return now  # nothing of the file can be put right by what another pair shows
+        return stood(now)  # nothing of the file can be put right by what another pair shows
     wrong = reread(now.model, now.waves, watch.stage("prepare")) or []
     if sign_may_be_wrong(file, recordings, wrong):
         # Teeth hand over where either is ahead of the other: of the other sign no teeth fit, and no order of theirs.
@@ -88,17 +93,18 @@ def begin(
         file, misread = as_read(file, wrong)
         now = replace(beside(file, now.recordings), misread=misread, contradicted=contradicted)
     now = seen(now)
+    there = stood(now)
     if not (at_every_mesh := located_at_every_mesh(now.comparison)):
-        return now
+        return there
     # The teeth of the file as it stands are placed, those of another have to be.
-    stands = replace(now.model, phased=True), now.waves
+    stands = replace(there.model, phased=True), there.waves
     keys, likely = misdeclared(
         now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"), stated=lambda _: stands
     )
     if keys is None:
-        return replace(now, likely=likely)
+        return replace(there, likely=likely)
     return replace(
-        seen(beside(keys.file, now.recordings)),
+        stood(seen(beside(keys.file, now.recordings))),
         misread=(*now.misread, keys.says),
         keys=True,
         contradicted=(*now.contradicted, *at_every_mesh),

@@ -36,8 +36,9 @@ HALF = 0.5
 CYCLES = 1.5
 """Cycles per recording from which on something slow is a wave: what is slower may be a drift, which has a name."""
 
-LOOKS = 3
-"""Looks at what is left: a wave hides others that are smaller, and each look takes as long as ``compare`` does."""
+LOOKS, EARLY = 3, 0.5
+"""Looks at what is left, since a wave hides others that are smaller; and the part of the time after which one has to
+do: each takes as long as ``compare`` does, and with three of them nothing was searched of 52 000 samples."""
 
 KNOWN = 0.5
 """Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
@@ -51,8 +52,8 @@ def waves_beneath(search: Search, comparison: Comparison) -> bool:
     every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
     """
     begun, before = search.kept(), len(search.model.strangers)
-    for _ in range(LOOKS):
-        if not _fitted_anew(search, comparison):
+    for look in range(LOOKS):
+        if (look and search.model.budget.past(EARLY)) or not _fitted_anew(search, comparison):
             break
     if len(search.model.strangers) == before:
         return False

@@ -40,7 +40,12 @@ class Budget:
     @property
     def over(self) -> bool:
         """Whether the time is over; where it never is, a diagnosis depends on its files alone."""
-        return self.seconds < math.inf and min(b - a for a, b in zip(self.begun, _now(), strict=True)) > self.seconds
+        return self.past(1.0)
+
+    def past(self, part: float) -> bool:
+        """Whether more than this part of the time is over."""
+        spent = min(b - a for a, b in zip(self.begun, _now(), strict=True))
+        return self.seconds < math.inf and spent > part * self.seconds
 
     @property
     def further(self) -> Budget:

@@ -54,7 +54,7 @@ def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], No
     the ``foreign`` columns (n_k, q) in mm; else as it was. Where gears cannot run so, nothing is asked. For the
     evidence of a linear model see MacKay 1992, Neural Computation 4, 415."""
     told = _open(model.as_built)
-    if told is model.as_built or model.budget.over:
+    if told is model.as_built or has_forms(model) or model.budget.over:
         return model
     step("asking whether teeth differ in form")
     try:
@@ -62,6 +62,18 @@ def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], No
     except GearpolyError:  # teeth that cannot run so are told where they are to run
         return model
     return replace(model, as_built=told, built=np.zeros(told.size)) if _differ(fit, told) else model
+
+
+def has_forms(model: Model) -> bool:
+    """Whether teeth of a ``model`` have forms of their own."""
+    return any(one.form for one in model.as_built.gears)
+
+
+def with_open_forms(model: Model) -> Model:
+    """The model with a form of its own for every tooth of graded gears, asked for or not; as it was where all are
+    known."""
+    told = _open(model.as_built)
+    return model if told is model.as_built else replace(model, as_built=told, built=np.zeros(told.size))
 
 
 def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, gain: float) -> float:
