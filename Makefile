@@ -68,6 +68,7 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.contact_kernel
 	$(BIN)/python -m benchmarks.fast_path
 	$(BIN)/python -m benchmarks.loading
+	$(BIN)/python -m benchmarks.columns
 	$(BIN)/python -m benchmarks.convergence
 	$(BIN)/python -m benchmarks.reading
 	$(BIN)/python -m benchmarks.viewing
