@@ -93,6 +93,21 @@ def test_what_comes_again_with_the_pair_is_no_burst() -> None:
     assert bursts(knocked(knocked(data, at=30.0, size_um=8.0), at=again, size_um=8.0)) == []
 
 
+def test_what_lasts_as_long_as_two_teeth_touch_may_be_theirs() -> None:
+    """Two teeth of 18/25 meet once in 450 meshes, of 20 samples each: in less than that their meeting looks like a
+    burst, in more it would have come again. What lasts longer than a contact is none of theirs."""
+
+    def shaken(data: AlignedResidual, samples: int) -> list[str]:
+        there = np.zeros(data.residual.size)
+        there[4000 : 4000 + samples] = 8.0 * UM * (-1.0) ** np.arange(samples)
+        return [says(one) for one in bursts(replace(data, residual=data.residual + there))]
+
+    words = "; or the two teeth that meet there, once in this recording"
+    assert [one.endswith(words) for one in shaken(made(3, cycles=0.9), 24)] == [True]
+    assert [words in one for one in shaken(made(3, cycles=0.9), 100)] == [False]
+    assert [words in one for one in shaken(made(3), 24)] == [False]
+
+
 def test_compare_locates_a_knock_and_names_no_wave() -> None:
     gears = GearKnown(z=18, uncertainty=0.2 * UM), GearKnown(z=25, uncertainty=0.2 * UM)
     found = locate([knocked(made(8), at=41.0, size_um=8.0)], gears=gears).entries

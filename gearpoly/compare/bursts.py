@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,6 +44,11 @@ TONE = 8.0
 lines of noise one in 15 bursts has such a one."""
 
 
+MEETING = 2.0
+"""Meshes for which two teeth are in contact at most: the contact ratio of involute spur gears is below two. Of teeth
+with forms of their own, each fitted with its mean over all mates, 2 to 4 um were left of single pairs of teeth."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Stretch:
     """Samples ``first`` to ``last`` (not included) with the log of the expected number of as loud ones in noise."""
@@ -68,7 +73,9 @@ def burst_entries(k: int, data: AlignedResidual, left: FloatArray, noise: Noise,
         if len(found) == MOST:
             return []
         found.append(one)
-    entries = [_entry(k, data, left, white, noise, one) for one in found]
+    entries = [
+        replace(_entry(k, data, left, white, noise, one), rivals=_meeting(data.u, one, period=period)) for one in found
+    ]
     return [e for e in entries if (e.amplitude_um or 0.0) > SEEN * (e.std_um or 0.0)]
 
 
@@ -105,6 +112,14 @@ def _comes_again(u: FloatArray, square: FloatArray, one: _Stretch, *, period: fl
         if last - first > SHORTEST // 2 and float(np.mean(square[first:last])) > LOUDER * usual:
             return True
     return False
+
+
+def _meeting(u: FloatArray, one: _Stretch, *, period: float) -> tuple[str, ...]:
+    """A word of two teeth that meet in a stretch, if it is as short as their contact and a recording with samples at
+    ``u`` (n,) meshes has no other meeting of them, a ``period`` of meshes before or after."""
+    begin, end = float(u[one.first]), float(u[one.last - 1])
+    once = begin - period < u[0] and end + period > u[-1]
+    return ("the two teeth that meet there, once in this recording",) if once and end - begin < MEETING else ()
 
 
 def _entry(k: int, data: AlignedResidual, left: FloatArray, white: FloatArray, noise: Noise, one: _Stretch) -> Entry:

@@ -314,7 +314,8 @@ def says(entry: Entry) -> str:
             return f"a jump by {sign}{size} at {entry.moment} of recording {entry.recordings[0]}{extra}"
         if entry.burst is not None:
             tone = "" if entry.hz is None else f", ringing at {entry.hz:.3g} Hz"
-            return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}"
+            extra = extra.removeprefix(f" ({entry.label})")
+            return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}{extra}"
         if entry.drift:
             if len(entry.recordings) > 1:
                 which = " and ".join(str(k) for k in entry.recordings)
