@@ -123,7 +123,12 @@ def search(columns: FloatArray, target: FloatArray, claims: list[Claim], places:
         linear=linear,
         model=SimpleNamespace(claims=claims, scope=SimpleNamespace(gears=gears)),
         scenes=[SimpleNamespace(samples=samples)],
+        noises=[EVEN],
     )
+
+
+EVEN = SimpleNamespace(frequency=np.linspace(0.0, 1.0, 101), density=np.ones(101))
+"""White noise, over cycles per mesh."""
 
 
 def claim(name: str, gear: int, *values: float) -> Claim:
@@ -170,6 +175,23 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
     one = search(waves(1.0), np.zeros(N), [tooth], [[0, 1]])
     one.model.change = lambda *args, **keys: [effect]
     assert repeats(one, tooth) == again
+
+
+@pytest.mark.parametrize(
+    ("turns", "steep", "again"),
+    [(0.9, 0.0, False), (2.7, 0.0, True), (2.7, 4.0, False), (4.1, 4.0, True), (2.7, 1.0, True)],
+)
+def test_a_wave_in_noise_that_wanders_has_to_come_round_more_often(turns: float, steep: float, again: bool) -> None:
+    """A random walk's density falls with the square of frequency, here even with its fourth power; once per turn of 20
+    teeth is a twentieth of the mesh's frequency, and the median stands at half of it: 10^4 times as much. Noise that
+    grows as 1/f has ten times as much there, and is no such."""
+    f = np.linspace(0.0, 1.0, 101)
+    noise = SimpleNamespace(frequency=f, density=np.maximum(f, 0.01) ** -steep)
+    one = search(waves(1.0), np.zeros(N), [claim("eccentricity", 0, 1.0, 0.0)], [[0, 1]])
+    angle = np.linspace(0.0, turns * 2.0 * math.pi, N)
+    one.scenes = [SimpleNamespace(samples=SimpleNamespace(theta_1=angle, theta_2=angle, number=0))]
+    one.noises = [noise]
+    assert repeats(one, one.model.claims[0]) == again
 
 
 def test_a_refusal_and_a_tooth_that_came_once_are_told() -> None:

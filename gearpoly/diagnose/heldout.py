@@ -95,7 +95,7 @@ class Checked:
         for name in _names(self.unchecked):
             yield (
                 f"not named, since no unseen data tell of it: {name} (in these "
-                "recordings it came once only; record more turns)"
+                "recordings it came once only, or hardly more often where noise wanders; record more turns)"
             )
 
 

@@ -24,7 +24,7 @@ from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
-from gearpoly.infer.prior import SHAPED_BY_KEYS
+from gearpoly.infer.prior import SHAPED_BY_KEYS, order_of
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray, IntArray
 
@@ -63,6 +63,12 @@ ROSE = 1e-3
 """Part of itself by which the rms of unseen samples may be larger with a name than without: what is told to four
 figures. Of 206 names of nine runs of the proof those of index deviations apart, which teeth as built may take over,
 it was larger with three: by 6e-5 with a right one, by 5e-3 and 3e-2 with two false ones."""
+
+WANDERS, CYCLES = 100.0, 4.0
+"""Density of a recording's noise at a wave's order over its median from which the noise wanders there, and how often
+the wave has to come round then: the few lines of a random walk below that are as uneven as chance makes them, and
+blocks between seen ones are foretold by their neighbours. Of 18 names of waves that a bench knows it was 0.2 to 3; of a
+false one, 0.38 mm once per turn of 2.7 in a walk of millimetres, 6000."""
 
 LESS = 0.9
 """Part of the rms of unseen samples that has to be left without one of several claims, or none of them alone makes it
@@ -288,6 +294,14 @@ def _turned(search: Search, k: int, gear: int | None) -> FloatArray:
     return np.asarray(np.maximum.accumulate(angle - np.min(angle)) / (2.0 * math.pi))
 
 
+def _comes_round(search: Search, k: int, claim: Claim, *, gear: int) -> bool:
+    """Whether recording ``k`` holds a turn of a claim's ``gear``, and so many waves of it as its noise asks for."""
+    turns, noise, order = float(_turned(search, k, gear)[-1]), search.noises[k], order_of(claim) or 1.0
+    there = float(np.interp(order / search.model.scope.gears[gear].z, noise.frequency, noise.density))
+    wanders = there > WANDERS * float(np.median(noise.density))
+    return turns >= 1.0 and (not wanders or order * turns >= CYCLES)
+
+
 def repeats(search: Search, claim: Claim) -> bool:
     """Whether what a claim is about came more than once: its tooth into mesh, its gear round; what is the same at every
     mesh, or goes on slowly, is seen in every part of a recording."""
@@ -295,7 +309,7 @@ def repeats(search: Search, claim: Claim) -> bool:
     if gear is None or claim.physics.mean_tooth or claim.physics.slow:
         return True
     if tooth is None:
-        return any(_turned(search, k, gear)[-1] >= 1.0 for k in range(len(search.scenes)))
+        return any(_comes_round(search, k, claim, gear=gear) for k in range(len(search.scenes)))
     effects = search.model.change(search.scenes, claim, claim.values, but=claim)
     z = search.model.scope.gears[gear].z
     passes = []
