@@ -96,11 +96,18 @@ def begin(
     there = stood(now)
     if not (at_every_mesh := located_at_every_mesh(now.comparison)):
         return there
-    # The teeth of the file as it stands are placed, those of another have to be.
-    stands = replace(there.model, phased=True), there.waves
-    keys, likely = misdeclared(
-        now.file, lambda other: _of_other_keys(now, other), watch.stage("prepare"), stated=lambda _: stands
-    )
+
+    def declared(other: PairFile) -> tuple[Model, list[FloatArray]]:
+        return _of_other_keys(now, other)
+
+    def standing(file: PairFile) -> tuple[Model, list[FloatArray]]:
+        # Where curves or zeros place teeth, all keys are held against each other there: elsewhere in the pitch a relief
+        # of 14 um did what a profile shift does. Else the teeth of the file are placed already, and others have to be.
+        if now.model.phased or now.model.stated:
+            return declared(file)
+        return replace(there.model, phased=True), there.waves
+
+    keys, likely = misdeclared(now.file, declared, watch.stage("prepare"), stated=standing)
     if keys is None:
         return replace(there, likely=likely)
     return replace(
