@@ -9,12 +9,11 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.timing import seconds
 from gearpoly.assemble import assemble
 from gearpoly.compare.whitening import forward
 from gearpoly.diagnose.as_built import make_as_built
@@ -25,19 +24,8 @@ from gearpoly.physics.samples import Samples
 from gearpoly.scene import stage
 from gearpoly.units import NM
 
-SAMPLES, PER_MESH, TAPS, REPEATS = 21_000, 30.0, 12, 3
+SAMPLES, PER_MESH, TAPS = 21_000, 30.0, 12
 PAIRS = ((18, 25), (23, 38), (31, 43), (60, 81))
-
-
-def seconds(work: Callable[[], object]) -> float:
-    """Median processor time in s of ``REPEATS`` runs after one that warms up."""
-    work()
-    times = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return float(np.median(times))
 
 
 def measured(z: tuple[int, int]) -> str:

@@ -5,13 +5,12 @@ Run from the repository's root: python -m benchmarks.loading
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.timing import seconds
 from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
@@ -21,18 +20,6 @@ from gearpoly.units import NM
 
 PAIR = Path(__file__).parents[1] / "data" / "pairs" / "graded_18_25.toml"
 POSITIONS = 18_000
-REPEATS = 5
-
-
-def seconds(work: Callable[[], object]) -> float:
-    """Median processor time in s of ``REPEATS`` runs after one that warms up."""
-    work()
-    times = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return float(np.median(times))
 
 
 def main() -> None:

@@ -32,7 +32,8 @@ LEANING, TO_SIGMA = 5.0, 1.4826
 median one, so that few such teeth do not count."""
 
 BLOCK = 128, 512
-"""Samples of a block of columns at least and at most: shorter ones cost more calls than products."""
+"""Samples of a block of columns at least and at most: shorter ones cost more calls than products. With at least 32, 64,
+128 and 256 of them a fit of 63 000 samples was begun in 15.9, 14.9, 14.4 and 14.2 s; longer ones hold more zeros."""
 
 _NONE = np.zeros(0, dtype=np.int64)
 
