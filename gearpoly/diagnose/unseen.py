@@ -116,8 +116,9 @@ def checked(
     worse = any(gain <= 0.0 for gain, _ in gains) or larger
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     expected = foretold_to(search.linear, [one.fit for one in model.observed], noise, hold=held_places(search))
-    if model.claims and (rms[1] > LACK_OF_FIT * expected or worse):
+    if rms[1] > LACK_OF_FIT * expected or worse:
         refused += [(one, model.rms_of(search.scenes, one)) for one in model.claims]
+        # Where none was left either: what was fitted about it stays fitted to it.
         search.restore(begun)
     least = min(gains)
     count = number.size
