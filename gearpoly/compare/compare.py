@@ -21,7 +21,7 @@ from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.read_late import on_one_clock
-from gearpoly.compare.remarks import of_other_teeth, of_same_ratio, remarks, scale_remarks
+from gearpoly.compare.remarks import of_other_teeth, remarks, scale_remarks
 from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -84,7 +84,6 @@ def compare(
         over=over,
     )
     located = replace(located, entries=beside.named(located.entries), where=beside.named(located.where))
-    beside = of_same_ratio(beside, located.entries)
     if (sky := sky_of(beside)) is not None:
         beside = replace(beside, remarks=(*beside.remarks, *mesh_remarks(located, beside.aligned, sky)))
     return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)

@@ -148,6 +148,7 @@ class Lines:
         self.highest = 0.5 * turns.size / self.length
         self.step = 1.0 / (FINE * self.length)
         power = Grid(turns, step=self.step, count=int(self.highest / self.step)).power(taper * te)
+        self.plain = power / turns.size**2
         # The power of noise is exponential: its median is log 2 of its mean.
         background = median_filter(power, size=2 * FINE * WIDE + 1, mode="nearest") / math.log(2.0)
         leaked = SWELLS**2 * maximum_filter1d(power, 2 * FINE * NEAR + 1, mode="nearest")
@@ -165,6 +166,12 @@ class Lines:
         place = place[(orders > 1.5 / self.length) & (place < self.power.size)]
         there = np.minimum(self.power[place] * STRENGTH / (1.0 + STRENGTH) - math.log1p(STRENGTH), most)
         return np.asarray(np.logaddexp(math.log1p(-present), math.log(present) + there))
+
+    def at(self, orders: FloatArray) -> FloatArray:
+        """Power (k,) at ``orders`` (k,) itself, of a wave as its amplitude squared; 0 beyond what was recorded."""
+        place = np.rint(orders / self.step).astype(np.int64)
+        there = place < self.plain.size
+        return np.where(there, self.plain[np.minimum(place, self.plain.size - 1)], 0.0)
 
     def odds(self, mesh: float, driving: float, driven: float, highest: int) -> float:
         """Log odds of lines at multiples of the orders ``mesh``, of a ``driving`` and of a ``driven`` turn, of these as

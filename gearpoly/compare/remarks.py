@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.beside import COARSE, Aligned, Beside
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.beside import COARSE, Aligned
 from gearpoly.compare.other_pair import OtherPair, other_pair
 from gearpoly.compare.ratio import Lines
-from gearpoly.compare.same_ratio import same_ratio
+from gearpoly.compare.same_ratio import SameRatio, other_teeth_of_ratio, same_ratio
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.stated import speed_remarks
 from gearpoly.compare.zeros import Alignment, Base
@@ -20,6 +18,9 @@ from gearpoly.files.models import PairFile
 from gearpoly.keys.also_turns import Part
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, NM, UM
+
+Other = OtherPair | SameRatio
+"""Another pair than the declared one."""
 
 VARIES = 0.02
 """Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
@@ -78,7 +79,7 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
     return out
 
 
-def scale_remarks(scale: Scale | None, another: OtherPair | None) -> Iterator[str]:
+def scale_remarks(scale: Scale | None, another: Other | None) -> Iterator[str]:
     """Which reading was wrong, where one was, and how its size is known; or which pair shows in the stead of this."""
     if another is not None:
         yield another.says
@@ -108,23 +109,22 @@ def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:
         )
 
 
-def of_other_teeth(aligned: Sequence[Aligned], parts: Sequence[Part], *, z: tuple[int, int]) -> OtherPair | None:
-    """Whether recordings of ``z`` declared teeth are of other ones, where one shaft was read and the rig computed the
-    transmission error; where both were read their travels tell."""
+def of_other_teeth(aligned: Sequence[Aligned], parts: Sequence[Part], *, z: tuple[int, int]) -> Other | None:
+    """Whether recordings of ``z`` declared teeth are of other ones: of another ratio, where one shaft was read and the
+    rig computed the transmission error, since travels tell where both were read; or of the same ratio."""
     read = {_read(one.cleaned.recording) for one in aligned}
-    if len(read) != 1 or (shaft := read.pop()) is None:
-        return None
-    turns = ((one.estimated[0] if shaft == 0 else one.theta_2) / (2.0 * math.pi) for one in aligned)
-    lines = [Lines(along, one.recorded) for along, one in zip(turns, aligned, strict=True)]
-    return other_pair(lines, read=shaft, z=z, parts=parts)
+    shaft = read.pop() if len(read) == 1 else None
+    found: Other | None = None
+    if shaft is not None:
+        found = other_pair([_lines(one, shaft) for one in aligned], read=shaft, z=z, parts=parts)
+    if found is None and other_teeth_of_ratio(z):
+        found = same_ratio([_lines(one, 0) for one in aligned], z=z, parts=parts)
+    return found
 
 
-def of_same_ratio(beside: Beside, entries: Sequence[Entry]) -> Beside:
-    """The same, with the pair of the same ratio whose mesh shows among the ``entries`` located, if there is one."""
-    z = beside.gears[0].z, beside.gears[1].z
-    if beside.another is not None or (other := same_ratio(entries, z=z)) is None:
-        return beside
-    return replace(beside, another=other, remarks=(other.says, *beside.remarks))
+def _lines(one: Aligned, shaft: int) -> Lines:
+    """The lines of a recorded transmission error, at orders of the driving (0) or the driven shaft (1)."""
+    return Lines((one.theta_2 if shaft else one.estimated[0]) / (2.0 * math.pi), one.recorded)
 
 
 def _read(recording: Recording) -> int | None:

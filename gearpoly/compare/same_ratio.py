@@ -1,7 +1,7 @@
 """Recordings of another pair of teeth with the same ratio: its mesh stands at another order of either shaft.
 
-Derived here. Travels of both shafts agree, and so do all whole orders. What tells is that the strongest fast order of a
-shaft, with its multiples, is that of other teeth, and hardly anything is left at the mesh of the declared ones.
+Derived here. Travels of both shafts agree, and so do all whole orders. What tells is that the mesh of other teeth and
+its multiples are the strongest lines far around, and those of the declared teeth are not.
 """
 
 from __future__ import annotations
@@ -10,20 +10,20 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gearpoly.compare.entries import Entry
+import numpy as np
+
+from gearpoly.compare.ratio import MESH_PRESENT, SEEN, Lines
+from gearpoly.keys.also_turns import HALF_A_LINE, Part
+from gearpoly.units import FloatArray
 
 NEAR = 0.25
 """Part of the declared teeth by which they may be off. Who counts wrong is off by one or two. A judgement."""
 
 FAMILY = 3
-"""Orders that have to stand there, the mesh and its multiples: a wheel on the same shaft, or the machine that cut a
-gear, seldom leaves more than two. A judgement."""
-
-FAST = 0.5
-"""Orders over the declared teeth from which on the mesh has to be the strongest: below, gears err by themselves."""
-
-SAME = 1e-3
-"""Orders within which one is a whole multiple of another."""
+"""Orders that have to stand out, the mesh and its multiples, each over all whole orders within half a mesh of it: one
+of twenty orders is the strongest by chance, three are once in 8000 times. Of 60 made pairs of grades 4 to 10
+with 10 ratios, loaded and not, in 1 to 9 turns, no right file was doubted, and of 336 wrong ones 72 were told, all with
+the right teeth."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,40 +41,37 @@ class SameRatio:
         *first, last = self.orders
         z_1, z_2 = self.declared
         return (
-            f"orders {', '.join(map(str, first))} and {last} of the driving shaft are the strongest fast ones, as a "
+            f"orders {', '.join(map(str, first))} and {last} of the driving shaft are the strongest far around, as a "
             f"mesh of {self.teeth[0]} on {self.teeth[1]} teeth would make them, which have the ratio of {z_1} on "
             f"{z_2}: count the teeth and correct teeth in the pair file, or state the wheel that makes them under "
             "[[also_turns]]; no physics is named of such a recording"
         )
 
 
-def same_ratio(entries: Sequence[Entry], *, z: tuple[int, int]) -> SameRatio | None:
-    """Whether what was located is the mesh of other teeth with the ratio of ``z`` declared ones; None where it is not,
-    or where no other teeth near these have it."""
-    z_1, z_2 = z
-    step = z_1 // math.gcd(z_1, z_2)
-    sizes = _by_order(entries, z=z)
-    fast = {order: size for order, size in sizes.items() if order > FAST * z_1}
-    if not fast:
-        return None
-    mesh = max(fast, key=lambda order: fast[order])
-    if mesh % step or mesh % z_1 == 0 or abs(mesh - z_1) > NEAR * z_1:
-        return None
-    family = tuple(sorted(order for order in fast if order % mesh == 0))
-    if len(family) < FAMILY:
-        return None
-    return SameRatio(teeth=(mesh, mesh * z_2 // z_1), declared=z, orders=family)
+def other_teeth_of_ratio(z: tuple[int, int]) -> list[int]:
+    """Teeth of a driving gear near the declared ``z`` with which a whole number of driven ones has the same ratio."""
+    step = z[0] // math.gcd(*z)
+    low, high = math.ceil(z[0] * (1.0 - NEAR) / step), math.floor(z[0] * (1.0 + NEAR) / step)
+    return [k * step for k in range(low, high + 1) if k * step != z[0]]
 
 
-def _by_order(entries: Sequence[Entry], *, z: tuple[int, int]) -> dict[int, float]:
-    """The amplitude in um of what stands at each whole order of the driving shaft, and of no stated part."""
-    out: dict[int, float] = {}
-    for one in entries:
-        if one.order is None or one.amplitude_um is None or one.parts or one.kind not in ("shaft_order", "mesh_order"):
+def same_ratio(every: Sequence[Lines], *, z: tuple[int, int], parts: Sequence[Part] = ()) -> SameRatio | None:
+    """Whether the recordings whose lines these are, at orders of the driving shaft, show the mesh of other teeth with
+    the ratio of ``z`` declared ones; None where they do not. ``parts`` turn beside the pair, and are none of it."""
+    highest = math.ceil((FAMILY + 0.5) * (1.0 + NEAR) * z[0])
+    power = sum((one.at(np.arange(highest + 1.0)) for one in every), np.zeros(highest + 1))
+    turns = min(one.length for one in every) * z[0] / z[1]
+    for mesh in other_teeth_of_ratio(z):
+        orders = tuple(k * mesh for k in range(1, FAMILY + 1))
+        strongest = all(_strongest(power, at, mesh) and power[at] > power[at // mesh * z[0]] for at in orders)
+        if not strongest or any(one.line(mesh * z[1] / z[0], HALF_A_LINE / turns) for one in parts):
             continue
-        per = z[0] if one.kind == "mesh_order" else z[0] / z[1] if one.gear == "driven" else 1.0
-        order = one.order * per
-        whole = round(order)
-        if whole > 0 and abs(order - whole) < SAME:
-            out[whole] = max(out.get(whole, 0.0), one.amplitude_um)
-    return out
+        if all(sum(one.evidence(np.array([float(at)]), MESH_PRESENT) for one in every) > SEEN for at in orders):
+            return SameRatio(teeth=(mesh, mesh * z[1] // z[0]), declared=z, orders=orders)
+    return None
+
+
+def _strongest(power: FloatArray, at: int, mesh: int) -> bool:
+    """Whether order ``at`` is the strongest of the whole ones within half a ``mesh``, with power (k,) at each."""
+    low, high = math.ceil(at - mesh / 2), math.floor(at + mesh / 2)
+    return low + int(np.argmax(power[low : high + 1])) == at
