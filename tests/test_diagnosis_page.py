@@ -332,7 +332,7 @@ def test_a_pair_that_lacks_nothing_says_so(diagnosis: Diagnosis) -> None:
         page(replace(diagnosis, status="nothing_missing", findings=(), unexplained=(), not_excluded=(), remarks=(),
                      seconds=(), compliance_scale=None))
     )  # fmt: skip
-    assert "Nothing is missing" in words(tree.get_element_by_id("verdict"))
+    assert "No physics of the catalogue is missing" in words(tree.get_element_by_id("verdict"))
     assert "makes no missing physics necessary" in words(tree.get_element_by_id("findings"))
     assert "Nothing is left" in words(tree.get_element_by_id("unexplained"))
 

@@ -22,6 +22,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.set_up import GearKnown
+from gearpoly.diagnose.heldout import Rms
 from gearpoly.diagnose.limits import Exceeded, Limit
 from gearpoly.diagnose.verdict import BuiltGear, Status
 from gearpoly.files.pairfile import read_pair
@@ -222,7 +223,10 @@ def test_a_gear_that_breaks_its_limits_does_not_agree() -> None:
     """Nothing was left out, but the teeth that make the mismatch are no good ones."""
     diagnosis = replace(made_diagnosis(*made_comparison()), status="nothing_missing", findings=(), unexplained=())
     whole = tuple(replace(gear, exceeded=()) for gear in diagnosis.built)
-    assert "agree to the noise" in sentence(replace(diagnosis, built=whole))
+    assert "agree to the noise" in sentence(
+        replace(diagnosis, built=whole, before=Rms(seen=0.31 * UM, unseen=0.32 * UM))
+    )
+    assert "as they were built" in sentence(replace(diagnosis, built=whole))
     limit = Limit(kind="single pitch", low=-8.0, high=8.0, grade=6)
     broken = Exceeded(limit=limit, value=15.8, std=0.9, by=7.8, teeth=(7, 8), flank="drive")
     said = sentence(replace(diagnosis, built=(replace(whole[0], exceeded=(broken,)), whole[1])))

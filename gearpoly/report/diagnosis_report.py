@@ -42,6 +42,13 @@ BEYOND = (
 )
 """The same where nothing is missing and a gear breaks its limits: then they do not agree."""
 
+TEETH = "No physics of the catalogue is missing: teeth as they were built make the mismatch, and the rest is noise."
+"""The same where the declared simulation itself does not agree: what nobody measured of the teeth makes up for it."""
+
+AGREES = 1.1
+"""Times the noise that unseen samples of the declared simulation may be left at for both to agree: what repeats is then
+less than half of the noise. A judgement."""
+
 SHOWN = 4
 """Places that the terminal tells of the whole mismatch; page and JSON have all."""
 
@@ -189,8 +196,12 @@ def sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
     if diagnosis.stopped:
         return STOPPED[diagnosis.status]
-    broken = any(gear.exceeded for gear in diagnosis.built)
-    return BEYOND if broken and diagnosis.status == "nothing_missing" else STATUS[diagnosis.status]
+    if diagnosis.status == "nothing_missing":
+        if any(gear.exceeded for gear in diagnosis.built):
+            return BEYOND
+        if diagnosis.before.unseen > AGREES * diagnosis.noise:
+            return TEETH
+    return STATUS[diagnosis.status]
 
 
 def grade_words(gear: BuiltGear) -> str:
