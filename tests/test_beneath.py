@@ -12,9 +12,9 @@ import pytest
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
@@ -41,15 +41,15 @@ def with_wave(one: Recording, *, order: float, amplitude_um: float) -> Recording
     return replace(one, driven_angle_rad=one.driven_angle_rad + more)
 
 
-def searched(file: PairFile, one: Recording, path: Path) -> tuple[Search, Comparison]:
+def searched(file: PairFile, one: Recording, path: Path) -> tuple[Fit, Comparison]:
     """A search before any claim, without the waves that ``compare`` located."""
     comparison = compare(file, [one], path=path)
     model = prepare(file, comparison, path=path)
     free = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    return from_declared(Search, model, free, lambda _: None), comparison
+    return from_declared(model, free, lambda _: None), comparison
 
 
-def amplitude(search: Search) -> float:
+def amplitude(search: Fit) -> float:
     """Of the first wave of no cause, in um."""
     start = search.linear.layout.foreign.start
     return float(np.hypot(*search.linear.system.solution[start : start + 2])) / UM
@@ -72,13 +72,15 @@ def test_a_wave_beneath_the_teeth_is_fitted(order: float, fitted: bool, plain: R
     turns is a drift, as a warming rig makes it."""
     one = with_wave(plain, order=order, amplitude_um=0.4)
     search, comparison = searched(graded(), one, tmp_path / "pair.toml")
-    assert waves_beneath(search, comparison) == fitted
+    beneath = waves_beneath(search, comparison)
+    assert (beneath is not search) == fitted
+    search = beneath
     assert len(search.model.strangers) == fitted
     if fitted:
         std = 0.3 * math.sqrt(2.0 / one.driven_angle_rad.size)
         assert amplitude(search) == pytest.approx(0.4, abs=3.0 * std)
         # It is fitted, so nothing of it is left to be found.
-        assert not waves_beneath(search, comparison)
+        assert waves_beneath(search, comparison) is search
 
 
 def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) -> None:
@@ -86,7 +88,7 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     of the pitches stays with the teeth."""
     smooth = with_wave(plain, order=2.0, amplitude_um=14.0)
     search, comparison = searched(graded(), smooth, tmp_path / "pair.toml")
-    assert smooth_waves(search, comparison)
+    search = smooth_waves(search, comparison)
     own = 2.0 / Z[0] * abs(np.fft.fft(PITCH)[2])
     assert amplitude(search) == pytest.approx(14.0, abs=own)
     assert search.model.scope.smooth == {(0, 2)}
@@ -96,7 +98,7 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     (teeth,) = recorded(made, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0, per_mesh=12)
     search, comparison = searched(graded(), teeth, tmp_path / "pair.toml")
     assert any(one.order == 2.0 and one.gear == "driving" for one in comparison.located.entries)
-    assert not smooth_waves(search, comparison)
+    assert smooth_waves(search, comparison) is search
     assert search.model.strangers == ()
     assert search.model.scope.smooth == frozenset()
 
@@ -107,8 +109,8 @@ def test_where_a_tooth_is_claimed_a_smooth_wave_is_asked_with_nothing_left_beyon
     """Noise that was estimated along may hold what teeth cannot do of a smooth wave."""
     monkeypatch.setattr(System, "beyond", 0.0)
     search, comparison = searched(graded(), with_wave(plain, order=2.0, amplitude_um=14.0), tmp_path / "pair.toml")
-    assert not smooth_waves(search, comparison)
-    assert smooth_waves(search, comparison, least=0.0)
+    assert smooth_waves(search, comparison) is search
+    search = smooth_waves(search, comparison, least=0.0)
     assert search.model.scope.smooth == {(0, 2)}
 
 
@@ -121,6 +123,6 @@ def test_an_image_of_what_comes_once_per_turn_is_no_smooth_wave(plain: Recording
     image = replace(known, kind="shaft_order", gear="driving", order=Z[0] - 1.0, amplitude_um=0.4, companion_of=None)
     first = replace(image, order=1.0, amplitude_um=14.0)
     both = replace(comparison, located=replace(comparison.located, entries=(image, first), where=()))
-    assert not smooth_waves(search, both)
+    assert smooth_waves(search, both) is search
     assert search.model.scope.smooth == frozenset()
     assert search.model.strangers == ()

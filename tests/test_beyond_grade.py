@@ -17,7 +17,6 @@ from gearpoly.diagnose.as_built import chain
 from gearpoly.diagnose.beyond_grade import BY_CHANCE, _Held, beyond_grade
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.files.models import PairFile
 from tests.pair_files import pair_file
 from tests.physics_cases import Condition, recorded
@@ -101,7 +100,7 @@ def test_a_wave_that_the_teeth_took_up_is_told(amplitude: float, told: list[tupl
     comparison = compare(graded(), [one], path=path)
     model = prepare(graded(), comparison, path=path)
     free = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    search = from_declared(Search, model, free, lambda _: None)
+    search = from_declared(model, free, lambda _: None)
     found = beyond_grade(search, comparison, comparison)
     assert [(one.gear, one.order) for one in found] == told
     # Teeth hold their deviation for a pitch: a staircase has sinc(3 / 17) of its wave, to what proud ones hold longer.

@@ -172,7 +172,7 @@ def test_counted_turns_leave_what_was_read(
     comparison = compare(file, recorded(file, conditions, np.random.default_rng(1), per_mesh=8), path=path)
     model = replace(prepare(file, comparison, path=path), turns_of=read_shaft)
     drive, coast = (one.samples for one in model.observed)
-    model.turned(1)
+    model = model.turned(1)
     still, moved = (one.samples for one in model.observed)
     np.testing.assert_array_equal(still.theta_2, drive.theta_2)
     turn, z = 2.0 * np.pi, (12, 16)

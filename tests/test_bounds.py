@@ -13,8 +13,7 @@ from gearpoly.diagnose.built import contradicted
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.linear import within
 from gearpoly.diagnose.scan import Candidate, _allowed
-from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.weigh import gain_without
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
@@ -69,7 +68,7 @@ def test_what_the_fit_wants_at_a_bound_is_no_claim(size: float, gains: bool) -> 
     system = SimpleNamespace(solution=np.array([size]), misfit=100.0, without=lambda places: without)
     linear = SimpleNamespace(system=system, layout=SimpleNamespace(places=lambda k: [0]))
     search = SimpleNamespace(linear=linear, model=SimpleNamespace(claims=[claim], scope=scope()))
-    assert (Weigh.gain_without(cast(Any, search), 0) > 0.0) == gains
+    assert (gain_without(cast(Any, search), 0) > 0.0) == gains
 
 
 def test_the_scales_of_two_encoders_are_two_findings() -> None:
@@ -79,7 +78,7 @@ def test_the_scales_of_two_encoders_are_two_findings() -> None:
         replace(one, claim=Claim(physics=catalogue()["encoder_scale"], place=Place(gear=gear), values=(9.0,)))
         for gear in (0, 1)
     ]
-    assert gathered(cast(Search, None), list(enumerate(scales)), hold=[]) == tuple(scales)
+    assert gathered(cast(Any, None), list(enumerate(scales)), hold=[]) == tuple(scales)
 
 
 def plain(sheet: dict[str, object] | None) -> PairFile:

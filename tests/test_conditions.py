@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, swells, take_back, with_and_without
+from gearpoly.diagnose.conditions import conditions, elsewhere, foretold, swells, with_and_without, without_dear
 from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.exchange import without_idle
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.weigh import paid_by
 from gearpoly.keys.edit import on_gear
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -74,7 +76,7 @@ CROWNING = 5.0
 """um at 20 N m: some 30 standard deviations of it in 0.3 um of noise."""
 
 
-def bulging(without_load: float, folder: Path) -> Search:
+def bulging(without_load: float, folder: Path) -> Fit:
     """The search in recordings at 20 N m, with ``CROWNING`` on the driving gear, and unloaded with another, begun with
     that crowning claimed."""
     true, rng = rough(), np.random.default_rng(11)
@@ -86,11 +88,11 @@ def bulging(without_load: float, folder: Path) -> Search:
     path = folder / "pair.toml"
     model = prepare(true, compare(true, made, path=path), path=path)
     nothing: list[FloatArray] = [np.zeros((one.samples.size, 0)) for one in model.observed]
-    search = from_declared(Search, model, nothing, lambda _: None)
+    search = from_declared(model, nothing, lambda _: None)
     assert search.model.scope.torques == (20.0 * NM, 0.0)
-    search.join([Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(CROWNING,))])
-    search.settle()
-    return search
+    return settled(
+        joined(search, [Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(CROWNING,))])
+    )
 
 
 def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(tmp_path: Path) -> None:
@@ -99,12 +101,11 @@ def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(tmp_path: Pa
     search = bulging(-0.2 * CROWNING, tmp_path)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, 0)
     assert plain.misfit - wider.misfit > 50.0
-    assert search.paid(search.model.claims[0], plain, wider)
+    assert paid_by(search, search.model.claims[0], plain, wider)
     worth = elsewhere(search, 0)
     assert worth is not None
     assert worth < 0.0
-    assert take_back(search)
-    assert not search.model.claims
+    assert not without_dear(search).model.claims
 
 
 @pytest.mark.slow
@@ -113,7 +114,7 @@ def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     worth = elsewhere(search, 0)
     assert worth is not None
     assert worth > 50.0
-    assert not take_back(search)
+    assert without_dear(search) is search
     assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
 
 
@@ -132,14 +133,13 @@ def test_a_wave_too_small_beside_another_for_a_name_stays_in_the_fit(tmp_path: P
     path = tmp_path / "pair.toml"
     shaken = [replace(one, driven_angle_rad=one.driven_angle_rad + other)]
     model = prepare(true, compare(true, shaken, path=path), path=path)
-    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     pitch = Claim(physics=catalogue()["cumulative_pitch"], place=Place(gear=1, order=1, flank="drive"),
                   values=(21.6, 33.7))  # fmt: skip
     line = Claim(physics=catalogue()["encoder_interpolation"], place=Place(gear=0, order=33), values=(1.0, 0.0))
-    search.join([pitch, line])
-    search.settle()
+    search = settled(joined(search, [pitch, line]))
     before = search.linear.system.misfit
-    search.drop_idle()
+    search = without_idle(search)
     assert [claim.physics.name for claim in search.model.claims] == ["cumulative_pitch"]
     assert [one.claim.place.order for one in search.model.unnamed] == [33]
     assert search.linear.system.misfit < before + 10.0  # without the wave it rises by 300

@@ -3,6 +3,8 @@ built give way to a claim."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,18 +15,19 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.contest import _elsewhere, contest
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import Fit, joined
 from gearpoly.diagnose.placing import PHASES, anywhere
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import scan
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.search import withdrawn
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
+from tests.made_fits import MadeFit
 from tests.physics_cases import Condition, recorded, rough, scope_of
 from tests.test_fit_places import UNLOADED, made_gears
 
@@ -48,7 +51,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     known, recordings = leaning()
     path = tmp_path_factory.mktemp("leaning") / "pair.toml"
     model = prepare(known, compare(known, recordings, path=path), path=path)
-    return from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    return from_declared(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
 
 
 @pytest.mark.slow
@@ -66,18 +69,13 @@ def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
     found, _ = scan(begun.model, begun.scenes, begun.linear)
     slope = next(c for c in found if c.claim.physics.name == "profile_slope" and c.claim.place.gear == 1)
     assert slope.claim.values[0] == pytest.approx(SLOPE, rel=0.5)
-    before, misfits = begun.kept(), {}
-    for way in ("joined", "on top"):
-        if way == "joined":
-            begun.join([slope.claim])
-        else:
-            begun.model.claims.append(slope.claim)
-        begun.scenes = begun.model.scenes()
-        linear = begun.linearised()
-        begun.linear = linear
-        misfits[way] = linear.system.misfit_at(begun.present())
-        begun.restore(before)
-    assert misfits["joined"] < before[1]["linear"].system.misfit + 100.0
+    claimed = (*begun.model.claims, slope.claim)
+    ways = {"joined": joined(begun, [slope.claim]), "on top": begun.believing(claims=claimed)}
+    misfits = {}
+    for way, one in ways.items():
+        there = replace(one, scenes=one.model.scenes()).linearised()
+        misfits[way] = there.linear.system.misfit_at(there.present())
+    assert misfits["joined"] < begun.linear.system.misfit + 100.0
     assert misfits["on top"] > misfits["joined"] + 1000.0
 
 
@@ -85,11 +83,8 @@ def test_a_claim_takes_over_from_the_teeth(begun: Fit) -> None:
 def test_places_are_counted_whatever_is_claimed_already(begun: Fit) -> None:
     """Or a claim would have to beat fewer of its like when it is asked for again."""
     found, before = scan(begun.model, begun.scenes, begun.linear)
-    kept = begun.kept()
-    begun.join([next(c.claim for c in found if c.claim.physics.name == "profile_slope")])
-    begun.linear = begun.linearised()
-    _, after = scan(begun.model, begun.scenes, begun.linear)
-    begun.restore(kept)
+    there = joined(begun, [next(c.claim for c in found if c.claim.physics.name == "profile_slope")]).linearised()
+    _, after = scan(there.model, there.scenes, there.linear)
     assert after == before
     teeth = sum(gear.z for gear in begun.model.scope.gears)
     assert before.own["tooth_spall"] == teeth < before.teeth["tooth_spall"]
@@ -113,86 +108,68 @@ def test_a_slope_beyond_the_grade_is_named(tmp_path: Path) -> None:
     assert 2.0 < std < 7.0
 
 
-@pytest.fixture(autouse=True)
-def rests(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The made searches below rest wherever they are."""
-    if "begun" not in request.fixturenames:
-        for module in ("search", "contest"):
-            monkeypatch.setattr(f"gearpoly.diagnose.{module}.relax", lambda search: None)
+@dataclass(kw_only=True, eq=False)
+class Ends(MadeFit):
+    """A fit whose claim fits with the misfit ``ends`` says, fitted again or not, "nothing" without any."""
 
-
-class Ends:
-    """A search whose claim fits with the misfit ``ends`` says, fitted again or not, "nothing" without any; ``broken``
-    pairs cannot turn, gains of more than 20 are significant."""
-
-    def __init__(self, ends: dict[str, float], *, broken: str = "", graded: bool = False) -> None:
-        self.ends, self.broken, self.noises = ends, broken, None
-        self.asked: list[str] = []
-        self.rises: Any = None
-        self.over = False
-        self.scenes = (SimpleNamespace(bends=True),)
-        gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
-        self.model = SimpleNamespace(
-            phased=True, stated=True, claims=[named("first")], as_built=SimpleNamespace(gears=gears)
-        )
-
-    def cost(self, claims: list[Any]) -> float:
-        return self.ends[claims[0].key if claims else "nothing"] + 2.0 * len(claims)
+    ends: dict[str, float]
 
     @property
-    def linear(self) -> Any:
-        system = SimpleNamespace(misfit=self.cost(self.model.claims))
-        return SimpleNamespace(system=system, under=lambda noises: SimpleNamespace(system=system))
+    def misfit(self) -> float:
+        return self.ends.get(self.model.claims[0].key if self.model.claims else "nothing", math.inf)
 
-    def kept(self) -> list[Any]:
-        return list(self.model.claims)
+    def __post_init__(self) -> None:
+        system = SimpleNamespace(misfit=self.misfit)
+        self.linear = SimpleNamespace(system=system, under=lambda noises: SimpleNamespace(system=system))
 
-    def gained(self, kept: list[Any]) -> float:
-        return self.cost(kept) - self.cost(self.model.claims)
 
-    def restore(self, kept: list[Any]) -> None:
-        self.model.claims = list(kept)
+def ended(ends: dict[str, float], *claims: Any, graded: bool = False) -> Any:
+    gears = (SimpleNamespace(graded=graded), SimpleNamespace(graded=False))
+    model = SimpleNamespace(
+        phased=True, stated=True, claims=claims or (named("first"),), as_built=SimpleNamespace(gears=gears)
+    )
+    return Ends(model=model, ends=ends, scenes=(SimpleNamespace(bends=True),))
 
-    def join(self, claims: list[Any], *, instead: list[int]) -> None:
-        (k,) = instead
-        self.model.claims[k : k + 1] = claims
 
-    def settle(self) -> None:
-        if self.broken in [claim.key for claim in self.model.claims] or (self.broken and not self.model.claims):
+def exchanged(fit: Any, claims: Any, *, instead: Any) -> Any:
+    (k,) = instead
+    return fit.believing(claims=(*fit.model.claims[:k], *claims, *fit.model.claims[k + 1 :]))
+
+
+def gained_since(fit: Any, before: Any) -> float:
+    """Misfit, and 2 for each claim."""
+    return float(before.misfit - fit.misfit + 2.0 * (len(before.model.claims) - len(fit.model.claims)))
+
+
+@pytest.fixture
+def broken(request: pytest.FixtureRequest) -> str:
+    """The claim, or "nothing", with which a pair cannot turn; none unless a test says so."""
+    return str(getattr(request, "param", ""))
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, broken: str) -> list[str]:
+    """What the made fits below were asked for: they rest wherever they are, unless ``broken``, and gains of more than
+    20 are significant."""
+    asked: list[str] = []
+
+    def settled(fit: Any) -> Any:
+        if broken in [claim.key for claim in fit.model.claims] or (broken == "nothing" and not fit.model.claims):
             raise GeometryError("tip below base")
+        return fit
 
-    def step(self, text: str) -> None: ...
+    def told(name: str) -> Any:
+        return lambda fit: asked.append(name) or fit
 
-    def significant(self, one: Any) -> bool:
-        return bool(one.gain > 20.0)
-
-    def _withdrawn(self, k: int) -> bool:
-        me: Any = self
-        return Search._withdrawn(me, k)
-
-    def _fit_without(self, k: int) -> None:
-        me: Any = self
-        Search._fit_without(me, k)
-
-    def _rises_here(self) -> Any:
-        me: Any = self
-        return Search._rises_here(me)
-
-    def _settled_for(self, claim: Any) -> bool:
-        me: Any = self
-        return Search._settled_for(me, claim)
-
-    def declared_law(self) -> None:
-        self.asked.append("declared_law")
-
-    def choose_law(self) -> None:
-        self.asked.append("choose_law")
-
-    def share(self) -> None:
-        self.asked.append("share")
-
-    def drop_idle(self) -> None:
-        self.asked.append("drop_idle")
+    for module in ("search", "contest"):
+        monkeypatch.setattr(f"gearpoly.diagnose.{module}.joined", exchanged)
+        monkeypatch.setattr(f"gearpoly.diagnose.{module}.settled", settled)
+        monkeypatch.setattr(f"gearpoly.diagnose.{module}.relaxed", lambda fit: fit)
+        monkeypatch.setattr(f"gearpoly.diagnose.{module}.gained_since", gained_since)
+    monkeypatch.setattr("gearpoly.diagnose.search.significant", lambda fit, one: one.gain > 20.0)
+    for name in ("with_declared_law", "with_best_law", "shared", "without_idle"):
+        monkeypatch.setattr(f"gearpoly.diagnose.search.{name}", told(name))
+    return asked
 
 
 def named(key: str) -> Any:
@@ -207,32 +184,26 @@ def named(key: str) -> Any:
         ({"first": 100.0, "other": 104.0, "third": 130.0}, "first", {"other": 4.0, "third": 30.0}),
     ],
 )
+@pytest.mark.parametrize("broken", ["broken"], indirect=True)
+@pytest.mark.usefixtures("asked")
 def test_what_fits_best_stands(
     ends: dict[str, float], stands: str, behind: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     likenesses = [SimpleNamespace(claim=named(key)) for key in ("other", "broken", "third")]
     monkeypatch.setattr("gearpoly.diagnose.contest._likenesses", lambda search, k: iter(likenesses))
-    search: Any = Ends(ends, broken="broken")
-    found = contest(search)
+    search, found = contest(ended(ends))
     assert [one.key for one in search.model.claims] == [stands]
     assert {one.claim.key: one.behind for one in found[stands]} == behind
 
 
-class Restless(Ends):
-    """A search whose first claim was left before it rested: fitted again it fits better by 12, once."""
-
-    def settle(self) -> None:
-        if self.model.claims[0].key == "first":
-            self.ends["first"] = 88.0
-
-
+@pytest.mark.usefixtures("asked")
 def test_the_claim_that_was_there_is_fitted_as_long_as_its_likenesses(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Or whoever comes later wins by the rounds it was given, and is told from its twin by them."""
-    monkeypatch.setattr(
-        "gearpoly.diagnose.contest._likenesses", lambda *_: iter([SimpleNamespace(claim=named("twin"))])
-    )
-    search: Any = Restless({"first": 100.0, "twin": 88.5})
-    found = contest(search)
+    """Or whoever comes later wins by the rounds it was given, and is told from its twin by them: the first claim was
+    left before it rested, and fits better by 12 fitted again."""
+    twin = SimpleNamespace(claim=named("twin"))
+    monkeypatch.setattr("gearpoly.diagnose.contest._likenesses", lambda *_: iter([twin]))
+    monkeypatch.setattr("gearpoly.diagnose.contest.settled", lambda fit: replace(fit, ends={**fit.ends, "first": 88.0}))
+    search, found = contest(ended({"first": 100.0, "twin": 88.5}))
     assert [one.key for one in search.model.claims] == ["first"]
     assert [one.behind for one in found["first"]] == [0.5]
 
@@ -240,38 +211,36 @@ def test_the_claim_that_was_there_is_fitted_as_long_as_its_likenesses(monkeypatc
 @pytest.mark.parametrize(
     ("nothing", "graded", "broken", "stands"),
     [(119.0, True, "", False), (121.0, True, "", True), (119.0, False, "", True), (119.0, True, "nothing", True)],
+    indirect=["broken"],
 )
 def test_a_claim_goes_where_teeth_of_a_grade_fit_without_it(
-    nothing: float, graded: bool, broken: str, stands: bool
+    nothing: float, graded: bool, stands: bool, asked: list[str]
 ) -> None:
     """What counts is by how much the fit is worse that settled without it, a gain of 19 or of 21. Teeth that were
     inspected do not wander off, and a pair that cannot turn without the claim needs it."""
-    search: Any = Ends({"first": 100.0, "nothing": nothing}, graded=graded, broken=broken)
-    Search.withdraw(search)
+    search = withdrawn(ended({"first": 100.0, "nothing": nothing}, graded=graded))
     assert [one.key for one in search.model.claims] == (["first"] if stands else [])
     # What was believed beside it only is asked for again.
-    assert search.asked == ([] if stands else ["declared_law", "choose_law", "share", "drop_idle"])
+    assert asked == ([] if stands else ["with_declared_law", "with_best_law", "shared", "without_idle"])
 
 
+@pytest.mark.usefixtures("asked")
 @pytest.mark.parametrize(("shaped", "stands"), [(True, False), (False, True)])
 def test_beside_a_relief_each_claim_of_all_teeth_is_fitted_without(shaped: bool, stands: bool) -> None:
     """Teeth that were inspected do not wander off, but a relief's length does, and with it where pairs hand over."""
-    search: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 130.0})
-    search.model.claims = [named("second"), named("first")]
-    search.model.claims[0].physics.shaped = shaped
-    Search.withdraw(search)
+    second, first = named("second"), named("first")
+    second.physics.shaped = shaped
+    search = withdrawn(ended({"first": 100.0, "second": 100.0, "nothing": 130.0}, second, first))
     assert [one.key for one in search.model.claims] == (["second", "first"] if stands else ["second"])
 
 
+@pytest.mark.usefixtures("asked")
 def test_of_several_claims_each_is_fitted_without() -> None:
     """The last first, so that the places of the others stay."""
-    search: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 100.0}, graded=True)
-    search.model.claims = [named("first"), named("second")]
-    Search.withdraw(search)
+    both = named("first"), named("second")
+    search = withdrawn(ended({"first": 100.0, "second": 100.0, "nothing": 100.0}, *both, graded=True))
     assert not search.model.claims
-    pair: Any = Ends({"first": 100.0, "second": 100.0, "nothing": 130.0}, graded=True)
-    pair.model.claims = [named("first"), named("second")]
-    Search.withdraw(pair)
+    pair = withdrawn(ended({"first": 100.0, "second": 100.0, "nothing": 130.0}, *both, graded=True))
     assert [one.key for one in pair.model.claims] == ["first"]
 
 
@@ -371,8 +340,7 @@ def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken
     foreign = [np.zeros((one.samples.size, 0)) for one in model.observed]
     ((here, way),) = anywhere(model, foreign, [[]])
     step = model.scope.gears[1].tau / PHASES
-    model.moved(3.0 * step)
-    ((again, back),) = anywhere(model, foreign, [[]])
+    ((again, back),) = anywhere(model.moved(3.0 * step), foreign, [[]])
     assert again == pytest.approx(here, rel=0.01)
     assert (way - back) / step == pytest.approx(3.0)
     assert here == pytest.approx(sum(one.samples.size for one in model.observed), rel=0.1)

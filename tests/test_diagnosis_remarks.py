@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 
 from gearpoly.diagnose.diagnose import _of_another_pair
-from gearpoly.diagnose.search import MOST, Search
+from gearpoly.diagnose.search import MOST
+from tests.made_fits import MadeFit
 
 
 def ended(claims: int, left: float, disowned: int) -> Any:
     """A search that named so much, took so much back, and leaves that mean square, in noise."""
     model, linear = SimpleNamespace(claims=[None] * claims), SimpleNamespace(system=SimpleNamespace(whiteness=left))
-    doubted = cast(Any, Search.doubted).fget(SimpleNamespace(linear=linear))
-    return SimpleNamespace(model=model, linear=linear, disowned=disowned, doubted=doubted)
+    return MadeFit(model=model, linear=linear, disowned=disowned)
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.earned import _stands_beside
+from gearpoly.diagnose.earned import _with_both
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.infer.prior import (
     LINE_COUNTS,
@@ -33,6 +32,7 @@ from gearpoly.recording.recording import Recording
 from gearpoly.report.diagnosis_report import verdict_json
 from gearpoly.units import UM
 from tests.at_hand import SHIPPED
+from tests.made_fits import MadeFit
 from tests.physics_cases import Condition, claim_of, recorded, rough, scope_of
 
 TO = 0.011
@@ -69,20 +69,21 @@ def with_waves(*waves: tuple[float, float], seed: int = 2) -> dict[str, Any]:
     return verdict_json(diagnose(file, [changed], path=path))
 
 
-def test_what_lost_its_place_to_another_is_tried_beside_it() -> None:
+def test_what_lost_its_place_to_another_is_tried_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wave of the other shaft is no other name of a tooth: both are fitted together, and the tooth stands again where
     that pays. What is of one place is one or the other."""
     asked: list[Claim] = []
 
-    def taken(one: Candidate, found: list[Candidate], before: object) -> bool:
+    def claimed(fit: Any, one: Candidate, found: list[Candidate]) -> Any:
         asked.append(one.claim)
-        return True
+        return fit
 
-    search: Any = SimpleNamespace(step=lambda _: None, taken=taken, kept=lambda: None)
+    monkeypatch.setattr("gearpoly.diagnose.earned.claimed", claimed)
+    search: Any = MadeFit()
     tooth, wave = claim("tooth_pitch", gear=1, tooth=4), claim("encoder_eccentricity", gear=0)
-    assert _stands_beside(search, tooth, wave, gain=120.0)
+    assert _with_both(search, tooth, wave, gain=120.0) is search
     assert asked == [tooth]
-    assert not _stands_beside(search, tooth, claim("tooth_spall", gear=1, tooth=4), gain=120.0)
+    assert _with_both(search, tooth, claim("tooth_spall", gear=1, tooth=4), gain=120.0) is None
     assert asked == [tooth]
 
 

@@ -4,6 +4,7 @@ they move where pairs hand over, by which a curve is placed."""
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose import left_open
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.verdict import Diagnosis
@@ -96,18 +97,20 @@ def test_a_wrong_place_is_left_only_where_reliefs_may_have_moved_it(
     path = tmp_path / "pair.toml"
     comparison = compare(known, recordings, path=path)
     model = prepare(known, comparison, path=path)
-    model.shift_std = 1e-3 * model.scope.gears[1].tau
-    search = from_declared(Fit, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    model = replace(model, shift_std=1e-3 * model.scope.gears[1].tau)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     begun = comparison.alignment.zeros.driven
     assert begun is not None
     late = math.remainder(begun - ZEROS[1], 2.0 * math.pi) - 0.125 * model.scope.gears[1].tau
-    model.moved(late)
-    model.claims = [Claim(physics=catalogue()["tooth_deflection"], place=Place(), values=(1.0,))] + [
-        Claim(physics=catalogue()["tip_relief"], place=Place(gear=gear), values=relief)
-        for gear, relief in enumerate(RELIEFS)
-    ]
-    search.settle()
-    off = off_pitches(comparison.moved(model.offset).refined(model.shift, search.shift_std))
+    claims = (
+        Claim(physics=catalogue()["tooth_deflection"], place=Place(), values=(1.0,)),
+        *(
+            Claim(physics=catalogue()["tip_relief"], place=Place(gear=gear), values=relief)
+            for gear, relief in enumerate(RELIEFS)
+        ),
+    )
+    search = settled(replace(search, model=replace(search.model.moved(late), claims=claims)))
+    off = off_pitches(comparison.moved(search.model.offset).refined(search.model.shift, search.shift_std))
     assert abs(off) > 0.06 if held else abs(off) < 0.01
 
 

@@ -34,10 +34,9 @@ def fitted(folder: Path, torque_nm: float) -> Fit:
     file, path = rough(), folder / "pair.toml"
     recordings = recorded(file, (Condition(torque_nm=torque_nm),), np.random.default_rng(3), per_mesh=12)
     model = prepare(file, compare(file, recordings, path=path), path=path)
-    fit = from_declared(Fit, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
-    model.claims = [Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(3.0,))]
-    fit.linear = fit.linearised()
-    return fit
+    fit = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    crowning = Claim(physics=catalogue()["profile_crowning"], place=Place(gear=0), values=(3.0,))
+    return fit.believing(claims=(crowning,)).linearised()
 
 
 def told(fit: Fit, kind: type[Imagined], made: NextRecording, rival: Claim) -> Separation:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
-from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.imagine import NextRecording, imagined
 from gearpoly.diagnose.linear import derivatives
 from gearpoly.diagnose.method import Method
@@ -130,7 +130,8 @@ def test_a_pit_may_be_asked_to_grow_no_more_than_it_has_to(tmp_path: Path) -> No
     (one,) = recorded(pair(0.0, spall_um=20.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0)
     path = tmp_path / "pair.toml"
     model = prepare(pair(0.0), compare(pair(0.0), [one], path=path), path=path)
-    fit = from_declared(Fit, model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    fit = from_declared(model, [np.zeros((model.observed[0].samples.size, 0))], lambda _: None)
+    model = fit.model
     places = ((p, place) for p, place in every_place(model) if p.name == "tooth_spall" and place.tooth == TOOTH)
     coarse = scan(model, fit.scenes, fit.linear, only=places)[0][0]
     free, held = (
@@ -165,7 +166,7 @@ def test_an_imagined_recording_has_its_own_samples_beside_a_tooth_out_of_the_mes
     (one,) = recorded(pair(-24.0), (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=2.0)
     model = prepare(diagnosed, compare(diagnosed, [one], path=tmp_path / "pair.toml"), path=tmp_path / "pair.toml")
     claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=TOOTH, flank="drive"), values=(-24.0,))
-    model.claims = [claim]
+    model = replace(model, claims=(claim,))
     scene = imagined(model, NextRecording(flank="drive", torque=1000.0), number=1)
     assert scene.samples.size != model.observed[0].samples.size
     (column,) = derivatives(model, [scene], claim)

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.diagnose.fit import joined, settled
 from gearpoly.diagnose.in_stead import _log_evidence, _of_values, mesh_in_stead
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -46,9 +46,8 @@ def test_two_reliefs_have_a_name_only_where_they_are_more_than_one_wave(hidden: 
         one = replace(one, driven_angle_rad=one.driven_angle_rad + wave)
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, [one], path=path), path=path)
-    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
-    search.join([relieved(0), relieved(1)])
-    search.settle()
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = settled(joined(search, [relieved(0), relieved(1)]))
     before, misfit = [claim.values for claim in search.model.claims], search.linear.system.misfit
     unknown = mesh_in_stead(search, search.model.claims)
     assert unknown < 0.01 if hidden == "reliefs" else unknown > 0.99

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.diagnose.fit import joined, settled
 from gearpoly.diagnose.one_for_all import one_for_all
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from tests.physics_cases import Condition, recorded, rough, scope_of
@@ -47,10 +47,9 @@ def test_what_one_explains_as_well_is_one(
     (one,) = recorded(made, (Condition(torque_nm=0.0),), np.random.default_rng(4), cycles=4.0, per_mesh=16)
     path = tmp_path / "pair.toml"
     model = prepare(known, compare(known, [one], path=path), path=path)
-    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
-    search.join([of_all(name, gear, *values) for name, gear, *values in begun])
-    search.settle()
-    one_for_all(search)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = settled(joined(search, [of_all(name, gear, *values) for name, gear, *values in begun]))
+    search = one_for_all(search)
     assert [claim.physics.name for claim in search.model.claims] == ends
     if ends == ["wear"]:
         (wear,) = search.model.claims

@@ -11,9 +11,10 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.diagnose import diagnose
+from gearpoly.diagnose.exchange import reshaped
+from gearpoly.diagnose.fit import joined, settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.search import Search
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -103,13 +104,14 @@ def test_a_pit_whose_fit_rests_beside_it_is_found_once_its_edges_are_moved(tmp_p
     case = Pitted(m=3.0, tooth=19, pit=(17.6, 34.94, 36.41, 0.134))
     recordings, path = case.recordings(12, cycles=2.0), tmp_path / "pair.toml"
     model = prepare(case.file(), compare(case.file(), recordings, path=path), path=path)
-    search = from_declared(Search, model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
     beside: Values = (12.1, 35.3, 36.49, 0.01)
-    search.join([Claim(physics=PITTED, place=Place(gear=0, tooth=19, shape=beside[1:]), values=beside)])
-    search.settle()
+    search = settled(
+        joined(search, [Claim(physics=PITTED, place=Place(gear=0, tooth=19, shape=beside[1:]), values=beside)])
+    )
     assert search.linear.system.beyond > 0.1 * search.linear.system.samples
-    search.reshape()
-    depth, low, high, _ = model.claims[0].values
+    search = reshaped(search)
+    depth, low, high, _ = search.model.claims[0].values
     # Beside the stated error of a pit's edge, 0.08 mm.
     assert (low, high) == pytest.approx((34.94, 36.41), abs=0.08)
     assert depth == pytest.approx(17.6, rel=0.05)

@@ -10,10 +10,11 @@ import pytest
 
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.remounted import give_up_beside, remounted
+from gearpoly.diagnose.remounted import remounted, without_smaller
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.units import UM, FloatArray
+from tests.made_fits import MadeFit
 
 N = 2000
 NOISE = 0.3 * UM
@@ -82,15 +83,20 @@ def test_what_one_mounting_may_do_is_none(waves: Any, flanks: str, deflection: f
 @pytest.mark.parametrize(
     ("turning", "left"), [(7.7, []), (2.0, ["eccentricity"]), (0.2, ["misalignment", "eccentricity"])]
 )
-def test_nothing_smaller_is_named_than_what_two_recordings_differ_by(turning: float, left: list[str]) -> None:
+def test_nothing_smaller_is_named_than_what_two_recordings_differ_by(
+    turning: float, left: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """1 um of a misalignment and 4 um of an eccentricity. Means differ by 9 um: a zero, or friction, and nothing that
     speaks against names."""
     sizes = {"misalignment": 1.0 * UM, "eccentricity": 4.0 * UM}
-    model = SimpleNamespace(claims=list(sizes), rms_of=lambda scenes, one: sizes[one])
-    search: Any = SimpleNamespace(model=model, scenes=[], settle=lambda: None, kept=lambda: None)
+    linear = SimpleNamespace(system=SimpleNamespace(misfit=0.0), under=lambda noises: linear)
+    model = SimpleNamespace(claims=tuple(sizes), rms_of=lambda scenes, one: sizes[one])
+    search: Any = MadeFit(model=model, linear=linear)
+    monkeypatch.setattr("gearpoly.diagnose.remounted.settled", lambda fit: fit)
     entry = Entry(kind="condition", p_value=0.0, recordings=(1,), rms_um=9.0, turning_um=turning)
-    says = give_up_beside(search, [entry, Entry(kind="shaft_order", p_value=0.0, recordings=(0,), amplitude_um=50.0)])
-    assert model.claims == left
+    line = Entry(kind="shaft_order", p_value=0.0, recordings=(0,), amplitude_um=50.0)
+    stays, says = without_smaller(search, [entry, line])
+    assert list(stays.model.claims) == left
     assert bool(says) == (len(left) < 2)
     assert all("mounted anew" in one and f"{turning:.2g} um" in one for one in says)
-    assert give_up_beside(search, []) == ()
+    assert without_smaller(search, []) == (search, ())

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.floors import reading_floor
 from gearpoly.diagnose.scan import Candidate, _enlarged
-from gearpoly.diagnose.weigh import Weigh
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.units import UM, FloatArray
+from tests.made_fits import MadeFit
 from tests.physics_cases import rough, scope_of
 
 N, PER_TURN, R_B = 6000, 720, 10.0
@@ -43,12 +45,10 @@ def test_whitening_enlarges_waves_between_uneven_samples_as_it_does(order: int) 
     assert _enlarged(coloured, theta / (2.0 * math.pi))[order] == pytest.approx(outright, rel=0.01)
 
 
-def weigh_of(theta: FloatArray, level: float) -> Weigh:
-    weigh = Weigh.__new__(Weigh)
+def fit_of(theta: FloatArray, level: float) -> Any:
     samples = SimpleNamespace(theta_1=theta, theta_2=theta)
-    weigh.scenes = [SimpleNamespace(samples=samples, gear=lambda k: SimpleNamespace(r_b=R_B))]  # type: ignore[list-item]
-    weigh.noises = [noise((), level)]
-    return weigh
+    scenes = [SimpleNamespace(samples=samples, gear=lambda k: SimpleNamespace(r_b=R_B))]
+    return MadeFit(scenes=scenes, noises=[noise((), level)])
 
 
 def wave(order: int) -> Candidate:
@@ -73,16 +73,16 @@ def test_a_reading_that_is_noisy_itself_makes_waves_at_the_orders_of_the_samplin
     level = 2.0 * UM
     lies = rng.normal(0.0, level, N)
     theta = angles(rng, 0.2) + lies / R_B
-    weigh = weigh_of(theta, level)
+    fit = fit_of(theta, level)
     seen = {order: fitted(theta, lies, order) for order in (PER_TURN, 2 * PER_TURN, 101)}
     by_chance = 3.0 * level / math.sqrt(N)
     assert seen[PER_TURN] > 3.0 * by_chance
     assert seen[101] < by_chance
     for order in (PER_TURN, 2 * PER_TURN):
-        assert weigh.reading_floor(wave(order)) > seen[order]
+        assert reading_floor(fit, wave(order)) > seen[order]
     # Elsewhere it is no burden: less than chance leaves of any wave.
-    assert weigh.reading_floor(wave(101)) < by_chance
-    assert weigh.reading_floor(Candidate(claim=Claim(
+    assert reading_floor(fit, wave(101)) < by_chance
+    assert reading_floor(fit, Candidate(claim=Claim(
         physics=catalogue()["friction"], place=Place(), values=(0.1,)), gain=30.0, freedoms=1)) == 0.0  # fmt: skip
 
 

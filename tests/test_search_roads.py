@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from gearpoly.diagnose.budget import Budget
-from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import MANY, MOST, Road, Search
-from gearpoly.errors import GeometryError
+from gearpoly.diagnose.search import MANY, MOST, Road, disowned, run_search
+from tests.made_fits import MadeFit
 
 
 @dataclass
@@ -29,70 +28,55 @@ class Linear:
         return self
 
 
-class Walk(Search):
-    """A search whose state is a name, whose first end is contested, and whose other ends are as good as ``worths``."""
+@dataclass(kw_only=True, eq=False)
+class Walk(MadeFit):
+    """A fit of which ``here`` is a name, whose first end is contested, and whose other ends are as good as
+    ``worths``."""
 
-    def __init__(self, worths: dict[str, float], *, broken: tuple[str, ...] = (), gain: float = 0.0) -> None:
-        self.worths, self.broken, self.gain = worths, broken, gain
-        self.here = "start"
-        self.asked: list[int] = []
-        self.linear: Any = Linear()
-        self.noises: list[Any] = []
-        self.looked: Any = None
+    here: str = "start"
 
-        self.model: Any = SimpleNamespace(claims=[], budget=Budget())
 
-    def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:
-        self.asked.append(most)
-        if self.here == "start":
-            self.here = "first"
-            claims: list[Any] = ["other", "third"]
-            roads = [
-                Road(state=({"here": "start"}, {}), claim=claim, part=0.9 - 0.1 * k) for k, claim in enumerate(claims)
-            ]
-            return [], roads
-        found: list[Any] = [self.here]
-        return found, []
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tuple[str, ...]) -> list[int]:
+    """For how many claims was looked: each end as good as ``worths`` says, ``broken`` ones no gears can turn at. A pair
+    that nobody relieves."""
+    asked: list[int] = []
 
-    def accept(self, claims: Any) -> bool:
-        self.here = "+".join(claims)
-        if self.here in self.broken:
-            # As far as a fit comes that ends on gears that cannot turn.
-            try:
-                raise GeometryError("tip below base")
-            except GeometryError:
-                return False
-        return True
+    def forward(fit: Any, most: int = MOST) -> tuple[Any, list[Any], list[Road]]:
+        asked.append(most)
+        if fit.here != "start":
+            return fit, [fit.here], []
+        claims: list[Any] = ["other", "third"]
+        roads = [Road(state=kept(fit), claim=claim, part=0.9 - 0.1 * k) for k, claim in enumerate(claims)]
+        return replace(fit, here="first"), [], roads
 
-    def kept(self) -> Any:
-        return {"here": self.here}, {"noises": self.noises}
+    def kept(fit: Any) -> Any:
+        return fit
 
-    def restore(self, state: Any) -> None:
-        self.here = state[0]["here"]
+    def accepted(fit: Any, claims: Any) -> Any:
+        here = "+".join(claims)
+        return None if here in broken else replace(fit, here=here)
 
-    def gained(self, kept: Any) -> float:
-        return self.worths[kept[0]["here"]] - self.worths[self.here]
+    module = "gearpoly.diagnose.search"
+    monkeypatch.setattr(f"{module}.forward", forward)
+    monkeypatch.setattr(f"{module}.kept", kept)
+    monkeypatch.setattr(f"{module}.come_back", lambda state, fit: replace(fit, here=state.here))
+    monkeypatch.setattr(f"{module}.accepted", accepted)
+    monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: worths[before.here] - worths[fit.here])
+    monkeypatch.setattr(f"{module}.relieved", lambda model: [])
+    monkeypatch.setattr(f"{module}.settled", lambda fit: fit)
+    for name in ("laws_anew", "withdrawn", "with_wider_laws", "forgotten", "without_idle"):
+        monkeypatch.setattr(f"{module}.{name}", lambda fit: fit)
+    return asked
 
-    def laws_anew(self) -> bool:
-        return False
 
-    def withdraw(self) -> None:
-        pass
+@pytest.fixture
+def broken() -> tuple[str, ...]:
+    return ()
 
-    def widen(self) -> None:
-        pass
 
-    def forget(self) -> None:
-        pass
-
-    def gain_without(self, k: int) -> float:
-        return self.gain
-
-    def settle(self) -> None:
-        pass
-
-    def drop_idle(self) -> None:
-        pass
+def walk(*claims: Any, beyond: float = 900.0) -> Any:
+    return Walk(model=SimpleNamespace(claims=claims, law=None, budget=Budget()), linear=Linear(System(beyond=beyond)))
 
 
 def claimed(*, tooth: int | None = None, shaped: bool = False) -> Any:
@@ -101,10 +85,8 @@ def claimed(*, tooth: int | None = None, shaped: bool = False) -> Any:
     return SimpleNamespace(physics=physics, place=SimpleNamespace(tooth=tooth))
 
 
-@pytest.fixture(autouse=True)
-def no_design(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pair that nobody relieves."""
-    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: [])
+TOGETHER = {"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0}
+"""Bending and reliefs together explain most."""
 
 
 @pytest.mark.parametrize(
@@ -114,15 +96,13 @@ def no_design(monkeypatch: pytest.MonkeyPatch) -> None:
         ({"first": 100.0, "bending+reliefs": 80.0, "other": 50.0, "third": 70.0}, "other"),
     ],
 )
-def test_what_makers_choose_is_tried_as_a_whole(
-    worths: dict[str, float], end: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("asked")
+def test_what_makers_choose_is_tried_as_a_whole(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
-    walk = Walk(worths)
-    walk.run()
-    assert walk.here == end
+    assert run_search(walk())[0].here == end
 
 
+@pytest.mark.parametrize("worths", [TOGETHER])
 @pytest.mark.parametrize(
     ("claims", "end"),
     [
@@ -132,52 +112,49 @@ def test_what_makers_choose_is_tried_as_a_whole(
         ([claimed(), claimed(tooth=3)], "first"),
     ],
 )
+@pytest.mark.usefixtures("asked")
 def test_what_makers_choose_is_tried_where_claims_may_be_parts_of_it(
     claims: list[Any], end: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At the torque of the design little is left once some of it has been taken for something else."""
     monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
-    walk = Walk({"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0})
-    walk.linear.system.beyond = 0.0
-    walk.model.claims = claims
-    walk.run()
-    assert walk.here == end
+    assert run_search(walk(*claims, beyond=0.0))[0].here == end
 
 
+@pytest.mark.parametrize("broken", [("other", "third")])
 @pytest.mark.parametrize(
-    ("few", "worth", "end", "asked"),
+    ("few", "worths", "end", "looks"),
     [
-        (3, 20.0, "bending+reliefs", [MANY, MANY]),  # fewer that explain more: no more are looked for
-        (3, 99.0, "first", [MANY, MANY, MOST, MOST]),  # fewer explain no more, and there is no end yet
-        (MANY, 20.0, "bending+reliefs", [MANY, MANY, MOST, MOST]),  # as many: both are gone on with, then weighed
+        # Fewer that explain more: no more are looked for.
+        (3, {"first": 100.0, "bending+reliefs": 20.0}, "bending+reliefs", [MANY, MANY]),
+        # Fewer explain no more, and there is no end yet.
+        (3, {"first": 100.0, "bending+reliefs": 99.0}, "first", [MANY, MANY, MOST, MOST]),
+        # As many: both are gone on with, then weighed.
+        (MANY, {"first": 100.0, "bending+reliefs": 20.0}, "bending+reliefs", [MANY, MANY, MOST, MOST]),
     ],
 )
 def test_many_claims_are_not_waited_for_where_few_explain_more(
-    few: int, worth: float, end: str, asked: list[int], monkeypatch: pytest.MonkeyPatch
+    few: int, end: str, looks: list[int], asked: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
+    """Many pits, or few claims once bending and reliefs are made."""
+    module = "gearpoly.diagnose.search"
+    monkeypatch.setattr(f"{module}.relieved", lambda model: ["bending", "reliefs"])
 
-    class Several(Walk):
-        """Many pits, or few claims once bending and reliefs are made."""
+    def accepted(fit: Any, claims: Any) -> Any:
+        here = "+".join(claims)
+        if here in ("other", "third"):
+            return None
+        return replace(fit.believing(claims=tuple(claimed(tooth=k) for k in range(few))), here=here)
 
-        def accept(self, claims: Any) -> bool:
-            self.model.claims = [claimed(tooth=k) for k in range(few)]
-            return super().accept(claims)
-
-        def restore(self, state: Any) -> None:
-            super().restore(state)
-            self.model.claims = [claimed(tooth=k) for k in range(MANY)]
-
-    walk = Several({"first": 100.0, "bending+reliefs": worth}, broken=("other", "third"))
-    walk.linear.system.beyond = 0.0
-    walk.model.claims = [claimed(tooth=k) for k in range(MANY)]
-    walk.run()
-    assert walk.here == end
-    assert walk.asked == asked
+    monkeypatch.setattr(f"{module}.accepted", accepted)
+    ended, _ = run_search(walk(*(claimed(tooth=k) for k in range(MANY)), beyond=0.0))
+    assert ended.here == end
+    assert asked == looks
 
 
+@pytest.mark.parametrize("worths", [{"start": 100.0}])
 @pytest.mark.parametrize(
-    ("beyond", "teeth", "gain", "kept"),
+    ("beyond", "teeth", "gain", "stay"),
     [
         (300.0, MOST - 1, 400.0, 1),  # of 1000 missing a part is left, and there is no end
         (300.0, MOST - 1, 200.0, 0),  # nor is what explains less than that
@@ -185,13 +162,14 @@ def test_many_claims_are_not_waited_for_where_few_explain_more(
         (300.0, MOST - 2, 400.0, MOST - 1),  # the search has come to an end
     ],
 )
-def test_faults_of_teeth_that_do_not_end_keep_no_name(beyond: float, teeth: int, gain: float, kept: int) -> None:
-    walk = Walk({"start": 100.0}, gain=gain)
-    walk.linear.system.beyond = beyond
-    walk.model.claims = [claimed(), *(claimed(tooth=k) for k in range(teeth))]
-    walk.disown(1000.0)
-    assert len(walk.model.claims) == kept
-    assert walk.disowned == teeth + 1 - kept
+@pytest.mark.usefixtures("asked")
+def test_faults_of_teeth_that_do_not_end_keep_no_name(
+    beyond: float, teeth: int, gain: float, stay: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gearpoly.diagnose.search.gain_without", lambda fit, k: gain)
+    end = disowned(walk(claimed(), *(claimed(tooth=k) for k in range(teeth)), beyond=beyond), 1000.0)
+    assert len(end.model.claims) == stay
+    assert end.disowned == teeth + 1 - stay
 
 
 @pytest.mark.parametrize(
@@ -203,16 +181,14 @@ def test_faults_of_teeth_that_do_not_end_keep_no_name(beyond: float, teeth: int,
         ({"first": 100.0, "other": 10.0, "third": 20.0}, ("other", "third"), "first"),
     ],
 )
-def test_the_best_end_is_kept(worths: dict[str, float], broken: tuple[str, ...], end: str) -> None:
-    walk = Walk(worths, broken=broken)
-    found = walk.run()
-    assert walk.here == end
+@pytest.mark.usefixtures("asked")
+def test_the_best_end_is_kept(end: str) -> None:
+    ended, found = run_search(walk())
+    assert ended.here == end
     assert found == ([] if end == "first" else [end])
 
 
+@pytest.mark.parametrize("worths", [{"first": 100.0, "other": 10.0, "third": 20.0}])
+@pytest.mark.usefixtures("asked")
 def test_nothing_is_gone_back_to_where_little_is_left() -> None:
-    walk = Walk({"first": 100.0, "other": 10.0, "third": 20.0})
-    walk.linear.system.beyond = 0.1 * walk.linear.system.samples
-    walk.run()
-    assert walk.here == "first"
-    assert walk.gained(walk.kept()) == 0.0
+    assert run_search(walk(beyond=100.0))[0].here == "first"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,45 +11,33 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.softness import Softness
+from gearpoly.diagnose.exchange import without_idle
+from gearpoly.diagnose.softness import with_declared_softness
+from tests.made_fits import MadeFit
 from tests.physics_cases import Condition, recorded, rough
 
 
-class Valleys:
-    """A fit that rests as soft as it begins, with a misfit by how soft that is; teeth were found 2.2 times as soft as
-    declared."""
+@dataclass(kw_only=True, eq=False)
+class Valley(MadeFit):
+    """A fit that rests as soft as it begins."""
 
-    def __init__(self, misfit: dict[float, float], *, scale: float = 2.2, claims: int = 1) -> None:
-        self.misfit, self.noises = misfit, None
-        declared = SimpleNamespace(model=SimpleNamespace(tooth_deflection=True))
-        self.model = SimpleNamespace(declared=declared, scale=scale, claims=[None] * claims, soften=self.soften)
-        self.settled = 0
+    misfit: dict[float, float]
 
-    @property
-    def linear(self) -> Any:
+    def __post_init__(self) -> None:
         system = SimpleNamespace(misfit=self.misfit[round(self.model.scale, 6)])
-        return SimpleNamespace(system=system, under=lambda noises: SimpleNamespace(system=system))
+        self.linear = SimpleNamespace(system=system, under=lambda noises: SimpleNamespace(system=system))
 
-    def soften(self, by: float) -> None:
-        self.model.scale *= by
 
-    def declared_ratio(self) -> float:
-        return 1.0
+def valleys(misfit: dict[float, float], *, scale: float, claims: int) -> Any:
+    """A fit with a misfit by how soft its teeth are; they were found 2.2 times as soft as declared."""
 
-    def settle(self) -> None:
-        self.settled += 1
+    def made(scale: float) -> Any:
+        model = SimpleNamespace(declared=declared, scale=scale, claims=(None,) * claims, law=None)
+        model.softer = lambda ratio: made(scale * ratio)
+        return model
 
-    def kept(self) -> Any:
-        return self.model.scale, {"noises": None}
-
-    def restore(self, kept: Any) -> None:
-        self.model.scale = kept[0]
-
-    def tried(self, change: Callable[[], None], *, better: float) -> bool:
-        fit: Any = self
-        return Fit.tried(fit, change, better=better)
+    declared = SimpleNamespace(model=SimpleNamespace(tooth_deflection=True))
+    return Valley(model=made(scale), misfit=misfit)
 
 
 @pytest.mark.parametrize(
@@ -62,12 +50,13 @@ class Valleys:
     ],
 )
 def test_the_declared_softness_is_gone_back_to_where_that_fits_better(
-    declared: float, scale: float, claims: int, ends: float, tried: int
+    declared: float, scale: float, claims: int, ends: float, tried: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fit: Any = Valleys({1.0: declared, 2.2: 1000.0, 1.25: 1000.0}, scale=scale, claims=claims)
-    Softness.declared_softness(fit)
-    assert fit.model.scale == pytest.approx(ends)
-    assert fit.settled == tried
+    asked: list[Any] = []
+    monkeypatch.setattr("gearpoly.diagnose.softness.settled", lambda fit: asked.append(fit) or fit)
+    fit = valleys({1.0: declared, 2.2: 1000.0, 1.25: 1000.0}, scale=scale, claims=claims)
+    assert with_declared_softness(fit).model.scale == pytest.approx(ends)
+    assert len(asked) == tried
 
 
 @pytest.mark.parametrize(
@@ -80,28 +69,23 @@ def test_the_declared_softness_is_gone_back_to_where_that_fits_better(
     ],
 )
 def test_a_claim_that_bends_with_its_size_goes_only_where_all_fits_without_it(
-    simulated: bool, without: float, promised: float, stands: bool
+    simulated: bool, without: float, promised: float, stands: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To first order the last micrometre of a closed gap is like softer teeth. Gains of more than 20 count."""
     claim = SimpleNamespace(key="gap", values=(20.0,), simulated=simulated)
-    claims = [claim]
 
-    def cost() -> float:
-        return 100.0 if claims else without
+    def cost(fit: Any) -> float:
+        return (100.0 if fit.model.claims else without) + 2.0 * len(fit.model.claims)
 
-    search: Any = SimpleNamespace(
-        model=SimpleNamespace(claims=claims),
-        gain_without=lambda k: 3.0,
-        significant=lambda one: one.gain > 20.0,
-        kept=lambda: (list(claims), cost()),
-        settle=lambda: None,
-        gained=lambda kept: kept[1] - cost() + 2.0 * (1 - len(claims)),
-        restore=lambda kept: claims.extend(kept[0]),
-        promised=lambda claim: promised,
-        _wave_without_name=lambda one: None,
-    )
-    Search.drop_idle(search)
-    assert bool(claims) is stands
+    module = "gearpoly.diagnose.exchange"
+    monkeypatch.setattr(f"{module}.gain_without", lambda fit, k: 3.0)
+    monkeypatch.setattr(f"{module}.significant", lambda fit, one: one.gain > 20.0)
+    monkeypatch.setattr(f"{module}.settled", lambda fit: fit)
+    monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: cost(before) - cost(fit))
+    monkeypatch.setattr(f"{module}.promised_more", lambda fit, claim: promised)
+    monkeypatch.setattr(f"{module}._wave_without_name", lambda fit, one: None)
+    search: Any = MadeFit(model=SimpleNamespace(claims=(claim,)))
+    assert bool(without_idle(search).model.claims) is stands
 
 
 @pytest.mark.slow

@@ -174,8 +174,8 @@ def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
         spall = {"tooth": 4, "depth_um": spall_um, "from_mm": 12.6, "to_mm": 13.8, "wall_mm": 0.3}
         model, waves = began(file, drawn(pair(Z, bends=True, driven={"spall": [spall]}), 0))
         place = Place(gear=1, tooth=4, shape=(12.6, 13.8, 0.3))
-        model.claims = [Claim(physics=catalogue()["tooth_spall"], place=place, values=(spall_um, 12.6, 13.8, 0.3))]
-        fit = Fit.begun(model, waves, lambda _: None, trial=PASSES)
+        pit = Claim(physics=catalogue()["tooth_spall"], place=place, values=(spall_um, 12.6, 13.8, 0.3))
+        fit = Fit.begun(replace(model, claims=(pit,)), waves, lambda _: None, trial=PASSES)
         linear, layout = fit.linear, fit.linear.layout
         system = linear.without(layout.places(0) + layout.form_places(fit.model, 0)).system
         gain = system.misfit - system.with_columns(linear.white_of(0)).misfit
@@ -197,8 +197,8 @@ def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
         # One in a thousand of four freedoms gains 18 by chance.
         assert (found > 10.0 * 18.0) == some
         free = replace(one, wave=0.0)
-        fit.model.as_built = make_as_built((fit.model.as_built.gears[0], free), fit.model.as_built.flanks)
-        assert gain_beside_form(fit.model, fit.scenes, linear, 0, gain) == gain
+        as_built = make_as_built((fit.model.as_built.gears[0], free), fit.model.as_built.flanks)
+        assert gain_beside_form(replace(fit.model, as_built=as_built), fit.scenes, linear, 0, gain) == gain
 
 
 def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest.MonkeyPatch) -> None:

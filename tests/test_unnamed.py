@@ -9,29 +9,30 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.unnamed import leave_waves
+from gearpoly.diagnose.unnamed import waves_unnamed
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
+from tests.made_fits import MadeFit
 
 N = 400
 
 
-def fit(*, coincidental: set[int], clear: set[int]) -> Any:
+def fit(monkeypatch: pytest.MonkeyPatch, *, coincidental: set[int], clear: set[int]) -> Any:
     """A fit of a 30/45 whose waves of these orders may be of those that no pair makes, and stand out."""
     theta = np.linspace(0.0, 40.0, N)
     samples = SimpleNamespace(theta_1=1.5 * theta, theta_2=theta, reading_1=1.5 * theta, reading_2=theta, number=0)
     gears = [SimpleNamespace(z=30), SimpleNamespace(z=45)]
     scene = SimpleNamespace(samples=SimpleNamespace(**vars(samples), flank="drive"), gear=lambda k: gears[k])
-    made: Any = SimpleNamespace(
+    module = "gearpoly.diagnose.unnamed"
+    monkeypatch.setattr(f"{module}.beyond_floors", lambda fit, one: one.claim.place.order in clear)
+    monkeypatch.setattr(f"{module}.by_coincidence", lambda fit, one: one.claim.place.order in coincidental)
+    monkeypatch.setattr(f"{module}.size_of", lambda fit, one: 1e-4)
+    return MadeFit(
         model=SimpleNamespace(unnamed=(), strangers=(), slow_courses=0, scope=SimpleNamespace(gears=gears)),
-        foreign=[np.zeros((N, 0))], scenes=[scene], over=False,
-        clear=lambda one: one.claim.place.order in clear,
-        by_coincidence=lambda one: one.claim.place.order in coincidental,
-        size=lambda one: 1e-4,
-    )  # fmt: skip
-    made.linearised = lambda: "anew"
-    return made
+        foreign=[np.zeros((N, 0))],
+        scenes=[scene],
+    )
 
 
 def wave(gear: int, order: int) -> Candidate:
@@ -41,17 +42,17 @@ def wave(gear: int, order: int) -> Candidate:
     )
 
 
-def test_waves_that_may_be_any_are_fitted_once_and_never_named() -> None:
+def test_waves_that_may_be_any_are_fitted_once_and_never_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Order 28 of the driving shaft is order 42 of the driven one. Order 11 is the pair's own and larger than any
     stranger, order 7 does not stand out, and a tooth is no wave."""
-    one = fit(coincidental={28, 42, 7}, clear={28, 42, 11})
+    one = fit(monkeypatch, coincidental={28, 42, 7}, clear={28, 42, 11})
     pitch = Candidate(
         claim=Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=3), values=(9.0,)),
         gain=50.0,
         freedoms=1,
     )
     found = [wave(0, 28), wave(1, 42), wave(0, 7), wave(0, 11), pitch]
-    assert leave_waves(one, found)
+    one = waves_unnamed(one, found)
     (place,) = one.model.unnamed
     assert place.claim.place.order == 28
     assert (place.posterior.unknown, place.seen) == (1.0, True)
@@ -59,4 +60,5 @@ def test_waves_that_may_be_any_are_fitted_once_and_never_named() -> None:
     angle = 28 * one.scenes[0].samples.theta_1
     assert columns == pytest.approx(np.column_stack((np.cos(angle), np.sin(angle))))
     assert one.model.strangers == ((0, 1),)
-    assert not leave_waves(fit(coincidental=set(), clear={28}), found)
+    none = fit(monkeypatch, coincidental=set(), clear={28})
+    assert waves_unnamed(none, found) is none

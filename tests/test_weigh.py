@@ -12,14 +12,17 @@ import pytest
 
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fit import measured
+from gearpoly.diagnose.floors import changes_along, faint_floor, law_floor, part_recorded, size_of
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import Sums, System
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.weigh import as_sudden, by_coincidence, matters, pays, step_gain, within_grade
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.units import UM, FloatArray
+from tests.made_fits import MadeFit
 
 N = 4000
 
@@ -37,10 +40,9 @@ class White:
 
 def scales(recorded: FloatArray) -> Any:
     system = System(white=[full(np.ones((N, 1)))], target=[recorded], precision=np.zeros((1, 1)), prior=np.zeros(1))
-    weigh = Weigh.__new__(Weigh)
-    weigh.linear = White(system)  # type: ignore[assignment]
-    weigh.model = SimpleNamespace(observed=[SimpleNamespace(samples=SimpleNamespace(size=N))])  # type: ignore[assignment]
-    return weigh
+    return MadeFit(
+        linear=White(system), model=SimpleNamespace(observed=[SimpleNamespace(samples=SimpleNamespace(size=N))])
+    )
 
 
 def several(recorded: list[FloatArray]) -> Any:
@@ -69,10 +71,9 @@ def gain_of_slope(recorded: FloatArray) -> float:
 def test_a_grade_leaves_a_bulge_open_but_no_relief(physics: str, values: tuple[float, ...], left_open: bool) -> None:
     """Of 1 um of form: a bulge of 0.3 um may be how the gear was made. A relief only sets in on the way up the flank;
     that is ground on purpose, and seven spalls were claimed where one of 1.2 um was taken for the gear as built."""
-    weigh = Weigh.__new__(Weigh)
-    weigh.model = SimpleNamespace(scope=SimpleNamespace(form=(1.0, 1.0)))  # type: ignore[assignment]
+    weigh: Any = MadeFit(model=SimpleNamespace(scope=SimpleNamespace(form=(1.0, 1.0))))
     claim = Claim(physics=catalogue()[physics], place=Place(gear=1), values=values)
-    assert weigh.graded(Candidate(claim=claim, gain=100.0, freedoms=1)) is left_open
+    assert within_grade(weigh, Candidate(claim=claim, gain=100.0, freedoms=1)) is left_open
 
 
 @pytest.mark.parametrize("at", [0.2, 0.36, 0.5])
@@ -81,16 +82,16 @@ def test_a_step_explains_more_than_a_line_where_there_is_one(at: float) -> None:
     miss its place by 0.0005 of the recording at most, which costs 0.05 % / (p (1 - p)) of its gain."""
     rng = np.random.default_rng(1)
     recorded = 0.5 * (np.arange(N) > at * N) + rng.normal(0.0, 1.0, N)
-    assert scales(recorded).stepped() > gain_of_slope(recorded)
+    assert step_gain(scales(recorded)) > gain_of_slope(recorded)
     clean = 0.5 * (np.arange(N) > at * N)
     whole = float(np.sum((clean - clean.mean()) ** 2))
-    assert (1.0 - 0.0006 / (at * (1.0 - at))) * whole < scales(clean).stepped() <= whole * (1.0 + 1e-9)
+    assert (1.0 - 0.0006 / (at * (1.0 - at))) * whole < step_gain(scales(clean)) <= whole * (1.0 + 1e-9)
 
 
 def test_a_line_explains_more_than_any_step_where_there_is_one() -> None:
     rng = np.random.default_rng(2)
     recorded = np.linspace(-0.5, 0.5, N) + rng.normal(0.0, 1.0, N)
-    assert scales(recorded).stepped() < gain_of_slope(recorded)
+    assert step_gain(scales(recorded)) < gain_of_slope(recorded)
 
 
 def test_what_drifts_in_several_recordings_is_weighed_against_a_step_in_each() -> None:
@@ -98,21 +99,21 @@ def test_what_drifts_in_several_recordings_is_weighed_against_a_step_in_each() -
     asked."""
     rng = np.random.default_rng(3)
     steps = [0.5 * (np.arange(N) > at * N) + rng.normal(0.0, 1.0, N) for at in (0.2, 0.5, 0.8)]
-    alone = [scales(one).stepped() for one in steps]
+    alone = [step_gain(scales(one)) for one in steps]
     weigh = several(steps)
     cost = 2.0 * (1.0 + math.log(48))
-    assert weigh.stepped() == pytest.approx(sum(alone) - 2.0 * cost)
-    assert weigh.stepped((0, 2)) == pytest.approx(alone[0] + alone[2] - cost)
-    assert weigh.stepped((1,)) == pytest.approx(alone[1])
+    assert step_gain(weigh) == pytest.approx(sum(alone) - 2.0 * cost)
+    assert step_gain(weigh, (0, 2)) == pytest.approx(alone[0] + alone[2] - cost)
+    assert step_gain(weigh, (1,)) == pytest.approx(alone[1])
 
 
 def test_recordings_that_drift_alike_may_jump_alike() -> None:
     """One step of all at one moment is then worth all that each is, and costs nothing further."""
     rng = np.random.default_rng(3)
     steps = [0.5 * (np.arange(N) > 0.5 * N) + rng.normal(0.0, 1.0, N) for _ in range(2)]
-    alone = [scales(one).stepped() for one in steps]
+    alone = [step_gain(scales(one)) for one in steps]
     # The best moment of both is that of neither.
-    assert sum(alone) - 20.0 < several(steps).stepped() <= sum(alone)
+    assert sum(alone) - 20.0 < step_gain(several(steps)) <= sum(alone)
 
 
 def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_slow() -> None:
@@ -127,12 +128,12 @@ def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_sl
         recorded = step + rng.normal(0.0, 1.0, N)
         gain = float(np.sum((slow[:, 1:].T @ recorded) ** 2))
         one = Candidate(claim=drift_claim(), gain=gain, freedoms=3)
-        outdone += not scales(recorded).sudden(one)
+        outdone += not as_sudden(scales(recorded), one)
     assert outdone < 12
     ramp = np.linspace(-1.0, 1.0, N)
     recorded = 12.0 * ramp / float(np.linalg.norm(ramp)) + rng.normal(0.0, 1.0, N)
     gain = float(np.sum((slow[:, 1:].T @ recorded) ** 2))
-    assert not scales(recorded).sudden(Candidate(claim=drift_claim(), gain=gain, freedoms=3))
+    assert not as_sudden(scales(recorded), Candidate(claim=drift_claim(), gain=gain, freedoms=3))
 
 
 def test_a_straight_ramp_is_a_wrong_count_and_no_drift_that_happens_to_be_straight() -> None:
@@ -195,17 +196,19 @@ def test_what_only_sets_recordings_apart_does_not_look_like_chords(moving: float
     weigh.noises = [SimpleNamespace(innovation=UM)]
     weigh.scenes, weigh.model.claims = [], []
     weigh.model.change = lambda *given, **more: [effect]
-    assert weigh.moves(Candidate(claim=claim_of("shaft_windup", Place()), gain=30.0, freedoms=1)) is bool(moving)
+    assert changes_along(weigh, Candidate(claim=claim_of("shaft_windup", Place()), gain=30.0, freedoms=1)) is bool(
+        moving
+    )
     ramp = Candidate(claim=claim_of("encoder_scale", Place(gear=0)), gain=30.0, freedoms=1)
     weigh.model.observed[0].whole = True
-    assert not weigh.moves(ramp)
+    assert not changes_along(weigh, ramp)
     weigh.model.observed[0].whole = False
-    assert weigh.moves(ramp) is bool(moving)
+    assert changes_along(weigh, ramp) is bool(moving)
 
 
-@pytest.mark.parametrize(("size", "pays"), [(0.3, True), (0.0, False)])
+@pytest.mark.parametrize(("size", "paid"), [(0.3, True), (0.0, False)])
 def test_a_slow_change_pays_between_the_blocks_that_were_seen(
-    size: float, pays: bool, monkeypatch: pytest.MonkeyPatch
+    size: float, paid: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A bow of eight standard errors whose first half says nothing of the second: from it a line and a bow would be
     drawn on to anywhere. Without any the columns fit noise, and the unseen blocks show it."""
@@ -216,7 +219,7 @@ def test_a_slow_change_pays_between_the_blocks_that_were_seen(
     weigh.scenes = []
     weigh.model.observed[0].fit, weigh.model.observed[0].jumps = np.arange(N) < N // 2, ()
     candidate = SimpleNamespace(claim=SimpleNamespace(physics=catalogue()["thermal_drift"]))
-    assert weigh.pays(candidate) is pays
+    assert pays(weigh, candidate) is paid
 
 
 def test_teeth_are_not_claimed_one_by_one_for_what_a_grade_leaves_open_to_all() -> None:
@@ -227,11 +230,11 @@ def test_teeth_are_not_claimed_one_by_one_for_what_a_grade_leaves_open_to_all() 
     pit = Candidate(claim=claim_of("tooth_spall", Place(gear=0, tooth=4)), gain=0.05 * beyond, freedoms=4)
     wave = Candidate(claim=claim_of("undulation", Place(gear=0, order=61)), gain=0.05 * beyond, freedoms=2)
     weigh.formed = 0.0
-    assert weigh.matters(pit)
+    assert matters(weigh, pit)
     weigh.formed = 0.8 * beyond
-    assert not weigh.matters(pit)
-    assert weigh.matters(wave)
-    assert weigh.matters(Candidate(claim=pit.claim, gain=0.2 * beyond, freedoms=4))
+    assert not matters(weigh, pit)
+    assert matters(weigh, wave)
+    assert matters(weigh, Candidate(claim=pit.claim, gain=0.2 * beyond, freedoms=4))
 
 
 def test_a_tooth_has_to_beat_what_chords_leave_where_it_shows() -> None:
@@ -242,14 +245,16 @@ def test_a_tooth_has_to_beat_what_chords_leave_where_it_shows() -> None:
     weigh.model.change = lambda *given, **more: [effect]
     few = 0.3 * N * (FAINT / UM) ** 2
     tooth = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=few, freedoms=1)
-    assert weigh.faint(tooth) == pytest.approx(0.1 * FAINT)
-    assert weigh.faint(replace(tooth, claim=claim_of("friction", Place()))) == FAINT
+    assert faint_floor(weigh, tooth) == pytest.approx(0.1 * FAINT)
+    assert faint_floor(weigh, replace(tooth, claim=claim_of("friction", Place()))) == FAINT
     weigh.model.change = lambda *given, **more: [np.full(N, UM)]
-    assert weigh.faint(tooth) == pytest.approx(FAINT)
+    assert faint_floor(weigh, tooth) == pytest.approx(FAINT)
 
 
 @pytest.mark.parametrize("data", [0.01, 1.0, 100.0])
-def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(data: float) -> None:
+def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(
+    data: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Teeth that could have the same effect, known beforehand with precision P, told by data with S: of what is known
     of the effect, S P / (S + P), the part P / (S + P) lies in what is recorded."""
     rng = np.random.default_rng(8)
@@ -257,31 +262,31 @@ def test_what_laws_leave_reaches_an_effect_of_teeth_by_what_is_recorded_only(dat
     column *= math.sqrt(data) / np.linalg.norm(column)
     system = System(white=[full(column[:, None])], target=[np.zeros(N)], precision=np.eye(1), prior=np.zeros(1))
     weigh = scales(np.zeros(N))
-    weigh.beside = lambda one: ([column[:, None]], system)
+    monkeypatch.setattr("gearpoly.diagnose.floors.columns_beside", lambda fit, one: ([column[:, None]], system))
     one = Candidate(claim=claim_of("profile_slope", Place(gear=0)), gain=1.0, freedoms=1)
-    assert weigh.reached(one) == pytest.approx(math.sqrt(1.0 / (1.0 + data)), rel=1e-6)
+    assert part_recorded(weigh, one) == pytest.approx(math.sqrt(1.0 / (1.0 + data)), rel=1e-6)
 
 
-def test_a_faint_crack_does_not_hide_a_friction() -> None:
+def test_a_faint_crack_does_not_hide_a_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the law leaves of a crack is a part of the crack, and of a large one no more than of a physics of all
     teeth: with 4 um of deflection, friction has to beat 6 nm beside nothing, 9 beside a crack of 60 nm rms."""
     crack = claim_of("tooth_crack", Place(gear=0, tooth=3))
     weigh = scales(np.zeros(N))
     weigh.noises, weigh.scenes, weigh.nuisance = [SimpleNamespace(innovation=UM)], [], None
     weigh.model.claims = [crack]
-    weigh.reached = lambda one: 1.0
+    monkeypatch.setattr("gearpoly.diagnose.floors.part_recorded", lambda fit, one: 1.0)
     friction = Candidate(claim=claim_of("friction", Place()), gain=1.0, freedoms=1)
     floors = []
     for crack_um in (0.0, 0.06, 10.0):
         weigh.model.change = lambda *given, size=crack_um, **more: [size * UM * np.tile([1.0, -1.0], N // 2)]
-        weigh.measure()
+        weigh = measured(weigh)
         weigh.deflections = (4.0 * UM,)
-        floors.append(weigh.law_floor(friction) / UM)
+        floors.append(law_floor(weigh, friction) / UM)
     assert floors == pytest.approx([0.006, 0.15 * 0.06, 0.016])
     weigh.model.claims = [claim_of("profile_crowning", Place(gear=0))]
-    weigh.measure()
+    weigh = measured(weigh)
     weigh.deflections = (4.0 * UM,)
-    assert weigh.law_floor(friction) / UM == pytest.approx(0.016)
+    assert law_floor(weigh, friction) / UM == pytest.approx(0.016)
 
 
 @pytest.mark.parametrize(("strangers", "named"), [(0, True), (6, True), (8, False)])
@@ -299,18 +304,19 @@ def test_where_many_waves_are_foreign_one_at_an_order_may_be_another(strangers: 
     crack = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=100.0, freedoms=1)
     # Strangers of 1 um beside a wave of 1.9 um, and beside one that is more than twice as large as they are.
     weigh.model.changed = lambda *given: [1.9 * UM * np.cos(61.0 * turns)]
-    assert weigh.by_coincidence(wave) is not named
+    assert by_coincidence(weigh, wave) is not named
     weigh.model.changed = lambda *given: [2.1 * UM * np.cos(61.0 * turns)]
-    assert not weigh.by_coincidence(wave)
-    assert not weigh.by_coincidence(crack)
+    assert not by_coincidence(weigh, wave)
+    assert not by_coincidence(weigh, crack)
 
 
-def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows() -> None:
+def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of two recordings one bends by 10 um; a pit in 4 % of the samples of both may be 6 parts in a thousand of that,
     there."""
     weigh = scales(np.zeros(N))
     weigh.noises, weigh.scenes, weigh.model.claims, weigh.of_teeth = [SimpleNamespace(innovation=UM)], [], [], 0.0
-    weigh.reached, half = (lambda one: 1.0), N // 2
+    monkeypatch.setattr("gearpoly.diagnose.floors.part_recorded", lambda fit, one: 1.0)
+    half = N // 2
     effect = np.where(np.arange(half) < 0.04 * half, 0.1 * UM, 0.0)
     weigh.model.change = lambda *given, **more: [effect, effect]
     pit = Candidate(claim=claim_of("tooth_spall", Place(gear=0, tooth=3)), gain=1e-3, freedoms=1)
@@ -325,14 +331,14 @@ def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows() -> None
         layout=SimpleNamespace(built=slice(0, 1)), columns=[full(there), full(there)], system=system
     )
     own = 0.03 * float(built[0, 0]) * UM * math.sqrt(0.5 * 0.04)
-    assert weigh.law_floor(pit) == pytest.approx(laws + own)
+    assert law_floor(weigh, pit) == pytest.approx(laws + own)
     weigh.scenes = [SimpleNamespace(bends=False)] * 2
-    assert weigh.law_floor(pit) == pytest.approx(laws)
+    assert law_floor(weigh, pit) == pytest.approx(laws)
     weigh.deflections = (0.0, 0.0)
-    assert weigh.law_floor(pit) == 0.0
+    assert law_floor(weigh, pit) == 0.0
 
 
-def test_a_thickness_under_load_has_to_beat_what_laws_leave_of_the_turns() -> None:
+def test_a_thickness_under_load_has_to_beat_what_laws_leave_of_the_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where both flanks have a mean of their own, thickness moves eccentric teeth along their turns and no more: 36.9
     um of it were made of 12 nm that a law had left beside 11.5 um of deflection, on a pair within its limits."""
     weigh = scales(np.zeros(N))
@@ -340,8 +346,8 @@ def test_a_thickness_under_load_has_to_beat_what_laws_leave_of_the_turns() -> No
     thickness = claim_of("tooth_thickness", Place(gear=1))
     faint, plain = (Candidate(claim=thickness, gain=N * size**2, freedoms=1) for size in (0.012, 20.0))
     weigh.deflections = (11.5 * UM,)
-    weigh.reached = lambda one: 0.4
-    assert weigh.law_floor(faint) / UM == pytest.approx(0.006 * 11.5 * 0.4)
-    assert weigh.law_floor(plain) < weigh.size(plain)
+    monkeypatch.setattr("gearpoly.diagnose.floors.part_recorded", lambda fit, one: 0.4)
+    assert law_floor(weigh, faint) / UM == pytest.approx(0.006 * 11.5 * 0.4)
+    assert law_floor(weigh, plain) < size_of(weigh, plain)
     weigh.deflections = (0.0,)
-    assert weigh.law_floor(faint) == 0.0
+    assert law_floor(weigh, faint) == 0.0

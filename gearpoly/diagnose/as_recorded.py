@@ -18,7 +18,7 @@ from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.division import DIFFERS, beyond_all
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.slow import slow_curves
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.fit import Fit
 from gearpoly.units import UM, FloatArray
 
 MADE = 0.5
@@ -30,7 +30,7 @@ CLOSE = 1.0
 """Independent lines below which two orders are too near each other for two sizes."""
 
 
-def as_recorded(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+def as_recorded(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The ``entries``, those at whole orders of a shaft with the size and phase that the recordings have there, less
     what claims make of it, where that differs from what the teeth as built leave; without those that the fit made."""
     whole = [one.residual for one in comparison.aligned]
@@ -59,7 +59,7 @@ def _frequency(entry: Entry, z: tuple[int, int]) -> float:
     return (entry.order or 0.0) / z[1 if entry.gear == "driven" else 0]
 
 
-def _less_claims(search: Search, comparison: Comparison) -> list[FloatArray]:
+def _less_claims(search: Fit, comparison: Comparison) -> list[FloatArray]:
     """What recordings and declared simulation differ by, less what the claims change (n_k,), in mm."""
     out = [one.residual.copy() for one in comparison.aligned]
     for claim in search.model.claims:
@@ -68,7 +68,7 @@ def _less_claims(search: Search, comparison: Comparison) -> list[FloatArray]:
     return out
 
 
-def _wave(search: Search, k: int, values: FloatArray, frequencies: Sequence[float]) -> tuple[float, float, float]:
+def _wave(search: Fit, k: int, values: FloatArray, frequencies: Sequence[float]) -> tuple[float, float, float]:
     """Size in mm, its standard error and phase in rad of the first of these waves in ``values`` (n,) of recording
     ``k``, fitted beside the others and a slow curve."""
     u = search.scenes[k].samples.theta_2 / search.model.scope.gears[1].tau

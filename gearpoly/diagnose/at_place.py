@@ -36,7 +36,7 @@ def at_place(
     looked: Looked,
     polish: bool = False,
 ) -> Weighed | None:
-    """Weigh the ``possible`` physics of one place to first order, against each other and against unknown causes, beside
+    """Fit the ``possible`` physics of one place to first order, against each other and against unknown causes, beside
     all that is believed; None where none of them could be, or where nothing is left of it. ``polish``: each at the
     shape that gains most, else at the coarse one that does."""
     found, _ = scan(model, scenes, linear, only=possible)

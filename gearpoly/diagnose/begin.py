@@ -75,8 +75,7 @@ def begin(
         # Teeth of one form are placed wrongly where they have many: a sound gear of grade 10 needed another shape then.
         preparing = watch.stage("prepare")
         model = with_forms(now.model, now.waves, preparing)
-        placed(model, now.waves, preparing)
-        return replace(now, model=model)
+        return replace(now, model=placed(model, now.waves, preparing))
 
     now = beside(file, recordings)
     if now.comparison.another is not None:
@@ -126,8 +125,8 @@ def before_claims(
     entries = foreign_entries(comparison, parts_of(file.also_turns, z_1=z_1, z_2=z_2))
     drawn = method.for_noise(comparison.located.noises)
     model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
-    model.scope = replace(model.scope, smooth=smooth_orders(entries, z=(z_1, z_2)))
-    model.observed = beside_jumps(model.observed, jumps(comparison))
+    scope = replace(model.scope, smooth=smooth_orders(entries, z=(z_1, z_2)))
+    model = replace(model, scope=scope, observed=beside_jumps(model.observed, jumps(comparison)))
     return model, foreign(comparison, model, entries)
 
 

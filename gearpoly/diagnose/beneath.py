@@ -10,13 +10,12 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.fit import Fit, settled
 from gearpoly.diagnose.foreign import by_wave, foreign_entries, foreign_waves, smooth_orders
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relaxed import Few, few_of
 from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
-from gearpoly.diagnose.search import Search
-from gearpoly.diagnose.unnamed import leave
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import LINE_COUNTS, LOW
 from gearpoly.units import FloatArray
@@ -44,33 +43,33 @@ KNOWN = 0.5
 """Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
 
 
-def waves_beneath(search: Search, comparison: Comparison) -> bool:
-    """Fit the waves beside all else that stand out of what a fit leaves, each located where ``comparison`` says
-    how the recordings were laid; whether there are any.
+def waves_beneath(search: Fit, comparison: Comparison) -> Fit:
+    """With the waves fitted beside all else that stand out of what a fit leaves, each located where ``comparison`` says
+    how the recordings were laid; the same ``search`` where there are none.
 
     Teeth of a grade hide what is as small as their limits until they are fitted. What is left out then speaks against
     every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
     """
-    begun, before = search.kept(), len(search.model.strangers)
+    there = search
     for look in range(LOOKS):
-        if (look and search.model.budget.past(EARLY)) or not _fitted_anew(search, comparison):
+        if look and search.model.budget.past(EARLY):
             break
-    if len(search.model.strangers) == before:
-        return False
+        before, there = there, _fitted_anew(there, comparison)
+        if there is before:
+            break
+    if there is search:
+        return search
     try:
-        search.settle()
+        return settled(there)
     except GearpolyError:
-        search.restore(begun)  # gears jam where the fit would have them
-        return False
-    return True
+        return search  # gears jam where the fit would have them
 
 
-def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
-    """Whether one look found any."""
+def _fitted_anew(fit: Fit, comparison: Comparison) -> Fit:
+    """With the waves of one look; the same ``fit`` where there are none."""
     left = left_of(fit)
     located = locate_residuals(fit, comparison, left, over=lambda: fit.over)
     aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
-    found = False
     for wave in by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
         entries = [entry for _, entry in wave]
         waves = all(entry.moment is None for entry in entries)
@@ -78,14 +77,14 @@ def _fitted_anew(fit: Weigh, comparison: Comparison) -> bool:
             continue
         columns = foreign_waves(comparison, wave)
         if not _slow(columns) and not _known(fit, columns):
-            leave(fit, columns)
-            found = True
-    return found
+            fit = leaving(fit, columns)
+    return fit
 
 
-def smooth_waves(search: Search, comparison: Comparison, *, least: float = SMOOTHER) -> bool:
-    """Fit the strongest waves of whole orders that ``comparison`` located as smooth ones of no cause, where that fits
-    better than teeth which make them; whether there are any. Asked where at ``least`` so much is left beyond noise.
+def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER) -> Fit:
+    """With the strongest waves of whole orders that ``comparison`` located fitted as smooth ones of no cause, where
+    that fits better than teeth which make them; the same ``search`` where there are none. Asked where at ``least`` so
+    much is left beyond noise.
 
     Teeth hand over from pair to pair, so what they have comes with side bands of the mesh, and about teeth that have
     settled for a wave no straight line leads back. Of 10 um of another wheel, twice per turn, pits of two teeth were
@@ -94,7 +93,7 @@ def smooth_waves(search: Search, comparison: Comparison, *, least: float = SMOOT
     located = comparison.located
     ones: dict[tuple[str | None, float | None], Entry] = {}
     if search.linear.system.beyond < least:
-        return False
+        return search
     # First what teeth of the grade cannot hold, then what they could.
     for one in (*located.entries, *located.where):
         lines = any(image.order in LINE_COUNTS for image in _images(one, search, comparison))
@@ -102,11 +101,11 @@ def smooth_waves(search: Search, comparison: Comparison, *, least: float = SMOOT
             ones.setdefault((one.gear, one.order), one)
     strongest = list(ones.values())[:MOST]
     few = few_of(search) if strongest else None
-    found = False
     for one in strongest:
-        if _smooth(search, comparison, (one, *_images(one, search, comparison)), few):
-            found, few = True, few_of(search)
-    return found
+        there = _smooth(search, comparison, (one, *_images(one, search, comparison)), few)
+        if there is not search:
+            search, few = there, few_of(there)
+    return search
 
 
 def _columns(one: Entry, comparison: Comparison) -> list[FloatArray]:
@@ -114,7 +113,7 @@ def _columns(one: Entry, comparison: Comparison) -> list[FloatArray]:
     return foreign_waves(comparison, [(k, one) for k in range(len(comparison.aligned))])
 
 
-def _either(entry: Entry, fit: Weigh) -> bool:
+def _either(entry: Entry, fit: Fit) -> bool:
     """Whether an entry is a wave that teeth may make and others as well."""
     order, gear = entry.order, 0 if entry.gear == "driving" else 1
     if entry.kind != "shaft_order" or order is None or entry.companion_of is not None:
@@ -123,7 +122,7 @@ def _either(entry: Entry, fit: Weigh) -> bool:
     return 2 <= order <= LOW * z and order % z != 0 and float(order).is_integer() and order not in LINE_COUNTS
 
 
-def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
+def _images(entry: Entry, fit: Fit, comparison: Comparison) -> list[Entry]:
     """Waves that were located an order of the mesh beside one: teeth that meet once per wave of the mesh show either as
     the other. Of a line of an encoder 20 times per turn, beside 24 teeth, spalls of five were made."""
     z = fit.model.scope.gears[0 if entry.gear == "driving" else 1].z
@@ -132,12 +131,11 @@ def _images(entry: Entry, fit: Weigh, comparison: Comparison) -> list[Entry]:
     return [one for one in ones if one.order in (z - order, z + order)]
 
 
-def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry], few: Few | None) -> bool:
-    """Whether one of some waves that teeth show alike is fitted as a smooth one now, the best of them; asked of a
-    ``few`` samples first."""
-    begun, noises = search.kept(), search.noises
+def _smooth(search: Fit, comparison: Comparison, ones: Sequence[Entry], few: Few | None) -> Fit:
+    """With one of some waves that teeth show alike fitted as a smooth one, the best of them; the same ``search`` where
+    none fits better. Asked of a ``few`` samples first."""
     gain = max(SMOOTHER, PART * search.linear.system.beyond)
-    best, smooth, least = begun, None, _of_data(search.linear) - gain
+    best, smooth, least = search, None, _of_data(search.linear) - gain
     for entry in ones:
         columns = _columns(entry, comparison)
         if search.over or _known(search, columns):
@@ -146,37 +144,27 @@ def _smooth(search: Search, comparison: Comparison, ones: Sequence[Entry], few: 
             continue
         search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
         try:
-            below = search.linear.system.misfit - SMOOTHER
-            leave(search, columns)
-            search.settle(below=below)
+            there = settled(leaving(search, columns), below=search.linear.system.misfit - SMOOTHER)
         except GearpolyError:
-            search.restore(begun)
             continue
-        left = _of_data(search.linear.under(noises))
+        left = _of_data(there.linear.under(search.noises))
         if left < least:
-            best, smooth, least = search.kept(), entry, left
-        search.restore(begun)
+            best, smooth, least = there, entry, left
     if smooth is None or smooth.order == 1.0:
-        return False  # what comes once per turn, and has an image beside the mesh, is told by a gear or an encoder
-    search.restore(best)
+        return search  # what comes once per turn, and has an image beside the mesh, is told by a gear or an encoder
     z_1, z_2 = (gear.z for gear in comparison.gears)
-    scope = search.model.scope
-    search.model.scope = replace(scope, smooth=scope.smooth | smooth_orders([(0, smooth)], z=(z_1, z_2)))
-    return True
+    scope = best.model.scope
+    return best.believing(scope=replace(scope, smooth=scope.smooth | smooth_orders([(0, smooth)], z=(z_1, z_2))))
 
 
 def _gained(few: Few, columns: Sequence[FloatArray]) -> float:
     """By how much less a few samples misfit with the waves ``columns`` (n_k, q), teeth settled beside them."""
     fit = few.fit
-    begun, noises, there = fit.kept(), fit.noises, _of_data(fit.linear)
     try:
-        leave(fit, [one[where] for one, where in zip(columns, few.where, strict=True)])
-        fit.settle()
-        return there - _of_data(fit.linear.under(noises))
+        there = settled(leaving(fit, [one[where] for one, where in zip(columns, few.where, strict=True)]))
     except GearpolyError:
         return 0.0
-    finally:
-        fit.restore(begun)
+    return _of_data(fit.linear) - _of_data(there.linear.under(fit.noises))
 
 
 def _of_data(linear: Linear) -> float:
@@ -196,7 +184,7 @@ def _slow(columns: list[FloatArray]) -> bool:
     return not cycles or max(cycles) < CYCLES
 
 
-def _known(fit: Weigh, columns: list[FloatArray]) -> bool:
+def _known(fit: Fit, columns: list[FloatArray]) -> bool:
     """Whether waves that are fitted already can make ``columns`` (n_k, q) up."""
     new, old = np.concatenate(columns), np.concatenate(fit.foreign)
     if not old.size:

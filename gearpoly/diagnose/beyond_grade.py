@@ -12,7 +12,7 @@ from scipy.special import stdtr
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.teeth_scale import is_unstated
 from gearpoly.infer.prior import order_of
 from gearpoly.mesh.pair import Flank
@@ -58,7 +58,7 @@ class _Held:
         return 2.0 * float(stdtr(self.freedom, -math.sqrt(square)))
 
 
-def beyond_grade(search: Search, before: Comparison, now: Comparison) -> tuple[Entry, ...]:
+def beyond_grade(search: Fit, before: Comparison, now: Comparison) -> tuple[Entry, ...]:
     """What ``before``, the comparison with the declared pair alone, located at whole orders and single teeth and that
     as-built teeth hold by ``now``, where no gear within its limits has so much; but what has a name, and what other
     parts of the drive make.
@@ -72,7 +72,7 @@ def beyond_grade(search: Search, before: Comparison, now: Comparison) -> tuple[E
     return tuple(sorted(places.values(), key=lambda one: -one.mean_square(*(gear.z for gear in before.gears))))
 
 
-def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry]:
+def _told(search: Fit, before: Comparison, now: Comparison) -> Iterator[Entry]:
     claimed = {(one.place.gear, order_of(one), one.place.tooth) for one in search.model.claims}
     # Orders as large as the whole mismatch has them: beside teeth a fit gives a part to these and another to a wave.
     for one in (*before.located.where, *(one for one in before.located.entries if one.kind == "tooth")):
@@ -98,7 +98,7 @@ def _told(search: Search, before: Comparison, now: Comparison) -> Iterator[Entry
             yield replace(one, as_built=False)
 
 
-def _held(search: Search, gear: int, entry: Entry) -> Iterator[_Held]:
+def _held(search: Fit, gear: int, entry: Entry) -> Iterator[_Held]:
     """What each flank of a gear holds in the recordings of an ``entry``."""
     model = search.model
     built, teeth = search.linear.system.solution[search.linear.layout.built], model.as_built

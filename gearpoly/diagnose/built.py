@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, graded_by_iso, limits_of
 from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.diagnose.unseen import LACK_OF_FIT
@@ -30,7 +30,7 @@ FAR = 4.0
 
 
 def built_gears(
-    search: Search, file: PairFile, *, left: float, unearned: Sequence[Unearned] = (), of_this_pair: bool = True
+    search: Fit, file: PairFile, *, left: float, unearned: Sequence[Unearned] = (), of_this_pair: bool = True
 ) -> tuple[BuiltGear, BuiltGear]:
     """Both gears, driving first; ``left``: the rms of unseen samples over what is expected of it; ``unearned`` what did
     not earn its name; ``of_this_pair``: whether the recordings are of this pair."""
@@ -54,7 +54,7 @@ def _why_unsure(left: float, unearned: Sequence[Unearned]) -> str:
     return ""
 
 
-def _built(search: Search, file: PairFile, gear: int, unsure: str) -> BuiltGear:
+def _built(search: Fit, file: PairFile, gear: int, unsure: str) -> BuiltGear:
     flanks = search.model.as_built.flanks
     plain = [running(search, gear, flank, claimed=False) for flank in flanks]
     whole = [running(search, gear, flank, claimed=True) for flank in flanks]
@@ -77,7 +77,7 @@ def _built(search: Search, file: PairFile, gear: int, unsure: str) -> BuiltGear:
     )
 
 
-def _ungraded(search: Search, file: PairFile, gear: int) -> str:
+def _ungraded(search: Fit, file: PairFile, gear: int) -> str:
     """Why the teeth of a gear say nothing of a grade, in words; "" where they do."""
     if file.worm is not None and gear == 1:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
@@ -112,7 +112,7 @@ def _flank(one: Running) -> BuiltFlank:
     )
 
 
-def compliance_scale(search: Search) -> tuple[float, float] | None:
+def compliance_scale(search: Fit) -> tuple[float, float] | None:
     """The compliance over the declared and its standard error, where the recordings bend declared teeth."""
     place, model = search.nuisance.scale, search.model
     if place is None or model.bending is not None:
@@ -122,7 +122,7 @@ def compliance_scale(search: Search) -> tuple[float, float] | None:
     return scale, scale * math.sqrt(max(float(search.linear.system.covariance[at, at]), 0.0))
 
 
-def contradicted(search: Search) -> list[str]:
+def contradicted(search: Fit) -> list[str]:
     """Teeth that stand farther off their inspection than its uncertainty allows, or off what is declared free of
     deviations, in words."""
     model, out = search.model, []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Entry
 from gearpoly.diagnose.at_place import at_place
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.fit import Fit
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import kind_of, order_of
 from gearpoly.physics.base import Claim, Physics
@@ -17,7 +17,7 @@ MANY = 12
 """Places that are asked for their causes, the foremost first: each takes a look at every physics there."""
 
 
-def causes(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> list[Posterior | None]:
+def causes(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> list[Posterior | None]:
     """The probabilities at the places of ``entries``, beside all that is believed; None where no physics of the
     catalogue could be, or where nothing is left of it."""
     out: list[Posterior | None] = []
@@ -38,7 +38,7 @@ def _tooth(comparison: Comparison, entry: Entry) -> int | None:
     return comparison.gears[("driving", "driven").index(entry.gear)].tooth_at(entry.encoder_deg)
 
 
-def _at(search: Search, entry: Entry, tooth: int | None) -> list[tuple[Physics, Place]]:
+def _at(search: Fit, entry: Entry, tooth: int | None) -> list[tuple[Physics, Place]]:
     """Every physics that may be at the place of an entry."""
     scope = search.model.scope
     gear = {"driving": 0, "driven": 1}.get(entry.gear or "")

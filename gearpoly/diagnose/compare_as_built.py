@@ -23,11 +23,10 @@ from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
-from gearpoly.diagnose.fit import PASSES
+from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, sharp, stands_out
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
 from gearpoly.diagnose.tooth_forms import with_forms
@@ -59,7 +58,7 @@ def compare_as_built(
     seen_at = [opening(one, model, few=FEW) for one in model.observed]
     model = with_forms(model, waves, step)
     try:
-        fit = Search.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
+        fit = Fit.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
         return with_teeth_of(fit, comparison, seen_at=seen_at)
     except GearpolyError:  # teeth that cannot run so say nothing about those that do
         return comparison
@@ -71,7 +70,7 @@ def teeth_are_open(comparison: Comparison) -> bool:
     return graded and any(map(_with_teeth, comparison.located.entries))
 
 
-def with_teeth_of(fit: Search, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:
+def with_teeth_of(fit: Fit, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:
     """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, of which
     the recordings have the samples of the numbers ``seen_at`` (n_k,)."""
     first, left = comparison.located, locate_residuals(fit, comparison, residuals_of(fit))

@@ -10,10 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.slow import SLOW
+from gearpoly.diagnose.exchange import without_idle
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.linear import Linear, whole_effect
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.relaxed import relax
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim, Scope
@@ -90,7 +91,7 @@ def with_and_without(model: Model, scenes: list[Scene], linear: Linear, k: int) 
     return plain, plain.with_columns(columns)
 
 
-def elsewhere(search: Search, k: int) -> float | None:
+def elsewhere(search: Fit, k: int) -> float | None:
     """By how much less of a misfit each torque and flank is foretold by the others with claim ``k``; None where all
     recordings were made under one condition."""
     made = conditions(search.model.scope)
@@ -162,11 +163,10 @@ def _beats(linear: Linear, model: Model, claim: Claim, wave: Sequence[int]) -> b
     return False
 
 
-def take_back(search: Search) -> bool:
-    """Take back every claim that does not pay on held-out torques and flanks, the dearest first, and what is not
-    steady. Whether any went."""
+def without_dear(search: Fit) -> Fit:
+    """Without every claim that does not pay on held-out torques and flanks, the dearest first, and what is not steady;
+    the same ``search`` where none went."""
     needed: set[tuple[object, ...]] = set()
-    gone = False
     while True:
         dear = [
             (cost, k)
@@ -174,24 +174,18 @@ def take_back(search: Search) -> bool:
             if claim.key not in needed and (cost := _cost(search, k)) is not None
         ]
         if not dear or search.over:
-            return gone
+            return search
         _, k = max(dear)
-        claim, begun = search.model.claims[k], search.kept()
+        claim = search.model.claims[k]
         search.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
         try:
-            search.join([], instead=[k])
-            search.settle()
-            relax(search)
-            search.drop_idle()
+            search = without_idle(relaxed(settled(joined(search, [], instead=[k]))))
         except GearpolyError:
             # Gears that cannot run without it need it.
-            search.restore(begun)
             needed.add(claim.key)
-            continue
-        gone = True
 
 
-def _cost(search: Search, k: int) -> float | None:
+def _cost(search: Fit, k: int) -> float | None:
     """What claim ``k`` costs in misfit on conditions that its fit never saw; None where it pays there and is steady."""
     made = conditions(search.model.scope)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, k)
@@ -199,7 +193,7 @@ def _cost(search: Search, k: int) -> float | None:
     return None if cost <= 0.0 and not swells(search.linear, search.model, k) else cost
 
 
-def held_places(search: Search) -> list[int]:
+def held_places(search: Fit) -> list[int]:
     """Parameters that no part of the recordings tells the other: of what goes on over a whole recording and never
     repeats (slow claims, and wandering), and the shapes of single teeth."""
     layout, claims = search.linear.layout, search.model.claims
@@ -209,7 +203,7 @@ def held_places(search: Search) -> list[int]:
     return [*range(last, layout.foreign.stop), *slow, *shaped_teeth(search)]
 
 
-def shaped_teeth(search: Search) -> list[int]:
+def shaped_teeth(search: Fit) -> list[int]:
     """Parameters of the shapes of claims about single teeth. A part of a recording sees such a tooth a few times and
     would move its edges farther than straight lines from the present ones hold; they are foretold as they stand."""
     claims = [(k, claim) for k, claim in enumerate(search.model.claims) if claim.place.tooth is not None]

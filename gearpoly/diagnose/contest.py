@@ -7,10 +7,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from gearpoly.diagnose.exchange import gained_since
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.placing import anywhere
-from gearpoly.diagnose.relaxed import relax
+from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.way import NEGLIGIBLE
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim, Physics
@@ -46,9 +47,9 @@ class Refitted:
     way: float = 0.0
 
 
-def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[Refitted, ...]]:
-    """Fit the likenesses of every claim about all teeth of a gear, or the shape of one, in its stead, keep the best
-    there, and return what became of the others, by the key of the claim that stands. What is ``likely`` from the
+def contest(search: Fit, likely: Claim | None = None) -> tuple[Fit, Mapping[Key, tuple[Refitted, ...]]]:
+    """Fit the likenesses of every claim about all teeth of a gear, or the shape of one, in its stead; the fit with the
+    best there, and what became of the others, by the key of the claim that stands. What is ``likely`` from the
     beginning is one of those of every claim about all teeth: far from where a claim has brought the teeth, first order
     says nothing of it. Of a file with another pressure angle 4 um of relief were named, where a centre distance left a
     tenth of what that did.
@@ -70,28 +71,27 @@ def contest(search: Search, likely: Claim | None = None) -> Mapping[Key, tuple[R
         if not likenesses:
             out[search.model.claims[k].key] = anywhere_else
             continue
-        rest(search)
-        begun = search.kept()
-        best, most, stands = begun, 0.0, search.model.claims[k]
+        search = rested(search)
+        best, most, stands = search, 0.0, search.model.claims[k]
         others: list[tuple[Claim, float]] = []
         for one in likenesses:
             search.step(f"fitting {one.physics.name.replace('_', ' ')} instead")
-            if refit(search, one, instead=[k]):
-                made, gained = search.model.claims[k], search.gained(begun)
+            there = refitted(search, one, instead=[k])
+            if there is not None:
+                made, gained = there.model.claims[k], gained_since(there, search)
                 # Neither had to come first, so the better stands, however little it is ahead.
                 if gained > most:
-                    made, stands, gained, most, best = stands, made, most, gained, search.kept()
+                    made, stands, gained, most, best = stands, made, most, gained, there
                 others.append((made, gained))
-            search.restore(begun)
-        search.restore(best)
+        search = best
         fitted = tuple(Refitted(claim=claim, behind=most - gained) for claim, gained in others)
         elsewhere = tuple(one for one in anywhere_else if one.claim.key != stands.key)
         beyond = {one.claim.key for one in elsewhere}
         out[stands.key] = (*(one for one in fitted if one.claim.key not in beyond), *elsewhere)
-    return out
+    return search, out
 
 
-def _elsewhere(search: Search, k: int) -> tuple[Refitted, ...]:
+def _elsewhere(search: Fit, k: int) -> tuple[Refitted, ...]:
     """What may stand in the place of claim ``k`` of all teeth of a gear wherever in their pitch these then stand, where
     neither curves nor zeros say where: the same of the other gear, its mirror image about the pitch point, and every
     other form of all teeth of either. Of 13 um of wear of an unplaced pair 11 um of the other gear were named, of 22 um
@@ -111,7 +111,7 @@ def _elsewhere(search: Search, k: int) -> tuple[Refitted, ...]:
             if place.gear is not None and one.key not in taken:
                 others.setdefault((physics.name, place.gear), one)
     search.step(f"placing the teeth with others than {claim.physics.name.replace('_', ' ')}")
-    starts = [[*model.claims[:k], one, *model.claims[k + 1 :]] for one in (claim, *others.values())]
+    starts = [(*model.claims[:k], one, *model.claims[k + 1 :]) for one in (claim, *others.values())]
     (here, _), *there = anywhere(model, search.foreign, starts)
     if not math.isfinite(here):
         return ()
@@ -122,35 +122,31 @@ def _elsewhere(search: Search, k: int) -> tuple[Refitted, ...]:
     )
 
 
-def _stands_for(likely: Claim, search: Search, k: int) -> bool:
+def _stands_for(likely: Claim, search: Fit, k: int) -> bool:
     """Whether a physics of all teeth that nobody claims yet may stand in the place of claim ``k``."""
     claims = search.model.claims
     return claims[k].physics.mean_tooth and all(one.key != likely.key for one in claims)
 
 
-def refit(search: Search, claim: Claim, *, instead: Sequence[int]) -> bool:
-    """Whether a ``claim`` was fitted until it rests, in the place of those of the numbers ``instead``; gears may not be
-    able to run with it."""
+def refitted(search: Fit, claim: Claim, *, instead: Sequence[int]) -> Fit | None:
+    """With a ``claim`` fitted until it rests, in the place of those of the numbers ``instead``; None where gears cannot
+    run with it."""
     try:
-        search.join([claim], instead=instead)
-        search.settle()
-        relax(search)
-        rest(search)
+        return rested(relaxed(settled(joined(search, [claim], instead=instead))))
     except GearpolyError:
-        return False
-    return True
+        return None
 
 
-def rest(search: Search) -> None:
-    """Fit on until that gains nothing more."""
+def rested(search: Fit) -> Fit:
+    """Fitted on until that gains nothing more."""
     for _ in range(0 if search.over else RESTS):
-        before = search.kept()
-        search.settle()
-        if search.gained(before) < NEGLIGIBLE:
-            return
+        before, search = search, settled(search)
+        if gained_since(search, before) < NEGLIGIBLE:
+            break
+    return search
 
 
-def _likenesses(search: Search, k: int) -> Iterator[Candidate]:
+def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
     else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else does, as a
     missing tip and a pit that reaches it; nothing for other claims."""

@@ -20,11 +20,12 @@ from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
-from gearpoly.diagnose.ghosts import leave_to_ghosts
+from gearpoly.diagnose.ghosts import left_to_ghosts
 from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
@@ -39,11 +40,12 @@ from gearpoly.diagnose.leftovers import (
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.remounted import give_up_beside
+from gearpoly.diagnose.remounted import without_smaller
 from gearpoly.diagnose.scaled import scale_finding, with_scale
-from gearpoly.diagnose.search import MOST, Search
+from gearpoly.diagnose.search import MOST, doubted
 from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
+from gearpoly.diagnose.softness import declared_ratio
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unearned import Unearned
@@ -92,16 +94,20 @@ def diagnose(
     preparing = watch.stage("prepare")
     model = with_forms(model, waves, preparing)
     found = searched(model, start, watch)
-    search, comparison, model, stopped = found.search, found.comparison, found.search.model, found.stopped
+    search, comparison, stopped = found.search, found.comparison, found.stopped
     search.step("holding the names against unseen data")
-    unseen = checked(search, found.begun, found.start, comparison, stopped=stopped, keys=start.keys)
-    leave_to_ghosts(search, comparison)
-    apart = () if len(recordings) < 2 else give_up_beside(search, unexplained(search, comparison))
-    shapes = forms(search)
-    judged, unearned = earned(search, found.refitted)
+    search, unseen = checked(search, found.begun, found.start, comparison, stopped=stopped, keys=start.keys)
+    search = left_to_ghosts(search, comparison)
+    apart: tuple[str, ...] = ()
+    if len(recordings) > 1:
+        search, apart = without_smaller(search, unexplained(search, comparison))
+    search, shapes = forms(search)
+    search, judged, unearned = earned(search, found.refitted)
     stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
     masks = [one.fit for one in search.model.observed]
-    findings, comparison = _findings(search, comparison, judged, shapes, watch)
+    search = search.believing(ratio=declared_ratio(search))
+    comparison = comparison.refined(search.model.shift, search.shift_std)
+    findings = _findings(search, comparison, judged, shapes, watch)
     after = cross_validated(search.linear, masks, hold=held_places(search))
     scaled = scale_finding(comparison, after)
     findings = (*([] if scaled is None else [scaled]), *findings)
@@ -133,12 +139,12 @@ def diagnose(
         compliance_scale=scale,
         noise=noise,
         noise_by_recording=tuple(noise.level for noise in search.noises),
-        before=_declared(comparison, model),
+        before=_declared(comparison, search.model),
         as_built_only=cross_validated(found.start, masks, leave=everything[found.start.layout.foreign]),
         after=after,
         held_out_by=_held_out_by(search, jumped=any(jumps(comparison))),
         left=tuple(search.linear.left()),
-        fitted=with_scale(fitted_file(model), comparison),
+        fitted=with_scale(fitted_file(search.model), comparison),
         not_excluded=not_excluded(search, findings),
         remarks=(
             *comparison.remarks,
@@ -159,30 +165,28 @@ def diagnose(
 
 
 def _findings(
-    search: Search,
+    search: Fit,
     comparison: Comparison,
     judged: Mapping[Key, Judged],
     shapes: Mapping[Key, Sequence[Form]],
     watch: Watch,
-) -> tuple[tuple[Finding, ...], Comparison]:
-    """What has a name, the largest gain first, and the comparison with the zeros where the fit has them."""
+) -> tuple[Finding, ...]:
+    """What has a name, the largest gain first."""
     search.step("asking how deep")
     model = search.model
     named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
     leasts = {k: only_the_least(search, k, shapes.get(model.claims[k].key, ())) for k in named}
-    model.ratio = search.declared_ratio()
-    comparison = comparison.refined(model.shift, search.shift_std)
     thought = Imagined(model=model, laws=search.laws)
     each = []
     for k in sorted(named, key=lambda k: -judged[model.claims[k].key].gain):
         key = model.claims[k].key
         one = _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch)
         each.append((k, one))
-    return tuple(gathered(search, each, hold=held_places(search))), comparison
+    return tuple(gathered(search, each, hold=held_places(search)))
 
 
 def _places(
-    search: Search, comparison: Comparison, found: Searched, unearned: Sequence[Unearned], before: Comparison
+    search: Fit, comparison: Comparison, found: Searched, unearned: Sequence[Unearned], before: Comparison
 ) -> tuple[Entry, ...]:
     """What no name explains, with what it could be, and what was located ``before`` anything was fitted and no grade
     lets teeth have."""
@@ -196,7 +200,7 @@ def _places(
 
 
 def _finding(
-    search: Search,
+    search: Fit,
     comparison: Comparison,
     k: int,
     judged: Judged,
@@ -251,7 +255,7 @@ def _finding(
     )
 
 
-def _needless(search: Search, k: int, judged: Mapping[Key, Judged]) -> bool:
+def _needless(search: Fit, k: int, judged: Mapping[Key, Judged]) -> bool:
     """Whether a claim about a tooth has a size that may as well be none, where another one about that tooth is named:
     it mends the form of that one."""
     claims, at = search.model.claims, search.linear.layout.claims[k]
@@ -274,7 +278,7 @@ def _declared(comparison: Comparison, model: Model) -> Rms:
     return Rms(seen=rms, unseen=rms)
 
 
-def _held_out_by(search: Search, *, jumped: bool) -> str:
+def _held_out_by(search: Fit, *, jumped: bool) -> str:
     observed = search.model.observed
     if not all(bool(np.any(~one.fit)) for one in observed):
         return "nothing could be held out"
@@ -292,7 +296,7 @@ def _held_out_by(search: Search, *, jumped: bool) -> str:
 
 
 def _remarks(
-    search: Search, file: PairFile, built: tuple[BuiltGear, BuiltGear], comparison: Comparison
+    search: Fit, file: PairFile, built: tuple[BuiltGear, BuiltGear], comparison: Comparison
 ) -> tuple[str, ...]:
     out = [] if comparison.another is not None else [*contradicted(search), *_of_another_pair(search)]
     for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
@@ -327,14 +331,14 @@ def _untouched(findings: Sequence[Finding]) -> Iterator[str]:
             yield f"where the {name} is, teeth do not touch under these conditions: its size is the least it can have"
 
 
-def _of_another_pair(search: Search) -> Iterator[str]:
+def _of_another_pair(search: Fit) -> Iterator[str]:
     """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
     claims, left = len(search.model.claims), search.linear.system.whiteness
-    if claims >= MOST or search.doubted or search.disowned:
+    if claims >= MOST or doubted(search) or search.disowned:
         named = f"{claims} physics are named" if claims else "nothing is named"
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"
-        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if search.doubted else ""
+        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if doubted(search) else ""
         yield (
             f"{named}{more}: perhaps something beside the gears is recorded, or the pair file is of another pair, or "
             "of another state of this one"

@@ -9,12 +9,14 @@ import numpy as np
 
 from gearpoly.compare.entries import Curve
 from gearpoly.diagnose.contest import Key, Refitted, contest
-from gearpoly.diagnose.in_stead import give_way, mesh_gives_way, mesh_in_stead, number_of, unknown_in_stead
+from gearpoly.diagnose.exchange import gained_since
+from gearpoly.diagnose.fit import Fit, joined, settled
+from gearpoly.diagnose.in_stead import curve_of_mesh, curve_of_tooth, mesh_in_stead, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, freer, judge
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.search import claimed, rise_without, withdrawn
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import EVEN, leave
+from gearpoly.diagnose.unnamed import EVEN, leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import CERTAIN
@@ -29,21 +31,22 @@ two equal gears differ by rounding; of the one wrong head that was seen it was 1
 
 
 def earned(
-    search: Search, refitted: Mapping[Key, Sequence[Refitted]]
-) -> tuple[dict[Key, Judged], tuple[Unearned, ...]]:
+    search: Fit, refitted: Mapping[Key, Sequence[Refitted]]
+) -> tuple[Fit, dict[Key, Judged], tuple[Unearned, ...]]:
     """Judge every claim of the ``search``, by its key, and give up those that are no likelier than an unknown cause,
-    the least likely first: a curve of no cause then stands in their place, and the rest is judged anew."""
+    the least likely first: a curve of no cause then stands in their place, and the rest is judged anew. With the fit in
+    which it does."""
     weighing = _Weighing(search=search, refitted=refitted, gone=list(search.model.unnamed))
     # With its teeth elsewhere a claim is not to be tried here.
     weighing.taken |= {one.claim.key for each in refitted.values() for one in each if one.elsewhere}
     while True:
-        if search.over:
+        if weighing.search.over:
             # What was not weighed to its end has no name.
-            return {}, (*weighing.gone, *weighing.unweighed())
+            return weighing.search, {}, (*weighing.gone, *weighing.unweighed())
         judged = weighing.judged()
         ways = weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.given_up
         if not any(way(judged) for way in ways):
-            return judged, tuple(weighing.gone)
+            return weighing.search, judged, tuple(weighing.gone)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -52,7 +55,7 @@ class _Weighing:
     since; what is ``gone``; claims that were ``taken`` for each other; ``doubts`` by a curve in the stead of a tooth's
     names; sets of all teeth's names that were ``asked`` about; each claim as judged ``plain``ly in the present fit."""
 
-    search: Search
+    search: Fit
     refitted: Mapping[Key, Sequence[Refitted]]
     gone: list[Unearned]
     taken: set[Key] = field(default_factory=set)
@@ -78,7 +81,7 @@ class _Weighing:
         search, named = self.search, self.named
         others = _others_turn(search, self.gone)
         if others != search.model.scope.others_turn:
-            search.model.scope = replace(search.model.scope, others_turn=others)
+            search = self.search = search.believing(scope=replace(search.model.scope, others_turn=others))
             self.plain.clear()
         if any(claim.key not in self.plain for claim in named):
             search.step("weighing names against unknown causes")
@@ -90,7 +93,7 @@ class _Weighing:
                 self.plain[claim.key] = judge(
                     search.model, search.scenes, search.linear, k,
                     refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
-                    without=search.rise_without(k), gone={one.claim.key for one in self.gone},
+                    without=rise_without(search, k), gone={one.claim.key for one in self.gone},
                 )  # fmt: skip
         return {claim.key: _doubted(claim, self.plain[claim.key], self.doubts.get(_tooth(claim))) for claim in named}
 
@@ -102,28 +105,28 @@ class _Weighing:
             return False
         stands, claim = better
         self.taken |= {stands.key, claim.key}
-        begun = search.kept()
-        if not _take(search, stands, [claim]):
+        there = _exchanged(search, stands, [claim])
+        if there is None:
             return True
-        gained = search.gained(begun)
+        gained = gained_since(there, search)
         if gained < freer(claim, stands, self.plain[stands.key].gain):
             # Fitted to its end it is none the better: about the one that stands no straight line said so.
             self._remember(stands, Refitted(claim=claim, behind=-gained))
-            search.restore(begun)
             del self.plain[stands.key]
             return True
         gain = self.plain[stands.key].gain
         self.plain.clear()
-        beside = _stands_beside(search, stands, claim, gain=gain)
-        if not beside:
+        beside = _with_both(there, stands, claim, gain=gain)
+        self.search = there if beside is None else beside
+        if beside is None:
             # Nor is the one that stood there forgotten: about the other no straight line leads back to it.
             self._remember(claim, Refitted(claim=stands, behind=gained))
         if claim.physics.mean_tooth:
             # Nobody has asked yet what else may stand where this one does now.
-            self.refitted = contest(search)
-        if not beside:
+            self.search, self.refitted = contest(self.search)
+        if beside is None:
             # What was believed beside the one may have no place beside the other.
-            search.withdraw()
+            self.search = withdrawn(self.search)
         return True
 
     def _in_the_stead(self, claim: Claim) -> tuple[Refitted, ...]:
@@ -147,7 +150,7 @@ class _Weighing:
         if self.doubts[tooth] > 1.0 - CERTAIN:
             mine = [claim for claim in named if _tooth(claim) == tooth]
             self._leave(*((claim, _doubted(claim, judged[claim.key], self.doubts[tooth])) for claim in mine))
-            give_way(search, mine)
+            self.search = curve_of_tooth(search, mine)
         return True
 
     def doubted_mesh(self, judged: Mapping[Key, Judged]) -> bool:
@@ -163,7 +166,7 @@ class _Weighing:
         if doubt <= 1.0 - CERTAIN:
             return False
         self._leave(*((claim, _doubted(claim, judged[claim.key], doubt)) for claim in of_all))
-        mesh_gives_way(search, of_all)
+        self.search = curve_of_mesh(search, of_all)
         return True
 
     def given_up(self, judged: Mapping[Key, Judged]) -> bool:
@@ -179,11 +182,13 @@ class _Weighing:
         posterior = judged[least.key].posterior
         effect = search.model.change(search.scenes, least, least.values, but=least)
         self._leave((least, judged[least.key]))
-        if least.physics.mean_tooth and posterior.nothing > posterior.unknown and _take(search, least, []):
-            # Nothing stands in its place, so what the others are is asked anew.
-            self.refitted, self.fitted = contest(search), {}
+        nothing = least.physics.mean_tooth and posterior.nothing > posterior.unknown
+        without = _exchanged(search, least, []) if nothing else None
+        if without is None:
+            self.search = _unnamed(search, least, effect)
         else:
-            _give_up(search, least, effect)
+            # Nothing stands in its place, so what the others are is asked anew.
+            (self.search, self.refitted), self.fitted = contest(without), {}
         return True
 
     def _leave(self, *these: tuple[Claim, Judged]) -> None:
@@ -196,7 +201,7 @@ class _Weighing:
         self.plain.clear()
 
 
-def _others_turn(search: Search, gone: Sequence[Unearned]) -> tuple[bool, bool]:
+def _others_turn(search: Fit, gone: Sequence[Unearned]) -> tuple[bool, bool]:
     """Whether a wave that is likelier of no cause of the catalogue than of any shows another part to turn with either
     shaft: it may be off its axis as well."""
     seen = [one.claim for one in gone if one.posterior is not None and one.posterior.unknown > EVEN]
@@ -205,13 +210,13 @@ def _others_turn(search: Search, gone: Sequence[Unearned]) -> tuple[bool, bool]:
     return first, second
 
 
-def _others_fitted(search: Search, claim: Claim) -> tuple[Refitted, ...]:
+def _others_fitted(search: Fit, claim: Claim) -> tuple[Refitted, ...]:
     """What else turns once with the shaft of a ``claim``, fitted to its end in its stead.
 
     An eccentric gear is simulated as it is, second order and all. About it straight lines say too little of an encoder:
     what is left of the second order would speak against it.
     """
-    k, there, begun, noises = number_of(search, claim), search.linear.system.misfit, search.kept(), search.noises
+    k, there = number_of(search, claim), search.linear.system.misfit
     shares = [
         Claim(physics=physics, place=place, values=(*physics.ordinary, *place.shape))
         for physics in search.model.method.physics
@@ -225,14 +230,11 @@ def _others_fitted(search: Search, claim: Claim) -> tuple[Refitted, ...]:
         if other.key in beside or search.over:
             continue
         try:
-            search.join([other], instead=[k])
-            search.settle()
-            behind = search.linear.under(noises).system.misfit - there
-            out.append(Refitted(claim=search.model.claims[k], behind=behind))
+            instead = settled(joined(search, [other], instead=[k]))
         except GearpolyError:
-            pass
-        finally:
-            search.restore(begun)
+            continue
+        behind = instead.linear.under(search.noises).system.misfit - there
+        out.append(Refitted(claim=instead.model.claims[k], behind=behind))
     return tuple(out)
 
 
@@ -254,7 +256,7 @@ def _doubted(claim: Claim, judged: Judged, unknown: float | None) -> Judged:
     )
 
 
-def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:
+def _likelier(search: Fit, judged: Mapping[Key, Judged], taken: set[Key]) -> tuple[Claim, Claim] | None:
     """A claim that stands, and one that is likelier in its place; no claim twice."""
     beside = {other.key for other in search.model.claims}
     for stands in search.model.claims:
@@ -267,51 +269,47 @@ def _likelier(search: Search, judged: Mapping[Key, Judged], taken: set[Key]) -> 
     return None
 
 
-def _contradicted(search: Search, judged: Mapping[Key, Judged], claim: Claim) -> bool:
+def _contradicted(search: Fit, judged: Mapping[Key, Judged], claim: Claim) -> bool:
     """Whether another claim is clearly likelier than the one that stands, though it stood there already and this one
     was likelier then: neither has the name."""
     better, posterior = _likelier(search, {claim.key: judged[claim.key]}, set()), judged[claim.key].posterior
     return better is not None and posterior.of(better[1]) > LIKELIER * posterior.of(claim)
 
 
-def _take(search: Search, stands: Claim, claims: Sequence[Claim]) -> bool:
-    """Whether ``claims`` have taken the place of the one that ``stands``: gears may not be able to run so."""
-    begun = search.kept()
+def _exchanged(search: Fit, stands: Claim, claims: Sequence[Claim]) -> Fit | None:
+    """With ``claims`` in the place of the one that ``stands``; None where gears cannot run so."""
     try:
-        search.join(claims, instead=[number_of(search, stands)])
-        search.settle()
+        return settled(joined(search, claims, instead=[number_of(search, stands)]))
     except GearpolyError:
-        search.restore(begun)
-        return False
-    return True
+        return None
 
 
-def _stands_beside(search: Search, stood: Claim, claim: Claim, *, gain: float) -> bool:
-    """Whether what ``stood`` in the place of a ``claim`` is worth its name beside it too: of another place, it may be
-    there as well. For a wave of another wheel, once per turn, a tooth 32 um proud of the mate had lost its name."""
+def _with_both(search: Fit, stood: Claim, claim: Claim, *, gain: float) -> Fit | None:
+    """With what ``stood`` in the place of a ``claim`` beside it too, if it is worth its name there: of another place,
+    it may be there as well. For a wave of another wheel, once per turn, a tooth 32 um proud of the mate had lost its
+    name."""
     if same_place(stood, claim):
-        return False
+        return None
     search.step(f"fitting {stood.physics.name.replace('_', ' ')} beside it")
-    return search.taken(Candidate(claim=stood, gain=gain, freedoms=len(stood.values)), [], search.kept())
+    return claimed(search, Candidate(claim=stood, gain=gain, freedoms=len(stood.values)), [])
 
 
-def _give_up(search: Search, claim: Claim, effect: Sequence[FloatArray]) -> None:
-    """Let a curve of no cause stand in the place of a ``claim``, which has this ``effect`` (n_k,) in mm, and fit
-    everything again. Where gears cannot run without it, it stays in the fit, and has no name either."""
+def _unnamed(search: Fit, claim: Claim, effect: Sequence[FloatArray]) -> Fit:
+    """With a curve of no cause in the place of a ``claim``, which has this ``effect`` (n_k,) in mm, everything fitted
+    again. Where gears cannot run without it, it stays in the fit, and has no name either."""
     forms = free_forms(claim, search.scenes)
-    if forms and _take(search, claim, forms):
-        return
+    there = _exchanged(search, claim, forms) if forms else None
+    if there is not None:
+        return there
     curve = at_place(claim, search.scenes, order=order_of(claim), effect=effect)
-    begun = search.kept()
     try:
-        search.join([], instead=[number_of(search, claim)])
-        leave(search, curve, slow=claim.physics.slow)
-        search.settle()
+        bare = joined(search, [], instead=[number_of(search, claim)])
+        return settled(leaving(bare, curve, slow=claim.physics.slow))
     except GearpolyError:
-        search.restore(begun)
+        return search
 
 
-def flank_curves(search: Search) -> list[Curve]:
+def flank_curves(search: Fit) -> list[Curve]:
     """The flanks' own deviations that stand in the fit without a name, each with its error band."""
     out = []
     for k, claim in enumerate(search.model.claims):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,11 +14,12 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.both_flanks import told
 from gearpoly.diagnose.foreign import faded
-from gearpoly.diagnose.kept import Kept
+from gearpoly.diagnose.late import by_clock
 from gearpoly.diagnose.left_open import nuisance_of
 from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes
+from gearpoly.diagnose.scan import Looked
 from gearpoly.diagnose.way import Way
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -48,10 +49,19 @@ BETTER = 10.0
 """Fall in misfit by which another state must be better: more than three standard deviations."""
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
     """The ``model`` and everything linear about it; ``step`` tells the user what is done. A ``trial`` does without
-    doubt about compliance laws."""
+    doubt about compliance laws.
+
+    ``largest`` is the largest effect of a claim in mm rms, ``of_teeth`` what laws may leave of claims about single
+    teeth, ``deflections`` the mean deflections in mm of every recording. Of the search: ``looked`` says at how many
+    places, ``formed`` the gain of the best form of all teeth that a grade leaves open; ``disowned`` counts claims that
+    were taken back since they did not end. ``rises``: a linear system, and by how much the misfit (sigmas squared)
+    rises from it without a claim, by its key, where all was fitted again without; so no such fit is made twice.
+
+    Every move is a function that returns another fit.
+    """
 
     model: Model
     foreign: list[FloatArray]
@@ -65,11 +75,15 @@ class Fit:
     largest: float = 0.0
     deflections: tuple[float, ...] = ()
     of_teeth: float = 0.0
+    looked: Looked = field(default_factory=Looked)
+    formed: float = 0.0
+    disowned: int = 0
+    rises: tuple[Linear, dict[tuple[object, ...], float]] | None = None
 
     @classmethod
     def begun(
         cls, model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, trial: int | None = None
-    ) -> Self:
+    ) -> Fit:
         """Simulate the declared pair at all samples and fit what is open of it; ``trial``: so many rounds only, and
         without laws, which differ alike wherever the teeth are.
 
@@ -90,149 +104,21 @@ class Fit:
             laws=laws,
             trial=trial is not None,
         )
-        fit.settle(PASSES if trial is None else trial, fresh=True)
-        return fit
+        return settled(fit, PASSES if trial is None else trial, fresh=True)
+
+    def believing(self, **changes: object) -> Fit:
+        """The same with ``changes`` of what is believed, nothing simulated or fitted anew."""
+        return replace(self, model=replace(self.model, **changes))  # type: ignore[arg-type]
 
     @property
     def over(self) -> bool:
         """Whether no more is to be looked for, and what stands is to be told."""
         return self.model.budget.over
 
-    def settle(self, passes: int = PASSES, *, below: float = math.inf, fresh: bool = False) -> None:
-        """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most, and once where time is
-        over; given up where it will not end with a misfit ``below`` this, by the noise that it began with. ``fresh``:
-        the present state is simulated and linearised already."""
-        begun_by = self.noises
-        way, moved, good = Way(), math.inf, self.kept()
-        for turn in range(passes):
-            if turn and self.over:
-                break
-            if turn or not fresh:
-                try:
-                    self.scenes = self.model.scenes()
-                except GearpolyError:
-                    # A step to gears that cannot run went too far; those that it began from could.
-                    if turn == 0:
-                        raise
-                    self.restore(good)
-                    if not way.again():
-                        break
-                    moved = self.take(self.linear, way.step)
-                    continue
-                self._linearise(begins=turn == 0)
-            if way.overshot(self.linear.system, self.present()):
-                self.restore(good)
-                if not way.again():
-                    break
-                moved = self.take(self.linear, way.step)
-                continue
-            if moved > STEADY * min(noise.level for noise in self.noises):
-                self.noises = noises(self.model, self.linear.left())
-                self.linear = self.linear.under(self.noises)
-            way.go(self.linear.system, self.present())
-            # By the noise of before only where it decides: whitening anew is a third of a step.
-            hoped = HOPE * way.fall
-            if way.misfit - hoped > below and self.linear.under(begun_by).system.misfit - hoped > below:
-                return
-            good = self.kept()
-            moved = self.take(self.linear, way.step)
-            if moved < SETTLED or way.rests:
-                break
-        self.measure()
-
-    def _linearise(self, *, begins: bool) -> None:
-        """Linearise about scenes that are new; where a fit ``begins``, other things may be open than before."""
-        if begins:
-            if self.laws is None and not self.trial:
-                # Teeth may have begun to bend.
-                self.laws = law_modes(self.scenes, law_changes(self.scenes))
-            self.nuisance = nuisance_of(self.model, self.scenes, self.laws)
-        else:
-            # Teeth and reliefs have changed, and the slope of the curve with them.
-            self.nuisance = self.nuisance.sloping(self.scenes)
-        self.linear = self.linearised()
-
-    def join(self, claims: Sequence[Claim], *, instead: Sequence[int] = ()) -> None:
-        """Make ``claims``, in the place of the claims of the numbers ``instead``, and let everything that was fitted
-        without them give way to them, to first order.
-
-        Teeth as built take of an unknown physics what they can. Claimed on top of that it would count twice, so far
-        from rest that unloaded teeth may touch elsewhere, and the fit end in another valley.
-        """
-        model, present = self.model, self.present()
-        layout, leave, others = self.linear.layout, [], model
-        for k in instead:
-            leave += layout.places(k) + layout.form_places(model, k)
-            others = others.but(model.claims[k])
-        keep = np.setdiff1d(np.arange(present.size), np.asarray(leave, dtype=np.int64))
-        system = self.linear.system.without(leave)
-        taken = np.zeros(keep.size)
-        for claim in claims:
-            effect = others.change(self.scenes, claim, claim.values)
-            for a, noise, one in zip(system.white, self.noises, effect, strict=True):
-                taken += a.T @ noise.whitened(one[:, None])[:, 0]
-        step = np.zeros(present.size)
-        step[keep] = system.solution - system.solved(taken) - present[keep]
-        self.take(self.linear, np.where(np.isnan(present), 0.0, step))
-        rest = [one for k, one in enumerate(model.claims) if k not in instead]
-        at = min(instead, default=len(rest))
-        model.claims = [*rest[:at], *claims, *rest[at:]]
-
-    def tried(self, change: Callable[[], None], *, better: float) -> bool:
-        """Whether a ``change`` of the state, all fitted again, leaves less misfit by more than ``better``, by the noise
-        of before. The state comes back where it does not, and where gears cannot run so: nobody asked for those."""
-        before, there = self.kept(), self.linear.system.misfit
-        try:
-            change()
-        except GearpolyError:
-            self.restore(before)
-            return False
-        if self.linear.under(before[1]["noises"]).system.misfit > there - better:
-            self.restore(before)
-            return False
-        return True
-
-    def share(self) -> None:
-        """Let both flanks of graded gears share what the recordings say they do."""
-        made = told(self.model, self.scenes, self.linear)
-
-        def shared() -> None:
-            self.model.as_built = made
-            self.settle()
-
-        if made is not self.model.as_built:
-            self.tried(shared, better=-math.inf)
-
-    def forget(self) -> None:
-        """Let go of waves of unknown make that are now explained: they tell nothing any more, and where two of them are
-        nearly one, half of a recording says any size of both."""
-        waves = self.model.strangers
-        gone = {waves[k] for k in faded(self.linear.system, waves, self.linear.layout.foreign)}
-        if not gone:
-            return
-        columns = sorted(column for wave in gone for column in wave)
-        self.foreign = [np.delete(one, columns, axis=1) for one in self.foreign]
-        stay = [wave for wave in waves if wave not in gone]
-        self.model.strangers = tuple(tuple(c - bisect_left(columns, c) for c in wave) for wave in stay)
-        self.linear = self.linearised()
-
-    def kept(self) -> Kept:
-        """What ``restore`` needs to come back to this state: nothing is changed in place."""
-        names = ("foreign", "scenes", "noises", "nuisance", "linear", "laws", "largest", "deflections", "of_teeth")
-        return self.model.kept(), {name: getattr(self, name) for name in names}
-
-    def restore(self, kept: Kept) -> None:
-        """Come back to a state; what it was kept without is made anew."""
-        self.model.restore(kept[0])
-        for name, value in kept[1].items():
-            setattr(self, name, value)
-        if "linear" not in kept[1]:
-            self.scenes = self.model.scenes()
-            self.linear = self.linearised()
-
-    def linearised(self) -> Linear:
-        """The linear system of the present state and noise."""
-        return linearise(self.model, self.scenes, self.noises, nuisance=self.nuisance, foreign=self.foreign)
+    def linearised(self) -> Fit:
+        """The same with the linear system of the present state and noise."""
+        linear = linearise(self.model, self.scenes, self.noises, nuisance=self.nuisance, foreign=self.foreign)
+        return replace(self, linear=linear)
 
     def present(self) -> FloatArray:
         """The model's state among the parameters (m,); not a number where a parameter is never in the simulation."""
@@ -250,29 +136,10 @@ class Fit:
             out[part] = (*claim.values[:a], *(0.0,) * (len(claim.values) - a))
         return out
 
-    def take(self, linear: Linear, step: FloatArray) -> float:
-        """Go a ``step`` (m,) on; return the largest rms change in mm of a simulated recording."""
-        layout, model = linear.layout, self.model
-        old = self.present()
-        inside = ~np.isnan(old)
-        old[~inside] = 0.0
-        x = old + step
-        model.built = x[layout.built].copy()
-        at = layout.nuisance.start
-        shift, most = at + self.nuisance.shift, MOST_SHIFT * model.scope.gears[1].tau
-        x[shift] = old[shift] + np.clip(step[shift], -most, most)
-        model.shift = float(x[shift])
-        if self.nuisance.scale is not None:
-            model.scale = float(np.clip(model.scale * (1.0 + x[at + self.nuisance.scale]), 0.2, 5.0))
-        claims = []
-        for claim, part in zip(model.claims, layout.claims, strict=True):
-            values = within(claim, np.array(claim.values) + x[part] - old[part], model.scope)
-            x[part] = old[part] + np.array(values) - np.array(claim.values)
-            claims.append(replace(claim, values=values))
-        model.claims = claims
-        # What an encoder misreads and a scale are taken by other ways than the simulation, but count alike.
-        gone = np.where(inside, x - old, 0.0)
-        return max(float(np.std(columns @ gone)) for columns in linear.columns)
+    @cached_property
+    def late(self) -> float:
+        """What a clock that is off may do in mm rms, where angles were made of time."""
+        return by_clock(self.scenes, self.linear)
 
     @property
     def shift_std(self) -> float:
@@ -280,47 +147,190 @@ class Fit:
         at = self.linear.layout.nuisance.start + self.nuisance.shift
         return math.sqrt(float(self.linear.system.covariance[at, at]))
 
-    def choose_law(self) -> None:
-        """Take the compliance law that fits best, if one is clearly better than the present one."""
-        changes = law_changes(self.scenes)
-        if not changes:
-            return
-        at = self.linear.layout.nuisance
-        modes = list(range(at.stop - (0 if self.laws is None else len(self.laws.mix)), at.stop))
-        bare = self.linear.without(modes)
-        # The change as it is, with all else fitted again beside it.
-        gains = bare.gains([change.parts for change in changes.values()])
-        best = int(np.argmax(gains))
-        if gains[best] < CLEARLY:
-            return
-
-        def by_that_law() -> None:
-            self.model.law = list(changes)[best]
-            self.model.soften(list(changes.values())[best].ratio)
-            self.laws = None
-            self.settle()
-
-        self.tried(by_that_law, better=-math.inf)
-
-    def measure(self) -> None:
-        """Measure once what candidates are compared with: the largest effect of a claim, what laws may leave of claims
-        about single teeth, and the mean deflections."""
-        self.largest = self.of_teeth = 0.0
-        for claim in self.model.claims:
-            if not claim.physics.measures:
-                change = self.model.change(self.scenes, claim, claim.values, but=claim)
-                size = max(float(np.std(c)) for c in change)
-                self.largest = max(self.largest, size)
-                if not claim.physics.mean_tooth:
-                    self.of_teeth = max(self.of_teeth, claim.physics.law_doubt * size)
-        self.deflections = tuple(
-            abs(float(np.mean(scene.bending(None) - scene.te))) if scene.bends else 0.0 for scene in self.scenes
-        )
-
     @property
     def deflection(self) -> float:
         """The largest mean deflection in mm of any recording."""
         return max(self.deflections, default=0.0)
+
+
+def settled(fit: Fit, passes: int = PASSES, *, below: float = math.inf, fresh: bool = False) -> Fit:
+    """Simulate, fit, and simulate again until nothing moves, ``passes`` times at most, and once where time is over;
+    given up where it will not end with a misfit ``below`` this, by the noise that it began with. ``fresh``: the present
+    state is simulated and linearised already. Raises ``GearpolyError`` where gears cannot run as they are believed."""
+    begun_by = fit.noises
+    way, moved, good = Way(), math.inf, fit
+    for turn in range(passes):
+        if turn and fit.over:
+            break
+        if turn or not fresh:
+            try:
+                scenes = fit.model.scenes()
+            except GearpolyError:
+                # A step to gears that cannot run went too far; those that it began from could.
+                if turn == 0:
+                    raise
+                fit = good
+                if not way.again():
+                    break
+                fit, moved = _gone_on(fit, way.step)
+                continue
+            fit = _linearised_about(fit, scenes, begins=turn == 0)
+        if way.overshot(fit.linear.system, fit.present()):
+            fit = good
+            if not way.again():
+                break
+            fit, moved = _gone_on(fit, way.step)
+            continue
+        if moved > STEADY * min(noise.level for noise in fit.noises):
+            heard = noises(fit.model, fit.linear.left())
+            fit = replace(fit, noises=heard, linear=fit.linear.under(heard))
+        way.go(fit.linear.system, fit.present())
+        # By the noise of before only where it decides: whitening anew is a third of a step.
+        hoped = HOPE * way.fall
+        if way.misfit - hoped > below and fit.linear.under(begun_by).system.misfit - hoped > below:
+            return fit
+        good = fit
+        fit, moved = _gone_on(fit, way.step)
+        if moved < SETTLED or way.rests:
+            break
+    return measured(fit)
+
+
+def _linearised_about(fit: Fit, scenes: list[Scene], *, begins: bool) -> Fit:
+    """Linearised about ``scenes`` that are new; where a fit ``begins``, other things may be open than before."""
+    laws = fit.laws
+    if begins:
+        if laws is None and not fit.trial:
+            # Teeth may have begun to bend.
+            laws = law_modes(scenes, law_changes(scenes))
+        nuisance = nuisance_of(fit.model, scenes, laws)
+    else:
+        # Teeth and reliefs have changed, and the slope of the curve with them.
+        nuisance = fit.nuisance.sloping(scenes)
+    return replace(fit, scenes=scenes, laws=laws, nuisance=nuisance).linearised()
+
+
+def joined(fit: Fit, claims: Sequence[Claim], *, instead: Sequence[int] = ()) -> Fit:
+    """With ``claims``, in the place of the claims of the numbers ``instead``, and everything that was fitted without
+    them giving way to them, to first order.
+
+    Teeth as built take of an unknown physics what they can. Claimed on top of that it would count twice, so far from
+    rest that unloaded teeth may touch elsewhere, and the fit end in another valley.
+    """
+    model, present = fit.model, fit.present()
+    layout, leave, others = fit.linear.layout, [], model
+    for k in instead:
+        leave += layout.places(k) + layout.form_places(model, k)
+        others = others.but(model.claims[k])
+    keep = np.setdiff1d(np.arange(present.size), np.asarray(leave, dtype=np.int64))
+    system = fit.linear.system.without(leave)
+    taken = np.zeros(keep.size)
+    for claim in claims:
+        effect = others.change(fit.scenes, claim, claim.values)
+        for a, noise, one in zip(system.white, fit.noises, effect, strict=True):
+            taken += a.T @ noise.whitened(one[:, None])[:, 0]
+    step = np.zeros(present.size)
+    step[keep] = system.solution - system.solved(taken) - present[keep]
+    there, _ = _gone_on(fit, np.where(np.isnan(present), 0.0, step))
+    rest = [one for k, one in enumerate(there.model.claims) if k not in instead]
+    at = min(instead, default=len(rest))
+    return there.believing(claims=(*rest[:at], *claims, *rest[at:]))
+
+
+def better_of(fit: Fit, change: Callable[[Fit], Fit], *, better: float) -> Fit:
+    """What a ``change`` makes of a fit where that leaves less misfit by more than ``better``, by the noise of before;
+    else the ``fit`` itself, and where gears cannot run so: nobody asked for those."""
+    try:
+        other = change(fit)
+    except GearpolyError:
+        return fit
+    worse = other.linear.under(fit.noises).system.misfit > fit.linear.system.misfit - better
+    return fit if worse else other
+
+
+def shared(fit: Fit) -> Fit:
+    """With both flanks of graded gears sharing what the recordings say they do."""
+    made = told(fit.model, fit.scenes, fit.linear)
+    if made is fit.model.as_built:
+        return fit
+    return better_of(fit, lambda one: settled(one.believing(as_built=made)), better=-math.inf)
+
+
+def forgotten(fit: Fit) -> Fit:
+    """Without those waves of unknown make that are now explained: they tell nothing any more, and where two of them are
+    nearly one, half of a recording says any size of both."""
+    waves = fit.model.strangers
+    gone = {waves[k] for k in faded(fit.linear.system, waves, fit.linear.layout.foreign)}
+    if not gone:
+        return fit
+    columns = sorted(column for wave in gone for column in wave)
+    stay = [wave for wave in waves if wave not in gone]
+    strangers = tuple(tuple(c - bisect_left(columns, c) for c in wave) for wave in stay)
+    foreign = [np.delete(one, columns, axis=1) for one in fit.foreign]
+    return replace(fit.believing(strangers=strangers), foreign=foreign).linearised()
+
+
+def _gone_on(fit: Fit, step: FloatArray) -> tuple[Fit, float]:
+    """A ``step`` (m,) further on, and the largest rms change in mm of a simulated recording."""
+    layout, model = fit.linear.layout, fit.model
+    old = fit.present()
+    inside = ~np.isnan(old)
+    old[~inside] = 0.0
+    x = old + step
+    at = layout.nuisance.start
+    shift, most = at + fit.nuisance.shift, MOST_SHIFT * model.scope.gears[1].tau
+    x[shift] = old[shift] + np.clip(step[shift], -most, most)
+    scale = model.scale
+    if fit.nuisance.scale is not None:
+        scale = float(np.clip(scale * (1.0 + x[at + fit.nuisance.scale]), 0.2, 5.0))
+    claims = []
+    for claim, part in zip(model.claims, layout.claims, strict=True):
+        values = within(claim, np.array(claim.values) + x[part] - old[part], model.scope)
+        x[part] = old[part] + np.array(values) - np.array(claim.values)
+        claims.append(replace(claim, values=values))
+    # What an encoder misreads and a scale are taken by other ways than the simulation, but count alike.
+    gone = np.where(inside, x - old, 0.0)
+    moved = max(float(np.std(columns @ gone)) for columns in fit.linear.columns)
+    built = x[layout.built].copy()
+    return fit.believing(built=built, shift=float(x[shift]), scale=scale, claims=tuple(claims)), moved
+
+
+def with_best_law(fit: Fit) -> Fit:
+    """By the compliance law that fits best, if one is clearly better than the present one."""
+    changes = law_changes(fit.scenes)
+    if not changes:
+        return fit
+    at = fit.linear.layout.nuisance
+    modes = list(range(at.stop - (0 if fit.laws is None else len(fit.laws.mix)), at.stop))
+    bare = fit.linear.without(modes)
+    # The change as it is, with all else fitted again beside it.
+    gains = bare.gains([change.parts for change in changes.values()])
+    best = int(np.argmax(gains))
+    if gains[best] < CLEARLY:
+        return fit
+    law, ratio = list(changes)[best], list(changes.values())[best].ratio
+
+    def by_that_law(one: Fit) -> Fit:
+        return settled(replace(one, model=replace(one.model, law=law).softer(ratio), laws=None))
+
+    return better_of(fit, by_that_law, better=-math.inf)
+
+
+def measured(fit: Fit) -> Fit:
+    """With what candidates are compared with measured once: the largest effect of a claim, what laws may leave of
+    claims about single teeth, and the mean deflections."""
+    largest = of_teeth = 0.0
+    for claim in fit.model.claims:
+        if not claim.physics.measures:
+            change = fit.model.change(fit.scenes, claim, claim.values, but=claim)
+            size = max(float(np.std(c)) for c in change)
+            largest = max(largest, size)
+            if not claim.physics.mean_tooth:
+                of_teeth = max(of_teeth, claim.physics.law_doubt * size)
+    deflections = tuple(
+        abs(float(np.mean(scene.bending(None) - scene.te))) if scene.bends else 0.0 for scene in fit.scenes
+    )
+    return replace(fit, largest=largest, of_teeth=of_teeth, deflections=deflections)
 
 
 def _without_jumps(model: Model, residuals: list[FloatArray], foreign: list[FloatArray]) -> list[FloatArray]:

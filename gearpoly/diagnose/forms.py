@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from gearpoly.diagnose.contest import Key, rest
+from gearpoly.diagnose.contest import Key, rested
+from gearpoly.diagnose.exchange import gained_since
+from gearpoly.diagnose.fit import Fit, joined
 from gearpoly.diagnose.linear import out_of_mesh
-from gearpoly.diagnose.search import Search
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Values
@@ -28,8 +29,8 @@ class Form:
     chance: float
 
 
-def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
-    """Fit every claim in its other forms, keep the best there, and return the others by the claim's key.
+def forms(search: Fit) -> tuple[Fit, Mapping[Key, tuple[Form, ...]]]:
+    """Fit every claim in its other forms; the fit with the best of each, and the others by the claim's key.
 
     Of forms with as many parameters, equally likely beforehand, one that is behind by d in misfit has exp(-d/2) of the
     best one's chance.
@@ -39,30 +40,27 @@ def forms(search: Search) -> Mapping[Key, tuple[Form, ...]]:
         others = search.model.claims[k].otherwise(search.model.scope)
         if not others or search.over:
             continue
-        rest(search)
-        stands, most, best, begun = search.model.claims[k], 0.0, search.kept(), search.kept()
+        search = rested(search)
+        stands, most, best = search.model.claims[k], 0.0, search
         fitted: list[tuple[Claim, float]] = [(stands, 0.0)]
         for one in others:
             search.step(f"fitting {one.physics.name.replace('_', ' ')} in another form")
             try:
-                search.join([one], instead=[k])
-                rest(search)
+                there = rested(joined(search, [one], instead=[k]))
             except GearpolyError:
-                pass
-            else:
-                made, gained = search.model.claims[k], search.gained(begun)
-                fitted.append((made, gained))
-                if gained > most:
-                    stands, most, best = made, gained, search.kept()
-            search.restore(begun)
-        search.restore(best)
+                continue
+            made, gained = there.model.claims[k], gained_since(there, search)
+            fitted.append((made, gained))
+            if gained > most:
+                stands, most, best = made, gained, there
+        search = best
         odds = [math.exp(0.5 * (gained - most)) for _, gained in fitted]
         out[stands.key] = tuple(
             Form(claim=claim, chance=one / sum(odds))
             for (claim, _), one in zip(fitted, odds, strict=True)
             if claim is not stands
         )
-    return out
+    return search, out
 
 
 def in_doubt(found: Reported, others: Iterable[tuple[Reported, float]]) -> Reported:
@@ -75,7 +73,7 @@ def in_doubt(found: Reported, others: Iterable[tuple[Reported, float]]) -> Repor
     }
 
 
-def only_the_least(search: Search, k: int, others: Sequence[Form]) -> bool:
+def only_the_least(search: Fit, k: int, others: Sequence[Form]) -> bool:
     """Whether of the size of claim ``k`` only the least is known: its tooth has left the mesh, or its pit is one over
     which others carry, and several times as deep fits as well, in one of its ``others`` forms, or begun with walls as
     they are or as steep as any."""
@@ -91,15 +89,12 @@ def only_the_least(search: Search, k: int, others: Sequence[Form]) -> bool:
     return any(_as_well_deeper(search, k, shape) for shape in (claim.values[1:], steep))
 
 
-def _as_well_deeper(search: Search, k: int, shape: Values) -> bool:
+def _as_well_deeper(search: Fit, k: int, shape: Values) -> bool:
     """Whether claim ``k``, begun several times as deep and in this ``shape``, comes to rest deeper and fits as well."""
-    claim, begun = search.model.claims[k], search.kept()
+    claim = search.model.claims[k]
     try:
-        search.join([replace(claim, values=(DEEPER * claim.values[0], *shape))], instead=[k])
-        rest(search)
-        deep = search.model.claims[k].values[0] > STAYS * claim.values[0]
-        return deep and search.gained(begun) > -AS_WELL
+        there = rested(joined(search, [replace(claim, values=(DEEPER * claim.values[0], *shape))], instead=[k]))
     except GearpolyError:
         return False
-    finally:
-        search.restore(begun)
+    deep = there.model.claims[k].values[0] > STAYS * claim.values[0]
+    return deep and gained_since(there, search) > -AS_WELL

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.heldout import cross_validated
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.verdict import Finding, Rival
 from gearpoly.physics.words import Reported
 
 
-def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, hold: list[int]) -> tuple[Finding, ...]:
+def gathered(search: Fit, findings: Sequence[tuple[int, Finding]], *, hold: list[int]) -> tuple[Finding, ...]:
     """The findings, each beside its claim's number, with those of one slow physics that are about some recordings each
     as one in the place of the first; ``hold`` are the parameters that no part of the recordings tells the other."""
     out: list[Finding] = []
@@ -28,7 +28,7 @@ def gathered(search: Search, findings: Sequence[tuple[int, Finding]], *, hold: l
     return tuple(out)
 
 
-def _as_one(search: Search, same: Sequence[tuple[int, Finding]], hold: list[int]) -> Finding:
+def _as_one(search: Fit, same: Sequence[tuple[int, Finding]], hold: list[int]) -> Finding:
     """Findings of one physics as the first of them, with what they gain and leave out together."""
     linear, layout, first = search.linear, search.linear.layout, same[0][1]
     mine = [place for k, _ in same for place in layout.places(k)]
@@ -59,7 +59,7 @@ def _as_one(search: Search, same: Sequence[tuple[int, Finding]], hold: list[int]
     )
 
 
-def _over_recordings(search: Search, same: Sequence[int], recordings: Sequence[int]) -> Reported:
+def _over_recordings(search: Fit, same: Sequence[int], recordings: Sequence[int]) -> Reported:
     """The parameters of the recording in which they are largest, and those of every recording by its number."""
     model, layout = search.model, search.linear.layout
     physics = model.claims[same[0]].physics

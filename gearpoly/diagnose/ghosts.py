@@ -13,10 +13,10 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import number_of
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import leave
+from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import kind_of, order_of
@@ -29,27 +29,25 @@ PART = 0.5
 0.29 um as they were sampled, had left 0.03 um of an undulation, which was named. A judgement."""
 
 
-def leave_to_ghosts(search: Search, comparison: Comparison) -> None:
-    """Give up claims of waves that make but a part of what was located at a ghost order: a wave of no cause stands at
+def left_to_ghosts(search: Fit, comparison: Comparison) -> Fit:
+    """Without claims of waves that make but a part of what was located at a ghost order: a wave of no cause stands at
     that order from then on."""
     for claim in [one for one in search.model.claims if kind_of(one) == "wave" and order_of(one) is not None]:
         entry = next(_remnant_of(search, claim, comparison.located.entries), None)
         if entry is None or search.over:
             continue
-        begun = search.kept()
         rms = search.model.rms_of(search.scenes, claim)
         place = Unearned(claim=claim, rms=rms, posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), seen=True)
-        gear = 0 if entry.gear == "driving" else 1
+        wave = waves(search.scenes, 0 if entry.gear == "driving" else 1, (entry.order or 0.0,))[0].columns
         try:
-            search.join([], instead=[number_of(search, claim)])
-            leave(search, waves(search.scenes, gear, (entry.order or 0.0,))[0].columns)
-            search.model.unnamed = (*search.model.unnamed, place)
-            search.settle()
+            there = leaving(joined(search, [], instead=[number_of(search, claim)]), wave)
+            search = settled(there.believing(unnamed=(*search.model.unnamed, place)))
         except GearpolyError:
-            search.restore(begun)
+            continue
+    return search
 
 
-def _remnant_of(search: Search, claim: Claim, entries: Sequence[Entry]) -> Iterator[Entry]:
+def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator[Entry]:
     """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than ``PART``."""
     z, own = [one.z for one in search.model.scope.gears], claim.place.gear or 0
     effect = search.model.change(search.scenes, claim, claim.values, but=claim)

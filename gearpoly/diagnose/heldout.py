@@ -151,12 +151,12 @@ def foretold_to(linear: Linear, masks: list[Mask], noise: float, *, hold: list[i
     return math.hypot(noise, math.sqrt(max(0.0, mean + 2.0 * math.sqrt(max(0.0, variance))) / max(1, count)))
 
 
-def beside_jumps(observed: list[Observed], jumps: list[list[int]]) -> list[Observed]:
+def beside_jumps(observed: Sequence[Observed], jumps: list[list[int]]) -> tuple[Observed, ...]:
     """The recordings with their parts chosen such that both hold samples before and after every one of ``jumps``."""
-    return [
+    return tuple(
         replace(one, fit=blocks(one.fit.size, at), jumps=tuple(at)) if at else one
         for one, at in zip(observed, jumps, strict=True)
-    ]
+    )
 
 
 def blocks(size: int, jumps: Sequence[int] = (), *, parts: int = PARTS) -> Mask:

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import expit, logit
 
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.trial import amplitude_std, shape_std
-from gearpoly.diagnose.unnamed import leave
+from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.free_form import FREE_FORM, curve_covariance, free_forms
@@ -25,45 +25,39 @@ from gearpoly.physics.base import Claim
 from gearpoly.units import UM, FloatArray
 
 
-def unknown_in_stead(search: Search, gear: int, tooth: int) -> float:
+def unknown_in_stead(search: Fit, gear: int, tooth: int) -> float:
     """Probability that a curve of no cause, and none of the claims about a tooth, is what that tooth has: all of them
     taken away, the curve fitted in their stead through the exact simulation, and both states compared by Laplace about
-    their fits. 0 where gears cannot run with the curve. The search comes back as it was."""
+    their fits. 0 where gears cannot run with the curve."""
     mine = [one for one in search.model.claims if _is_at(one, gear, tooth)]
-    begun, noises = search.kept(), search.noises
     dispersion = max(1.0, search.linear.system.whiteness)
     named = _log_evidence(search, search.linear, mine, dispersion)
     try:
-        give_way(search, mine)
-        curves = [one for one in search.model.claims if one.physics is FREE_FORM and _is_at(one, gear, tooth)]
-        unknown = _log_evidence(search, search.linear.under(noises), curves, dispersion)
+        there = curve_of_tooth(search, mine)
     except GearpolyError:
         return 0.0
-    finally:
-        search.restore(begun)
+    curves = [one for one in there.model.claims if one.physics is FREE_FORM and _is_at(one, gear, tooth)]
+    unknown = _log_evidence(there, there.linear.under(search.noises), curves, dispersion)
     return _chance(unknown - named, ONE_TOOTH)
 
 
-def mesh_in_stead(search: Search, claims: Sequence[Claim]) -> float:
+def mesh_in_stead(search: Fit, claims: Sequence[Claim]) -> float:
     """Probability that a curve of no cause at every mesh, one for each condition, and none of these ``claims`` about
-    all teeth, is what is seen. 0 where gears cannot run without them. The search comes back as it was."""
-    begun, noises = search.kept(), search.noises
+    all teeth, is what is seen. 0 where gears cannot run without them."""
     dispersion = max(1.0, search.linear.system.whiteness)
     named = _log_evidence(search, search.linear, claims, dispersion)
     share = unknown_share(claims[0], search.model.scope)
     try:
-        many = mesh_gives_way(search, claims)
-        linear = search.linear.under(noises)
-        first = linear.layout.foreign.start
-        at = slice(first, first + many)
-        told = dispersion * linear.system.covariance[at, at]
-        each = np.tile(mesh_std(), many // mesh_std().size) * max(one.physics.ordinary[0] for one in claims) * UM
-        values = linear.system.solution[at]
-        unknown = -0.5 * linear.system.misfit / dispersion + _of_values(values, told, np.diag(each**2), many)
+        there = curve_of_mesh(search, claims)
     except GearpolyError:
         return 0.0
-    finally:
-        search.restore(begun)
+    linear = there.linear.under(search.noises)
+    first, many = linear.layout.foreign.start, there.foreign[0].shape[1] - search.foreign[0].shape[1]
+    at = slice(first, first + many)
+    told = dispersion * linear.system.covariance[at, at]
+    each = np.tile(mesh_std(), many // mesh_std().size) * max(one.physics.ordinary[0] for one in claims) * UM
+    values = linear.system.solution[at]
+    unknown = -0.5 * linear.system.misfit / dispersion + _of_values(values, told, np.diag(each**2), many)
     return _chance(unknown - named, share)
 
 
@@ -72,24 +66,21 @@ def _chance(log_bayes_factor: float, share: float) -> float:
     return float(expit(log_bayes_factor + logit(share)))
 
 
-def mesh_gives_way(search: Search, claims: Sequence[Claim]) -> int:
-    """Let a curve of no cause at every mesh take the place of all ``claims``, and fit everything again; the number of
-    its columns, which are the first that no pair makes. Raises ``GearpolyError`` where gears cannot run so."""
+def curve_of_mesh(search: Fit, claims: Sequence[Claim]) -> Fit:
+    """With a curve of no cause at every mesh in the place of all ``claims``, everything fitted again; its columns are
+    the first that no pair makes. Raises ``GearpolyError`` where gears cannot run so."""
     curve = mesh_curves(search.scenes)[-1].columns
-    search.join([], instead=[number_of(search, one) for one in claims])
-    leave(search, curve)
-    search.settle()
-    return int(curve[0].shape[1])
+    return settled(leaving(joined(search, [], instead=[number_of(search, one) for one in claims]), curve))
 
 
-def give_way(search: Search, claims: Sequence[Claim]) -> None:
-    """Let a curve of its flanks take the place of all ``claims`` about one tooth, and fit everything again. Raises
+def curve_of_tooth(search: Fit, claims: Sequence[Claim]) -> Fit:
+    """With a curve of its flanks in the place of all ``claims`` about one tooth, everything fitted again. Raises
     ``GearpolyError`` where gears cannot run so."""
-    search.join(free_forms(claims[0], search.scenes), instead=[number_of(search, one) for one in claims])
-    search.settle()
+    curves = free_forms(claims[0], search.scenes)
+    return settled(joined(search, curves, instead=[number_of(search, one) for one in claims]))
 
 
-def number_of(search: Search, claim: Claim) -> int:
+def number_of(search: Fit, claim: Claim) -> int:
     """Number of a claim among those that stand, by its key: its values move with every step of the fit."""
     return next(k for k, one in enumerate(search.model.claims) if one.key == claim.key)
 
@@ -98,7 +89,7 @@ def _is_at(claim: Claim, gear: int, tooth: int) -> bool:
     return (claim.place.gear, claim.place.tooth) == (gear, tooth)
 
 
-def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], dispersion: float) -> float:
+def _log_evidence(search: Fit, linear: Linear, claims: Sequence[Claim], dispersion: float) -> float:
     """Log evidence of a fit with these claims, but for a constant: what is left, how far the values of the claims are
     from what was believed of them, and how finely the data tell them."""
     total = -0.5 * linear.system.misfit / dispersion
@@ -114,7 +105,7 @@ def _log_evidence(search: Search, linear: Linear, claims: Sequence[Claim], dispe
     return total
 
 
-def _prior(search: Search, claim: Claim) -> FloatArray:
+def _prior(search: Fit, claim: Claim) -> FloatArray:
     """Covariance (q, q) of the values of a claim of ordinary size."""
     if claim.physics is FREE_FORM:
         return curve_covariance()

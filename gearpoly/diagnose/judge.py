@@ -80,7 +80,7 @@ def judge(
     without: float | None = None,
     gone: Collection[Key] = (),
 ) -> Judged:
-    """Weigh claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
+    """Fit claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
     of its kind were looked at; ``without``: by how much the misfit rises where all is fitted to its end without it
     (None: as much as to first order); ``gone``: what was given up already, where a curve of no cause stands now: it
     explains still what it did there, and nothing here."""

@@ -10,20 +10,22 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Cause, Curve, Entry
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.diagnose.verdict import Finding
+from gearpoly.diagnose.weigh import as_sudden, beyond_chance
 from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.infer.prior import kind_of
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
 
-def unexplained(search: Search, comparison: Comparison) -> tuple[Entry, ...]:
+def unexplained(search: Fit, comparison: Comparison) -> tuple[Entry, ...]:
     """What neither the claims nor the as-built teeth explain: foreign waves, and whatever stands out of the rest. Where
     time is over, the strongest of it."""
     found = locate_residuals(search, comparison, residuals_of(search), over=lambda: search.over)
@@ -113,11 +115,11 @@ def same_place(one: Entry, other: Entry) -> bool:
     return one.order == other.order and one.hz == other.hz and one.moment is None
 
 
-def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:
+def slow_or_sudden(search: Fit, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:
     """What is too large for chance and slow, of the candidates last ``looked_at``, where a jump explains as much: no
     physics of the catalogue jumps, so it has no name."""
     for one in looked_at:
-        if not one.claim.physics.slow or not search.beyond_chance(one) or not search.sudden(one):
+        if not one.claim.physics.slow or not beyond_chance(search, one) or not as_sudden(search, one):
             continue
         curves = search.model.change(search.scenes, one.claim, one.claim.values)
         amplitude = 0.5 * max(float(np.ptp(curve)) for curve in curves) / UM
@@ -127,7 +129,7 @@ def slow_or_sudden(search: Search, looked_at: Sequence[Candidate]) -> tuple[Entr
                 hz=0.0,
                 amplitude_um=amplitude,
                 std_um=amplitude / math.sqrt(one.gain),
-                rms_um=search.size(one) / UM,
+                rms_um=size_of(search, one) / UM,
                 recordings=one.claim.place.recordings or tuple(range(len(curves))),
                 p_value=math.exp(min(0.0, one.log_chance(tests=search.looked.tests(one.claim)))),
                 label="slow",
@@ -146,7 +148,7 @@ def _claimed(entry: Entry, model: Model) -> bool:
     return False
 
 
-def not_excluded(search: Search, findings: tuple[Finding, ...]) -> tuple[str, ...]:
+def not_excluded(search: Fit, findings: tuple[Finding, ...]) -> tuple[str, ...]:
     """What these recordings could not have shown, in words."""
     scope, out = search.model.scope, []
     if len(set(scope.torques)) == 1 and max(scope.torques) == 0.0:

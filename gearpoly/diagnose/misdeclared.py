@@ -8,7 +8,7 @@ does. Unloaded involutes run alike whatever their shift: only corners tell, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -224,9 +224,9 @@ def _fit(
         model, columns = shortened(*begin(file), few=few)
         if close:
             model = with_open_forms(model) if formed else with_forms(model, columns, lambda _: None)
-        model.claims = list(beside)
+        model = replace(model, claims=tuple(beside))
         if close and not model.phased and not model.stated:
-            placed(model, columns, lambda _: None)
+            model = placed(model, columns, lambda _: None)
         return Fit.begun(model, columns, lambda _: None, trial=rounds)
     except GearpolyError:
         return None

@@ -1,4 +1,4 @@
-"""The working state of a diagnosis: the declared pair, what is estimated of it, and the recordings beside it."""
+"""What is believed: the declared pair, what is estimated of it, and the recordings beside it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Observed:
     jumps: tuple[int, ...] = ()
 
 
-@dataclass(kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Model:
     """What is believed at present.
 
@@ -62,7 +62,7 @@ class Model:
     path: Path
     scope: Scope
     as_built: AsBuilt
-    observed: list[Observed]
+    observed: tuple[Observed, ...]
     shift_std: float
     built: FloatArray
     scale: float = 1.0
@@ -78,7 +78,7 @@ class Model:
     strangers: tuple[tuple[int, ...], ...] = ()
     unnamed: tuple[Unearned, ...] = ()
     slow_courses: int = 0
-    claims: list[Claim] = field(default_factory=list)
+    claims: tuple[Claim, ...] = ()
     method: Method = field(default_factory=Method)
     budget: Budget = field(default_factory=Budget)
 
@@ -94,53 +94,34 @@ class Model:
                 file = claim.written(file)
         return file
 
-    def kept(self) -> dict[str, object]:
-        """What ``restore`` needs to come back to this state."""
-        return {
-            "as_built": self.as_built,
-            "built": self.built.copy(),
-            "scale": self.scale,
-            "shift": self.shift,
-            "law": self.law,
-            "claims": list(self.claims),
-            "strangers": self.strangers,
-            "unnamed": self.unnamed,
-            "slow_courses": self.slow_courses,
-        }
-
-    def restore(self, kept: dict[str, object]) -> None:
-        """Come back to a state."""
-        for name, value in kept.items():
-            setattr(self, name, list(value) if isinstance(value, list) else value)
-
     @property
     def bending(self) -> Claim | None:
         """The claim that teeth bend, where the file says that they do not; None where nobody claims it."""
         return next((one for one in self.claims if one.physics is TOOTH_DEFLECTION), None)
 
-    def soften(self, ratio: float) -> None:
-        """Multiply the compliance of all pairs, declared or claimed."""
-        if self.declared.model.tooth_deflection:
-            self.scale *= ratio
-        bends = self.bending
+    def softer(self, ratio: float) -> Model:
+        """The same with ``ratio`` times the compliance of all pairs, declared or claimed."""
+        scale = self.scale * ratio if self.declared.model.tooth_deflection else self.scale
+        bends, claims = self.bending, self.claims
         if bends is not None:
             softer = replace(bends, values=(ratio * bends.values[0], *bends.values[1:]))
-            self.claims = [softer if one is bends else one for one in self.claims]
+            claims = tuple(softer if one is bends else one for one in claims)
+        return replace(self, scale=scale, claims=claims)
 
-    def moved(self, offset: float) -> None:
-        """Move all recordings on by ``offset`` in rad of driven rotation, and both shafts together; the encoders' zeros
-        move with them."""
-        self.offset += offset
-        self.observed = [_on(one, offset, self._ratio, read=False) for one in self.observed]
+    def moved(self, offset: float) -> Model:
+        """The same with all recordings ``offset`` in rad of driven rotation further on, both shafts together; the
+        encoders' zeros move with them."""
+        observed = tuple(_on(one, offset, self._ratio, read=False) for one in self.observed)
+        return replace(self, offset=self.offset + offset, observed=observed)
 
-    def turned(self, turns: int) -> None:
-        """Move the recordings of the coast flank on by so many ``turns`` of the only shaft that was read, whose reading
-        stays; the mate's goes on as its teeth do."""
+    def turned(self, turns: int) -> Model:
+        """The same with the recordings of the coast flank so many ``turns`` of the only shaft that was read further on;
+        its reading stays, the mate's goes on as its teeth do."""
         by = 2.0 * math.pi * turns * (self._ratio if self.turns_of == "driving" else 1.0)
-        self.turned_by += by
-        self.observed = [
+        observed = tuple(
             _on(one, by, self._ratio, read=True) if one.samples.flank == "coast" else one for one in self.observed
-        ]
+        )
+        return replace(self, turned_by=self.turned_by + by, observed=observed)
 
     @property
     def _ratio(self) -> float:
@@ -149,7 +130,7 @@ class Model:
 
     def but(self, claim: Claim) -> Model:
         """The same state without a claim."""
-        return replace(self, claims=[one for one in self.claims if one is not claim])
+        return replace(self, claims=tuple(one for one in self.claims if one is not claim))
 
     def assembled(self, file: PairFile | None = None) -> Assembled:
         """The pair of ``file``, or of the present state."""

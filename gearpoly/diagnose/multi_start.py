@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import Fit, settled
 from gearpoly.errors import GearpolyError
 
 STARTS = 8
@@ -13,8 +13,8 @@ STARTS = 8
 was there had gained 41 in misfit; of eight such beginnings six left 14 to 1 of that."""
 
 
-def multi_start(fit: Fit, *, enough: float) -> None:
-    """Begin ``STARTS`` times more with teeth of graded gears that lean otherwise, and keep what ends better, until the
+def multi_started(fit: Fit, *, enough: float) -> Fit:
+    """Begun ``STARTS`` times more with teeth of graded gears that lean otherwise, what ends better kept, until the
     misfit, in sigmas squared, is below ``enough``.
 
     Which of two unloaded teeth touches is another local minimum each time. A claim leads out of one, whatever it is of,
@@ -23,18 +23,16 @@ def multi_start(fit: Fit, *, enough: float) -> None:
     teeth, rng = fit.model.as_built, np.random.default_rng(0)
     graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
     if not graded or all(scene.bends for scene in fit.scenes):
-        return
+        return fit
     noises = fit.noises
     for _ in range(STARTS):
         there = fit.linear.under(noises).system.misfit
         if fit.over or there < enough:
-            return
-        before = fit.kept()
-        fit.model.built = teeth.perturbed(fit.model.built, graded, rng)
+            break
         try:
-            fit.settle()
+            other = settled(fit.believing(built=teeth.perturbed(fit.model.built, graded, rng)))
         except GearpolyError:
-            fit.restore(before)
             continue
-        if fit.linear.under(noises).system.misfit > there:
-            fit.restore(before)
+        if other.linear.under(noises).system.misfit <= there:
+            fit = other
+    return fit

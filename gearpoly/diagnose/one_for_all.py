@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 
-from gearpoly.diagnose.contest import MOST, refit, rest
+from gearpoly.diagnose.contest import MOST, refitted, rested
+from gearpoly.diagnose.exchange import gained_since
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
-from gearpoly.diagnose.search import Search
 from gearpoly.physics.base import Claim
 
 PART = 0.5
@@ -20,14 +21,14 @@ PART = 0.5
 about a state that they have bent. A judgement; what is fitted to its end decides."""
 
 
-def one_for_all(search: Search) -> None:
-    """Let the best single physics of all teeth of one gear stand where several do, if each freedom that it saves, at
+def one_for_all(search: Fit) -> Fit:
+    """With the best single physics of all teeth of one gear where several stand, if each freedom that it saves, at
     what it might have told (Schwarz 1978), is worth what it misfits more."""
     these = [k for k, one in enumerate(search.model.claims) if _of_all(one)]
     if len(these) < 2 or search.over:
-        return
-    rest(search)
-    begun, others = search.kept(), search.model
+        return search
+    search = rested(search)
+    others = search.model
     leave = [place for k in these for place in search.linear.layout.places(k)]
     freedoms = sum(len(search.model.claims[k].values) for k in these)
     for k in these:
@@ -35,23 +36,23 @@ def one_for_all(search: Search) -> None:
     bare = search.linear.without(leave)
     gain = bare.system.misfit - search.linear.system.misfit
     price = max(2.0, math.log(max(gain, 1.0)))
-    best, most = begun, 0.0
+    best, most = search, 0.0
     for one in _singles(search, others, bare, gain):
         search.step(f"fitting {one.claim.physics.name.replace('_', ' ')} instead of {len(these)} physics of all teeth")
-        if refit(search, one.claim, instead=these):
-            # What a kept state costs counts 2 for each freedom already.
-            ahead = search.gained(begun) + (price - 2.0) * (freedoms - len(one.claim.values))
+        there = refitted(search, one.claim, instead=these)
+        if there is not None:
+            # What a fit costs counts 2 for each freedom already.
+            ahead = gained_since(there, search) + (price - 2.0) * (freedoms - len(one.claim.values))
             if ahead > most:
-                best, most = search.kept(), ahead
-        search.restore(begun)
-    search.restore(best)
+                best, most = there, ahead
+    return best
 
 
 def _of_all(claim: Claim) -> bool:
     return claim.physics.mean_tooth and claim.place.gear is not None
 
 
-def _singles(search: Search, others: Model, bare: Linear, gain: float) -> list[Candidate]:
+def _singles(search: Fit, others: Model, bare: Linear, gain: float) -> list[Candidate]:
     """The physics of all teeth of one gear that gain most where none of the claims stands, each at its best shape."""
     places = [
         (physics, place) for physics, place in all_places(others) if physics.mean_tooth and place.gear is not None

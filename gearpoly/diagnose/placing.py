@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import TypeVar
 
 import numpy as np
 
 from gearpoly.diagnose.both_flanks import turns_told
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import Fit, settled, shared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.shortened import FEW, shortened
@@ -21,8 +20,6 @@ from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
 from gearpoly.physics.place import Place
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
-
-Begun = TypeVar("Begun", bound=Fit)
 
 PHASES = 8
 """Phases of a pitch that are tried where the curves do not place the teeth."""
@@ -56,58 +53,56 @@ MOVES = 4
 """Times that a place told by eccentricities is mended: they bend the curve, so the first is not always the last."""
 
 
-def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
-    """Move ``model`` to where teeth as they were built fit best: the tooth, where the curves leave several, and the
-    place within a pitch, where they are flat. Raises what ``Fit.begun`` does."""
+def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Model:
+    """The ``model`` where teeth as they were built fit best: the tooth, where the curves leave several, and the place
+    within a pitch, where they are flat. Raises what ``Fit.begun`` does."""
     pitch = model.scope.gears[1].tau
     if not model.phased or _lost(model, foreign, step):
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch, also beside a wrong one: the nearer way round.
         ways = sorted(((k - PHASES // 2 + 1) * pitch / PHASES for k in range(PHASES)), key=abs)
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
-        _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
-    _turned(model, foreign, step)
+        model = _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
+    model = _turned(model, foreign, step)
     if model.elsewhere:
         step("telling the teeth apart")
-        _told_apart(model, foreign, step, pitch)
+        model = _told_apart(model, foreign, step, pitch)
+    return model
 
 
-def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> None:
-    """Count the whole turns between recordings of either flank that no encoder has, where uninspected teeth tell."""
+def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Model:
+    """With the whole turns between recordings of either flank that no encoder has counted, where uninspected teeth
+    tell."""
     mate = 0 if model.turns_of == "driven" else 1
     if model.turns_of is None or len(model.as_built.flanks) < 2 or not model.as_built.gears[mate].graded:
-        return
+        return model
     step("counting turns between the flanks")
     trial, columns = shortened(model, foreign, few=FEW[-1])
     fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
-    model.turned(turns_told(fit.model, fit.scenes, fit.linear))
+    return model.turned(turns_told(fit.model, fit.scenes, fit.linear))
 
 
-def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], None], pitch: float) -> None:
-    """Move ``model`` by whole ``pitch``es in rad of driven rotation to the teeth that fit best."""
+def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], None], pitch: float) -> Model:
+    """The ``model`` moved by whole ``pitch``es in rad of driven rotation to the teeth that fit best."""
     if any(model.scope.inspected):
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
-        _best_of(model, foreign, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
-        return
+        return _best_of(model, foreign, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
     if not _eccentric(model):
-        return
-    before: Fit | None = None
-    by = 0
+        return model
+    before: tuple[Model, Fit] | None = None
     for _ in range(0 if model.budget.over else MOVES + 1):
         trial, columns = shortened(model, foreign, few=FEW[-1])
-        fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
-        # What a wrong place lacks is another wave on either flank, as long as they may err each for itself.
-        fit.share()
-        # Far from rest neither place is judged rightly, nor told.
-        fit.settle()
+        # What a wrong place lacks is another wave on either flank, as long as they may err each for itself. Far from
+        # rest neither place is judged rightly, nor told.
+        fit = settled(shared(Fit.begun(trial, columns, step, trial=TRIALS[-1])))
         # It was told to first order, and eccentricities bend the curve.
-        if before is not None and _misfit(fit, by=before) > _misfit(before, by=before) - BETTER[0]:
-            model.moved(-by * pitch)
-            return
-        before, by = fit, off_by(fit)
+        if before is not None and _misfit(fit, by=before[1]) > _misfit(before[1], by=before[1]) - BETTER[0]:
+            return before[0]
+        by = off_by(fit)
         if by == 0:
-            return
-        model.moved(by * pitch)
+            break
+        before, model = (model, fit), model.moved(by * pitch)
+    return model
 
 
 def _eccentric(model: Model) -> bool:
@@ -115,11 +110,11 @@ def _eccentric(model: Model) -> bool:
     return any(model.scope.section(gear).eccentricity is not None for gear in (0, 1))
 
 
-def well_placed(model: Model, begin: Callable[[], Begun]) -> Begun:
+def well_placed(model: Model, begin: Callable[[Model], Fit]) -> Fit:
     """The fit of whole recordings that ``begin`` begins, begun again elsewhere in the hunting cycle as long as declared
     eccentricities are told to stand there and it then fits better: shortened recordings do not tell those of a few
     tenths of a micrometre. Raises what ``begin`` does at the first place."""
-    clean, fit = model.kept(), begin()
+    fit = begin(model)
     if not model.elsewhere or any(model.scope.inspected) or not _eccentric(model):
         return fit
     pitch = model.scope.gears[1].tau
@@ -127,16 +122,12 @@ def well_placed(model: Model, begin: Callable[[], Begun]) -> Begun:
         by = 0 if fit.over else off_by(fit)
         if by == 0:
             break
-        here = fit.kept()
-        model.restore(clean)
-        model.moved(by * pitch)
+        model = model.moved(by * pitch)
         try:
-            there: Begun | None = begin()
+            there = begin(model)
         except GearpolyError:  # gears that jam where they do not stand
-            there = None
-        if there is None or _misfit(there, by=fit) > _misfit(fit, by=fit) - BETTER[0]:
-            model.moved(-by * pitch)
-            fit.restore(here)
+            break
+        if _misfit(there, by=fit) > _misfit(fit, by=fit) - BETTER[0]:
             break
         fit = there
     return fit
@@ -190,7 +181,7 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     return system.beyond > LOST * system.samples
 
 
-def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[list[Claim]]) -> list[tuple[float, float]]:
+def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[Claim]]) -> list[tuple[float, float]]:
     """The least misfit of a pair with each of these claims, wherever in their pitch its teeth may stand, by the noise
     of the fit that leaves least, over all samples as far as some tell, and how far on in rad of driven rotation they
     stand then. Infinite where it cannot run so anywhere."""
@@ -227,11 +218,11 @@ def _nearest(found: dict[tuple[float, int], float]) -> list[tuple[float, int]]:
 
 def _best_of(
     model: Model, foreign: list[FloatArray], ways: list[float], *, hopeful: float, besides: Sequence[Claim] = ()
-) -> None:  # fmt: skip
-    """Move all by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
+) -> Model:  # fmt: skip
+    """All moved by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
     ``besides``, unless the first does as well; only what is ``hopeful`` times the least or better after a first trial
     is looked at closely."""
-    starts: list[list[Claim]] = [[], list(besides)] if besides else [[]]
+    starts = [(), besides] if besides else [()]
     tried = dict.fromkeys(product(ways, range(len(starts))), 0.0)
     counted = 0
     for rounds, few in zip(TRIALS, FEW, strict=True):
@@ -241,7 +232,7 @@ def _best_of(
         trial, columns = shortened(model, foreign, few=few)
         counted = sum(one.samples.size for one in trial.observed)
         if trial.budget.over:
-            return
+            return model
         fits = _fits(trial, columns, list(tried) if len(tried) > len(starts) else [], starts, rounds=rounds)
         # By the same noise, so that the misfits compare.
         by = next((fit.noises for fit in fits if not isinstance(fit, GearpolyError)), [])
@@ -257,12 +248,12 @@ def _best_of(
     least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
     # Where no place fits, what is missing says more than the place does, and a reading of the zero counts.
     blind = model.stated and least > (1.0 + LOST) * counted
-    if least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated):
-        model.moved(best)
+    clear = least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated)
+    return model.moved(best) if clear else model
 
 
 def _fits(
-    trial: Model, columns: list[FloatArray], places: Sequence[tuple[float, int]], starts: Sequence[list[Claim]], *,
+    trial: Model, columns: list[FloatArray], places: Sequence[tuple[float, int]], starts: Sequence[Sequence[Claim]], *,
     rounds: int,
 ) -> list[Fit | GearpolyError]:  # fmt: skip
     """The fit of a ``trial`` moved by each of ``places`` in rad of driven rotation with those of the ``starts`` that it
@@ -270,8 +261,7 @@ def _fits(
 
     def fitted(place: tuple[float, int]) -> Fit | GearpolyError:
         way, which = place
-        here = replace(trial, claims=list(starts[which]))
-        here.moved(way)
+        here = replace(trial, claims=tuple(starts[which])).moved(way)
         try:
             return Fit.begun(here, columns, lambda _: None, trial=rounds)
         except GearpolyError as error:

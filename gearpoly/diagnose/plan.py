@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 
@@ -84,7 +84,7 @@ def plan(file: PairFile, *, path: Path | str, step: Callable[[str], None] = lamb
         except GearpolyError:
             continue  # the pair cannot run like that
         kept.append(made)
-    model.scope = scope_of(model, scenes)
+    model = replace(model, scope=scope_of(model, scenes))
     claims = ordinary_claims(model.scope)
     step("laying look-alikes side by side")
     laid = alike(model, scenes, claims)
@@ -168,5 +168,5 @@ def _model(file: PairFile, path: Path) -> Model:
     )
     built: FloatArray = np.zeros(as_built.size)
     return Model(
-        declared=declared, path=path, scope=nothing, as_built=as_built, observed=[], shift_std=1e-4, built=built
+        declared=declared, path=path, scope=nothing, as_built=as_built, observed=(), shift_std=1e-4, built=built
     )

@@ -52,7 +52,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
     pair = beside.assembled.pair
     recordings = [one.cleaned.recording for one in beside.aligned]
     compared = means_compare(recordings)
-    observed = [_observed(one, k, beside, counted=compared[k]) for k, one in enumerate(beside.aligned)]
+    observed = tuple(_observed(one, k, beside, counted=compared[k]) for k, one in enumerate(beside.aligned))
     gears, priors = gear_priors(file)
     as_built = make_as_built(priors, [one.samples.flank for one in observed])
     computed = any(r.computed for r in recordings)

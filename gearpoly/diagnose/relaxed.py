@@ -8,19 +8,15 @@ they decide.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TypeVar
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, MOST_SHIFT, PASSES, Fit
+from gearpoly.diagnose.fit import BETTER, MOST_SHIFT, PASSES, Fit, better_of, settled, shared, with_best_law
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.errors import GearpolyError
 from gearpoly.units import FloatArray, IntArray
-
-Begun = TypeVar("Begun", bound=Fit)
 
 RELAXED = 8
 """Times that a fit begins once more with teeth alike."""
@@ -35,26 +31,24 @@ FEWER = 2500
 times as many as one of a quarter of it, which is what is asked of them."""
 
 
-def from_declared(kind: type[Begun], model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Begun:
+def from_declared(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Fit:
     """The fit of the declared pair at all samples of whatever is open, from where it ends best. Raises what
     ``Fit.begun`` does.
 
     Where the zero moved farther than one step may go, teeth begin once more where it stands now: of a healthy pair with
     its zero off by a twentieth of a pitch 260 in misfit were left, of which a relief of 1.1 um was made.
     """
-    fit = kind.begun(model, foreign, step)
+    fit = Fit.begun(model, foreign, step)
     graded = [gear for gear in (0, 1) if model.as_built.gears[gear].graded]
-    if graded and abs(model.shift) > MOST_SHIFT * model.scope.gears[1].tau and not fit.over:
+    now = fit.model
+    if graded and abs(now.shift) > MOST_SHIFT * now.scope.gears[1].tau and not fit.over:
         # Teeth settled while the zero was still on its way. A few samples do not always tell.
-        _ends_better(fit, model.as_built.as_declared(model.built, graded), model.shift, better=BETTER)
-    relax(fit, first=True)
-    fit.choose_law()
-    fit.share()
-    return fit
+        fit = _ended_better(fit, now.as_built.as_declared(now.built, graded), now.shift, better=BETTER)
+    return shared(with_best_law(relaxed(fit, first=True)))
 
 
-def relax(fit: Fit, *, first: bool = False) -> None:
-    """Begin once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that lean as
+def relaxed(fit: Fit, *, first: bool = False) -> Fit:
+    """Begun once more with the slopes of a graded gear alike and no crowning, and with those teeth upright that lean as
     none of their fellows does, as long as that ends better; and with teeth as declared, as the ``first`` fit began.
 
     Without load a tooth touches here and there only, and where it does not, nothing tells any more that an earlier
@@ -63,27 +57,29 @@ def relax(fit: Fit, *, first: bool = False) -> None:
     that had settled for what was left out rest in a local minimum that its claim does not lead out of: a relief of
     0.4 um was made of that, of which the fit that began with declared teeth left nothing.
     """
-    model = fit.model
-    teeth = model.as_built
+    teeth = fit.model.as_built
     graded = [gear for gear in (0, 1) if teeth.gears[gear].graded]
     if not graded or fit.over:
-        return
+        return fit
     tries = _Tries(fit)
     ways = [teeth.upright]
-    if not all(scene.bends for scene in fit.scenes) or teeth.strained(model.built):
+    if not all(scene.bends for scene in fit.scenes) or teeth.strained(fit.model.built):
         ways.insert(0, teeth.alike)
     if not first:
-        tries.better_from(teeth.as_declared(model.built, graded), model.shift)
+        tries.better_from(teeth.as_declared(fit.model.built, graded), fit.model.shift)
     for afresh in ways:
         for _ in range(RELAXED):
-            start = afresh(model.built, graded)
-            if fit.over or np.array_equal(start, model.built) or not tries.better_from(start, model.shift):
+            now = tries.fit.model
+            start = afresh(now.built, graded)
+            if tries.fit.over or np.array_equal(start, now.built) or not tries.better_from(start, now.shift):
                 break
-    most = MOST_SHIFT * model.scope.gears[1].tau
+    most = MOST_SHIFT * fit.model.scope.gears[1].tau
     for shift in (0.0, most, -most):
+        now = tries.fit.model
         # Teeth that lean together hand over elsewhere, and to first order no column says that the zero is wrong.
-        if teeth.strained(model.built) and not fit.over:
-            tries.better_from(teeth.alike(model.built, graded), shift)
+        if teeth.strained(now.built) and not tries.fit.over:
+            tries.better_from(teeth.alike(now.built, graded), shift)
+    return tries.fit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -111,38 +107,36 @@ def few_of(whole: Fit) -> Few | None:
     return Few(fit=fit, where=where, part=sizes[0] / sizes[1])
 
 
-@dataclass(eq=False)
 class _Tries:
-    """Other beginnings of a ``fit``, tried on a few samples first."""
+    """Other beginnings of a ``fit``, tried on a few samples first; it is the best of them so far."""
 
-    fit: Fit
-
-    @cached_property
-    def few(self) -> Few | None:
-        """The fit of a part of the samples."""
-        return few_of(self.fit)
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self._few: Few | None = None
+        self._begun = False
 
     def better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
         better, and is kept."""
         better = max(BETTER, WORTH_WHILE * self.fit.linear.system.beyond)
-        if self.few is None:
-            return _ends_better(self.fit, built, shift, better=better)
-        few = self.few.fit
-        before = few.kept()
-        if not _ends_better(few, built, shift, better=self.few.part * better):
+        if not self._begun:
+            self._few, self._begun = few_of(self.fit), True
+        few = self._few
+        if few is not None:
+            there = _ended_better(few.fit, built, shift, better=few.part * better)
+            if there is few.fit:
+                return False
+            built, shift = there.model.built, there.model.shift
+        whole = _ended_better(self.fit, built, shift, better=better)
+        if whole is self.fit:
             return False
-        if _ends_better(self.fit, few.model.built, few.model.shift, better=better):
-            return True
-        few.restore(before)
-        return False
+        self.fit = whole
+        if few is not None:
+            self._few = replace(few, fit=there)
+        return True
 
 
-def _ends_better(fit: Fit, built: FloatArray, shift: float, *, better: float) -> bool:
-    there = fit.linear.system.misfit
-
-    def from_there() -> None:
-        fit.model.built, fit.model.shift = built, shift
-        fit.settle(below=there - better)
-
-    return fit.tried(from_there, better=better)
+def _ended_better(fit: Fit, built: FloatArray, shift: float, *, better: float) -> Fit:
+    """Begun once more with teeth as ``built`` and this ``shift``, where that ends better; else the same ``fit``."""
+    below = fit.linear.system.misfit - better
+    return better_of(fit, lambda one: settled(one.believing(built=built, shift=shift), below=below), better=better)

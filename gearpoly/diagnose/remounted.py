@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.fit import Fit, better_of, settled
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import gain_of
-from gearpoly.errors import GearpolyError
 from gearpoly.keys.edit import GEARS
 from gearpoly.physics.samples import Samples
 from gearpoly.units import UM, FloatArray
@@ -57,29 +56,23 @@ def remounted(model: Model, linear: Linear, *, deflection: float) -> Remounted |
     return max(_differences(model, linear, deflection), key=lambda one: one.wave, default=None)
 
 
-def give_up_beside(search: Search, entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Take back every claim that does less than what recordings still differ by beside all of them, ``entries`` of what
-    is left, and say so: what nobody can explain between two recordings may have made it. Of two mountings under two
-    torques, 7.7 um apart, 4 mrad of a misalignment were named; of 53 made sets of one mounting whose physics was named
-    none was left apart."""
+def without_smaller(search: Fit, entries: Sequence[Entry]) -> tuple[Fit, tuple[str, ...]]:
+    """Without every claim that does less than what recordings still differ by beside all of them, ``entries`` of what
+    is left, and a word about it: what nobody can explain between two recordings may have made it. Of two mountings
+    under two torques, 7.7 um apart, 4 mrad of a misalignment were named; of 53 made sets of one mounting whose physics
+    was named none was left apart."""
     # Means differ by zeros and by friction as well.
     sets = [one for one in entries if one.kind == "condition"]
     apart = max(sets, key=lambda one: one.turning_um or 0.0, default=None)
     model = search.model
     if apart is None or not model.claims:
-        return ()
+        return search, ()
     size = (apart.turning_um or 0.0) * UM
-    kept = [one for one in model.claims if model.rms_of(search.scenes, one) > size]
-    if len(kept) == len(model.claims):
-        return ()
-    begun = search.kept()
-    try:
-        model.claims = kept
-        search.settle()
-    except GearpolyError:
-        search.restore(begun)
+    stay = tuple(one for one in model.claims if model.rms_of(search.scenes, one) > size)
+    if len(stay) == len(model.claims):
+        return search, ()
     where = " and ".join(str(k) for k in apart.recordings)
-    return (
+    return better_of(search, lambda one: settled(one.believing(claims=stay)), better=-math.inf), (
         f"recording {where} differs from the others by {size / UM:.2g} um rms, which nothing explains, so that no "
         "smaller physics is named: something may have been mounted anew in between, or a zero moved; record the set "
         "without taking anything apart, or diagnose each recording alone",

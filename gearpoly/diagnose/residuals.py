@@ -13,10 +13,11 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.template import templates_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.floors import magnified
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.weigh import Weigh
 from gearpoly.units import UM, FloatArray
 
 FITTED = 1e-4
@@ -27,7 +28,7 @@ SHARP = 15.0
 what was read off the lines beside it."""
 
 
-def residuals_of(fit: Weigh) -> list[FloatArray]:
+def residuals_of(fit: Fit) -> list[FloatArray]:
     """What the ``fit`` leaves (n_k,) in mm of every recording, with the waves that no pair makes put back: they are to
     be found again, with their size. Not those which turned out to be teeth as they were built: their size is whatever
     the teeth leave open."""
@@ -39,7 +40,7 @@ def residuals_of(fit: Weigh) -> list[FloatArray]:
     return _left(linear, x)
 
 
-def left_of(fit: Weigh) -> list[FloatArray]:
+def left_of(fit: Fit) -> list[FloatArray]:
     """What the ``fit`` leaves (n_k,) in mm of every recording."""
     return _left(fit.linear, fit.linear.system.solution)
 
@@ -49,7 +50,7 @@ def _left(linear: Linear, x: FloatArray) -> list[FloatArray]:
 
 
 def locate_residuals(
-    fit: Weigh, comparison: Comparison, left: list[FloatArray], *, over: Callable[[], bool] = lambda: False
+    fit: Fit, comparison: Comparison, left: list[FloatArray], *, over: Callable[[], bool] = lambda: False
 ) -> Located:
     """Where recordings differ from what a ``fit`` makes of them: what it leaves of them is ``left`` (n_k,) in mm, and
     ``comparison`` says how they were laid; only what is strongest where time is ``over``."""
@@ -92,18 +93,18 @@ def locate_residuals(
     )
 
 
-def stands_out(entry: Entry, fit: Weigh) -> bool:
+def stands_out(entry: Entry, fit: Fit) -> bool:
     """Whether an entry is beyond what the simulation cannot do, a grade leaves open, or the noise may be coloured by,
     and is none of another one's company."""
     return entry.companion_of is None and beyond_model(entry, fit) and not _by_colour(entry, fit.model, fit.noises)
 
 
-def beyond_model(entry: Entry, fit: Weigh) -> bool:
+def beyond_model(entry: Entry, fit: Fit) -> bool:
     """Whether an entry is beyond what the simulation cannot do, and a grade leaves open."""
     return not _by_law(entry, fit) and not _by_grade(entry, max(fit.model.scope.form))
 
 
-def _by_law(entry: Entry, fit: Weigh) -> bool:
+def _by_law(entry: Entry, fit: Fit) -> bool:
     """Whether an entry is below what compliance laws and corner contact differ by, magnified by a resonance if there is
     one: that repeats with the pair."""
     if is_foreign(entry) or entry.burst is not None:
@@ -112,7 +113,7 @@ def _by_law(entry: Entry, fit: Weigh) -> bool:
     part = BY_LAWS.get(entry.kind, OTHERS_BY_LAWS)
     if entry.kind == "tooth" and entry.phase is not None and entry.phase[1] - entry.phase[0] < CORNER:
         part = BY_LAWS["mesh_phase"]
-    swings = 1.0 if entry.order is None else fit.magnified(entry.order, entry.gear, entry.recordings)
+    swings = 1.0 if entry.order is None else magnified(fit, entry.order, entry.gear, entry.recordings)
     return size < part * swings * fit.deflection / UM
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.fit import Fit
 from gearpoly.keys.edit import gear_section
 from gearpoly.mesh.pair import Flank
 from gearpoly.physics.base import Claim
@@ -38,7 +38,7 @@ class Running:
     noise: FloatArray
 
 
-def running(search: Search, gear: int, flank: Flank, *, claimed: bool) -> Running:
+def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
     """One gear's flank as the recordings show it; ``claimed``: with what was claimed of it in ``COUNTED`` kinds.
 
     Two gears that lean alike look as if they did not lean, and what a fit makes of that comes from the forms of their
@@ -83,13 +83,13 @@ def running(search: Search, gear: int, flank: Flank, *, claimed: bool) -> Runnin
     )
 
 
-def common_lean(search: Search, flank: Flank) -> float:
+def common_lean(search: Fit, flank: Flank) -> float:
     """Slope in um that the median teeth of both gears have in common on one flank, as they were built."""
     as_built, built = search.model.as_built, search.model.built
     return 0.5 * sum(float(np.median(as_built.slope(built, flank, gear))) for gear in (0, 1))
 
 
-def written(search: Search, claim: Claim, key: str) -> FloatArray:
+def written(search: Fit, claim: Claim, key: str) -> FloatArray:
     """Change (z, q) in um of ``key`` of the claim's gear by one unit of each of its values."""
     file, q = search.model.declared, len(claim.values)
     before = column(gear_section(file, claim.place.gear), key)
@@ -102,7 +102,7 @@ def written(search: Search, claim: Claim, key: str) -> FloatArray:
     )
 
 
-def thicknesses(search: Search, flanks: Sequence[Running], gear: int) -> tuple[FloatArray, FloatArray] | None:
+def thicknesses(search: Fit, flanks: Sequence[Running], gear: int) -> tuple[FloatArray, FloatArray] | None:
     """Tooth thickness deviations E_s (z,) in um along the reference circle and their covariance (z, z); None where not
     both flanks were recorded."""
     if {one.flank for one in flanks} != {"drive", "coast"}:

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from gearpoly.diagnose.exchange import LIKELY, Exchange
-from gearpoly.diagnose.fit import BETTER
-from gearpoly.diagnose.kept import Kept, without_columns
-from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.multi_start import multi_start
-from gearpoly.diagnose.relaxed import relax
+from gearpoly.diagnose.exchange import (
+    LIKELY,
+    alike_again,
+    gained_since,
+    promised_more,
+    reshaped,
+    set_back,
+    swapped,
+    without_idle,
+)
+from gearpoly.diagnose.fit import BETTER, Fit, better_of, forgotten, joined, settled, shared, with_best_law
+from gearpoly.diagnose.kept import Kept, come_back, kept
+from gearpoly.diagnose.multi_start import multi_started
+from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.unnamed import is_weighed, leave_more, leave_waves, left_unnamed, likeliest, weigh_at
-from gearpoly.diagnose.weigh import MOSTLY
+from gearpoly.diagnose.softness import with_declared_law, with_declared_softness, with_wider_laws
+from gearpoly.diagnose.unnamed import is_weighed, left_unnamed, likeliest, more_unnamed, waves_unnamed, weigh_at
+from gearpoly.diagnose.weigh import MOSTLY, gain_without, hopeful, matters, pays, significant, within_grade
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
 from gearpoly.physics.base import Claim
@@ -59,298 +68,279 @@ class Road:
     part: float
 
 
-@dataclass(kw_only=True, eq=False)
-class Search(Exchange):
-    """The search in progress; ``disowned`` counts claims that were taken back since they did not end. ``rises``: a
-    linear system, and by how much the misfit (sigmas squared) rises from it without a claim, by its key, where all was
-    fitted again without; so no such fit is made twice."""
+def run_search(fit: Fit) -> tuple[Fit, list[Candidate]]:
+    """Make claims until none pays; the fit with them, and the candidates of the last look.
 
-    disowned: int = 0
-    rises: tuple[Linear, dict[tuple[object, ...], float]] | None = None
+    Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
+    show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
+    tried together, also where few claims or many seem to do; the other steps are gone too, and the best end is
+    kept. Many are not waited for where those few explain more.
+    """
+    fit = forgotten(fit)
+    start, missing = kept(fit), fit.linear.system.beyond
+    fit, found, roads = forward(fit, MANY)
+    if len(fit.model.claims) >= MANY:
+        fit, found = otherwise(fit, start, relieved(fit.model), found, most=MANY)
+    if len(fit.model.claims) >= MANY:
+        # Those few are tried once more at the end, without a limit: beside them others may be many as well.
+        fit, found, more = forward(fit)
+        roads += more
+    if strained(fit) or several_of_all(fit):
+        fit, found = otherwise(fit, start, relieved(fit.model), found)
+    for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
+        if strained(fit):
+            fit, found = otherwise(fit, road.state, [road.claim], found)
+    law, fit = fit.model.law, laws_anew(fit)
+    if fit.model.law != law:
+        fit, found, _ = forward(fit)
+    return with_wider_laws(withdrawn(disowned(fit, missing))), found
 
-    def run(self) -> list[Candidate]:
-        """Make claims until none pays; return the candidates of the last look.
 
-        Where much is left then, a step that was contested may have been wrong: wind-up takes all that several torques
-        show of bending at first, and the reliefs that would tell them apart come later. So bending and reliefs are
-        tried together, also where few claims or many seem to do; the other steps are gone too, and the best end is
-        kept. Many are not waited for where those few explain more.
-        """
-        self.forget()
-        start, missing = without_columns(self.kept()), self.linear.system.beyond
-        found, roads = self.forward(MANY)
-        if len(self.model.claims) >= MANY:
-            found = self.otherwise(start, relieved(self.model), found, most=MANY)
-        if len(self.model.claims) >= MANY:
-            # Those few are tried once more at the end, without a limit: beside them others may be many as well.
-            found, more = self.forward()
-            roads += more
-        if self.strained or self.several_of_all:
-            found = self.otherwise(start, relieved(self.model), found)
-        for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
-            if self.strained:
-                found = self.otherwise(road.state, [road.claim], found)
-        if self.laws_anew():
-            found, _ = self.forward()
-        self.disown(missing)
-        self.withdraw()
-        self.widen()
-        return found
+def doubted(fit: Fit) -> bool:
+    """Whether as much is left as is noise, so that the pair file is doubted as a whole."""
+    return fit.linear.system.whiteness > DOUBTED
 
-    @property
-    def doubted(self) -> bool:
-        """Whether as much is left as is noise, so that the pair file is doubted as a whole."""
-        return self.linear.system.whiteness > DOUBTED
 
-    @property
-    def strained(self) -> bool:
-        """Whether the search has ended with much left, or with so many claims that few others may be what they are."""
-        much = self.linear.system.beyond >= LEFT * self.linear.system.samples
-        return much or len(self.model.claims) >= MANY
+def strained(fit: Fit) -> bool:
+    """Whether the search has ended with much left, or with so many claims that few others may be what they are."""
+    much = fit.linear.system.beyond >= LEFT * fit.linear.system.samples
+    return much or len(fit.model.claims) >= MANY
 
-    @property
-    def several_of_all(self) -> bool:
-        """Whether several physics of all teeth are claimed that may be what bending leaves of reliefs together."""
-        ones = [one.physics for one in self.model.claims if one.physics.mean_tooth]
-        return len(ones) > 1 and sum(one.shaped for one in ones) < 2
 
-    def otherwise(
-        self, state: Kept, claims: list[Claim], found: list[Candidate], *, most: int = MOST
-    ) -> list[Candidate]:
-        """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits
-        better, if it comes before ``most`` claims where few were asked for; the candidates of its last look, ``found``
-        or others."""
-        if not claims or self.over:
-            return found
-        end, looked = self.kept(), self.looked
-        self.restore(state)
-        other = self.forward(most)[0] if self.accept(claims) else None
-        ended = most == MOST or len(self.model.claims) < most
-        if other is not None and ended and self.gained(end) > BETTER:
-            return other
-        self.restore(end)
-        self.looked = looked
-        return found
+def several_of_all(fit: Fit) -> bool:
+    """Whether several physics of all teeth are claimed that may be what bending leaves of reliefs together."""
+    ones = [one.physics for one in fit.model.claims if one.physics.mean_tooth]
+    return len(ones) > 1 and sum(one.shaped for one in ones) < 2
 
-    def disown(self, missing: float) -> None:
-        """Take back claims about single teeth that do not end and leave a good part of the misfit beyond noise that was
-        ``missing`` before any, and all others that explain less than is left: whatever it is, it looks like each of
-        them here and there, and keeps no name."""
-        left = self.linear.system.beyond
-        if len(self.model.claims) < MOST or left < MOSTLY * missing:
-            return
-        ones = enumerate(self.model.claims)
-        kept = [one for k, one in ones if one.place.tooth is None and self.gain_without(k) > left]
-        gone = len(self.model.claims) - len(kept)
 
-        def taken_back() -> None:
-            self.model.claims = kept
-            self.settle()
+def otherwise(
+    fit: Fit, state: Kept, claims: list[Claim], found: list[Candidate], *, most: int = MOST
+) -> tuple[Fit, list[Candidate]]:
+    """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits better,
+    if it comes before ``most`` claims where few were asked for; with the candidates of its last look, ``found`` or
+    others."""
+    if not claims or fit.over:
+        return fit, found
+    begun = accepted(come_back(state, fit), claims)
+    if begun is None:
+        return fit, found
+    other, looked, _ = forward(begun, most)
+    ended = most == MOST or len(other.model.claims) < most
+    return (other, looked) if ended and gained_since(other, fit) > BETTER else (fit, found)
 
-        if self.tried(taken_back, better=-math.inf):
-            self.disowned = gone
-        self.drop_idle()
 
-    def forward(self, most: int = MOST) -> tuple[list[Candidate], list[Road]]:
-        """Make claims until none pays or there are so many; the candidates of the last look, and the steps that might
-        have been taken."""
-        refused: set[tuple[object, ...]] = set()
-        found: list[Candidate] = []
-        roads: list[Road] = []
-        looked = False
-        while len(self.model.claims) < most and len(refused) <= MOST and not self.over:
-            if not looked:
-                self.step(f"looking for what is missing ({len(self.model.claims)} found)")
-                found, self.looked = scan(self.model, self.scenes, self.linear)
-                self.formed = max((one.gain for one in found if self.graded(one)), default=0.0)
-            ones = self.likely(found, refused)
-            best = next((one for one in ones if self.matters(one) and (is_weighed(one.claim) or self.pays(one))), None)
-            before = self.kept()
-            if best is None:
-                if leave_waves(self, found[:SHORTLIST]) and not self._unsettled(before):
-                    looked = False
-                    continue
+def disowned(fit: Fit, missing: float) -> Fit:
+    """Without claims about single teeth that do not end and leave a good part of the misfit beyond noise that was
+    ``missing`` before any, and all others that explain less than is left: whatever it is, it looks like each of
+    them here and there, and keeps no name."""
+    left = fit.linear.system.beyond
+    if len(fit.model.claims) < MOST or left < MOSTLY * missing:
+        return fit
+    ones = enumerate(fit.model.claims)
+    stay = tuple(one for k, one in ones if one.place.tooth is None and gain_without(fit, k) > left)
+    gone = len(fit.model.claims) - len(stay)
+    without = better_of(fit, lambda one: settled(one.believing(claims=stay)), better=-math.inf)
+    return without_idle(fit if without is fit else replace(without, disowned=gone))
+
+
+def forward(fit: Fit, most: int = MOST) -> tuple[Fit, list[Candidate], list[Road]]:
+    """Make claims until none pays or there are so many; the fit with them, the candidates of the last look, and the
+    steps that might have been taken."""
+    refused: set[tuple[object, ...]] = set()
+    found: list[Candidate] = []
+    roads: list[Road] = []
+    looked = False
+    while len(fit.model.claims) < most and len(refused) <= MOST and not fit.over:
+        if not looked:
+            fit.step(f"looking for what is missing ({len(fit.model.claims)} found)")
+            found, places = scan(fit.model, fit.scenes, fit.linear)
+            formed = max((one.gain for one in found if within_grade(fit, one)), default=0.0)
+            fit = replace(fit, looked=places, formed=formed)
+        ones = likely_ones(fit, found, refused)
+        best = next((one for one in ones if matters(fit, one) and (is_weighed(one.claim) or pays(fit, one))), None)
+        if best is None:
+            left = waves_unnamed(fit, found[:SHORTLIST])
+            there = None if left is fit else _settled(left)
+            if there is None:
                 break
-            weighed = weigh_at(self, best)
-            if weighed is not None and left_unnamed(self, best.claim, weighed):
-                leave_more(self, found[:SHORTLIST], besides=best.claim)
-                looked = self._unsettled(before)
-                refused |= {best.claim.key} if looked else set()
-                continue
-            first = best.claim.key
-            chosen = likeliest(best, weighed)
-            if chosen is not None and chosen.claim.key in refused:
-                # What was likelier to first order did not stand, so nothing speaks against the candidate itself.
-                chosen = best
-            looked = True  # where nothing changes, the next best of the same look is tried
-            if chosen is None:
-                refused.add(first)
-                continue
-            best = chosen
-            self.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
-            if self.taken(best, found, before):
-                roads += [
-                    Road(state=without_columns(before), claim=one.claim, part=one.gain / best.gain)
-                    for one in ones
-                    if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
-                ]
-                refused -= {best.claim.key, first}
-                looked = False
-                continue
+            fit, looked = there, False
+            continue
+        weighed = weigh_at(fit, best)
+        unnamed = None if weighed is None else left_unnamed(fit, best.claim, weighed)
+        if unnamed is not None:
+            there = _settled(more_unnamed(unnamed, found[:SHORTLIST], besides=best.claim))
+            looked = there is None
+            refused |= {best.claim.key} if there is None else set()
+            fit = there or fit
+            continue
+        first = best.claim.key
+        chosen = likeliest(best, weighed)
+        if chosen is not None and chosen.claim.key in refused:
+            # What was likelier to first order did not stand, so nothing speaks against the candidate itself.
+            chosen = best
+        looked = True  # where nothing changes, the next best of the same look is tried
+        if chosen is None:
+            refused.add(first)
+            continue
+        best = chosen
+        fit.step(f"fitting {best.claim.physics.name.replace('_', ' ')}")
+        there = claimed(fit, best, found)
+        if there is None:
             refused.add(best.claim.key)
-        return found, roads
+            continue
+        before, fit, looked = kept(fit), there, False
+        roads += [
+            Road(state=before, claim=one.claim, part=one.gain / best.gain)
+            for one in ones
+            if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
+        ]
+        refused -= {best.claim.key, first}
+    return fit, found, roads
 
-    def _unsettled(self, before: Kept) -> bool:
-        """Whether gears cannot run with the curves that were left without a name; the state is then as ``before``."""
-        try:
-            self.settle()
-        except GearpolyError:
-            self.restore(before)
-            return True
-        return False
 
-    def taken(self, best: Candidate, found: list[Candidate], before: Kept) -> bool:
-        """Make the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
-        polished, of it ``found`` coarsely and grown less: of a pit as narrow as its walls, columns promise what no
-        polygon shows."""
-        if self._stands(best, before):
-            return True
-        coarse = next((one for one in found if one.claim.key == best.claim.key), None)
-        if coarse is None or abs(best.claim.values[0]) <= GROWN * abs(coarse.claim.values[0]):
-            return False
-        return self._stands(polished(self.model, self.scenes, self.linear, coarse, roughly=True, grown=GROWN), before)
+def _settled(fit: Fit) -> Fit | None:
+    """Settled with the curves that were left without a name; None where gears cannot run with them."""
+    try:
+        return settled(fit)
+    except GearpolyError:
+        return None
 
-    def _stands(self, one: Candidate, before: Kept) -> bool:
-        """Whether the claim of a candidate was made and has left the fit better than ``before``, which is back if not:
-        what was exchanged for it may have gone again, and left all worse. A pit that came to rest where it explains
-        less than half of what it promises is of another shape."""
-        if self.accept([one.claim]) and self.gained(before) > 2.0 * self.promised(one.claim):
-            return True
-        self.restore(before)
-        return False
 
-    def accept(self, claims: Sequence[Claim]) -> bool:
-        """Make claims and fit everything again; whether they stand, and leave gears that can still run."""
-        begun = self.kept()
-        try:
-            self.join(claims)
-            self.settle()
-            single = all(one.place.tooth is not None for one in claims)
-            if single and self.model.claims != claims and self.gained(begun) < 0.0:
-                return False  # neither law nor form mends what a single tooth has made worse
-            if self.over:
-                return False  # nobody knows what it would have been worth
-            relax(self)
-            self.reshape()
-            if any(shows_in_laws(one) for one in claims):
-                self.laws_anew()
-            self.share()
-            if self.over:
-                return False
-            self.drop_idle()
-            kept = {one.key for one in claims} <= {one.key for one in self.model.claims}
-            self.swap()
-            self.set_back()
-            self.even()
-            self.forget()
-        except GearpolyError:
-            return False
-        return kept
+def claimed(fit: Fit, best: Candidate, found: Sequence[Candidate]) -> Fit | None:
+    """With the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
+    polished, of it ``found`` coarsely and grown less: of a pit as narrow as its walls, columns promise what no
+    polygon shows. None where neither stands."""
+    there = _standing(fit, best)
+    if there is not None:
+        return there
+    coarse = next((one for one in found if one.claim.key == best.claim.key), None)
+    if coarse is None or abs(best.claim.values[0]) <= GROWN * abs(coarse.claim.values[0]):
+        return None
+    return _standing(fit, polished(fit.model, fit.scenes, fit.linear, coarse, roughly=True, grown=GROWN))
 
-    def laws_anew(self) -> bool:
-        """Ask again how soft teeth are, and by which law they give; whether that is another one now."""
-        law = self.model.law
-        self.declared_softness()
-        self.declared_law()
-        self.choose_law()
-        return self.model.law != law
 
-    def likely(self, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
-        """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
-        chosen: list[Candidate] = []
-        for one in found[:SHORTLIST]:
-            alike = [other.claim.key for other in chosen if other.claim.physics is one.claim.physics]
-            if len(alike) > 1 or one.claim.key in alike or one.claim.key in refused or not self.hopeful(one):
-                continue
-            chosen.append(one)
-            if len(chosen) == POLISHED:
-                break
-        done = each(lambda one: polished(self.model, self.scenes, self.linear, one, roughly=True), chosen)
-        done.sort(key=lambda one: -self.looked.worth(one))
-        return [one for one in done if self.significant(one)]
+def _standing(fit: Fit, one: Candidate) -> Fit | None:
+    """With the claim of a candidate where that leaves the fit better: what was exchanged for it may have gone again,
+    and left all worse. A pit that came to rest where it explains less than half of what it promises is of another
+    shape."""
+    there = accepted(fit, [one.claim])
+    if there is None or gained_since(there, fit) <= 2.0 * promised_more(there, one.claim):
+        return None
+    return there
 
-    def withdraw(self) -> None:
-        """Take back claims without which the rest fits hardly worse, and what was believed beside them only.
 
-        Teeth of a grade had settled for the claim, and where unloaded ones touch had moved with it: to first order
-        nothing can stand in its place, and a fit that had come to rest too early is taken for a claim. So it is beside
-        a relief, whose length the claim has moved and with it the place where pairs hand over.
-        """
-        gone = [self._withdrawn(k) for k in reversed(range(len(self.model.claims)))]
-        if any(gone):
-            self.declared_law()
-            self.choose_law()
-            self.share()
-            self.drop_idle()
-
-    def _withdrawn(self, k: int) -> bool:
-        """Whether claim ``k`` was taken back, all fitted again without it."""
-        claim, begun = self.model.claims[k], self.kept()
-        if self.over or not self._settled_for(claim):
-            return False
-        self.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
-        try:
-            self._fit_without(k)
-        except GearpolyError:
-            self.restore(begun)
-            return False
-        few = len(claim.values)
-        lost = 2.0 * few - self.gained(begun)
-        if self.significant(Candidate(claim=claim, gain=lost, freedoms=few)):
-            self.restore(begun)
-            self.rises = self.linear, {**self._rises_here(), claim.key: lost}
-            return False
-        return True
-
-    def _rises_here(self) -> dict[tuple[object, ...], float]:
-        """What ``rises`` knows of the present linear system."""
-        return self.rises[1] if self.rises is not None and self.rises[0] is self.linear else {}
-
-    def rise_without(self, k: int) -> float | None:
-        """By how much the misfit rises where all is fitted to its end without claim ``k``, by the present noise; None
-        where to first order nothing can have come to rest for it, or gears cannot run so. The state stays."""
-        claim, begun = self.model.claims[k], self.kept()
-        if self.over or not self._settled_for(claim):
+def accepted(fit: Fit, claims: Sequence[Claim]) -> Fit | None:
+    """With ``claims`` and everything fitted again; None where they do not stand, or leave gears that cannot run."""
+    try:
+        there = settled(joined(fit, claims))
+        single = all(one.place.tooth is not None for one in claims)
+        if single and there.model.claims != tuple(claims) and gained_since(there, fit) < 0.0:
+            return None  # neither law nor form mends what a single tooth has made worse
+        if there.over:
+            return None  # nobody knows what it would have been worth
+        there = reshaped(relaxed(there))
+        if any(shows_in_laws(one) for one in claims):
+            there = laws_anew(there)
+        there = shared(there)
+        if there.over:
             return None
-        if claim.key in (known := self._rises_here()):
-            return known[claim.key]
-        there = self.linear.system.misfit
-        try:
-            self._fit_without(k)
-            return self.linear.under(begun[1]["noises"]).system.misfit - there
-        except GearpolyError:
+        there = without_idle(there)
+        if not {one.key for one in claims} <= {one.key for one in there.model.claims}:
             return None
-        finally:
-            self.restore(begun)
+        return forgotten(alike_again(set_back(swapped(there))))
+    except GearpolyError:
+        return None
 
-    def _fit_without(self, k: int) -> None:
-        """Fit everything to its end without claim ``k``."""
-        there, noises = self.linear.system.misfit, self.noises
-        self.join([], instead=[k])
-        self.settle()
-        relax(self)
-        if self.linear.under(noises).system.misfit < there + MINIMA_APART:
-            multi_start(self, enough=there)
 
-    def _settled_for(self, claim: Claim) -> bool:
-        """Whether what stands beside a claim may have come to rest in another local minimum for it."""
-        graded = any(gear.graded for gear in self.model.as_built.gears)
-        if graded and not all(scene.bends for scene in self.scenes):
-            return claim.place.tooth is None and order_of(claim) is None and not claim.physics.slow
-        if not claim.physics.mean_tooth:
-            return False
-        beside = [one.physics for one in self.model.claims if one is not claim]
-        return (graded and claim.place.gear is not None) or any(one.mean_tooth and one.shaped for one in beside)
+def laws_anew(fit: Fit) -> Fit:
+    """With how soft teeth are, and by which law they give, asked again."""
+    return with_best_law(with_declared_law(with_declared_softness(fit)))
+
+
+def likely_ones(fit: Fit, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
+    """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
+    chosen: list[Candidate] = []
+    for one in found[:SHORTLIST]:
+        alike = [other.claim.key for other in chosen if other.claim.physics is one.claim.physics]
+        if len(alike) > 1 or one.claim.key in alike or one.claim.key in refused or not hopeful(fit, one):
+            continue
+        chosen.append(one)
+        if len(chosen) == POLISHED:
+            break
+    done = each(lambda one: polished(fit.model, fit.scenes, fit.linear, one, roughly=True), chosen)
+    done.sort(key=lambda one: -fit.looked.worth(one))
+    return [one for one in done if significant(fit, one)]
+
+
+def withdrawn(fit: Fit) -> Fit:
+    """Without claims without which the rest fits hardly worse, and what was believed beside them only.
+
+    Teeth of a grade had settled for the claim, and where unloaded ones touch had moved with it: to first order
+    nothing can stand in its place, and a fit that had come to rest too early is taken for a claim. So it is beside
+    a relief, whose length the claim has moved and with it the place where pairs hand over.
+    """
+    gone = False
+    for k in reversed(range(len(fit.model.claims))):
+        many = len(fit.model.claims)
+        fit = _withdrawn(fit, k)
+        gone = gone or len(fit.model.claims) < many
+    return without_idle(shared(with_best_law(with_declared_law(fit)))) if gone else fit
+
+
+def _withdrawn(fit: Fit, k: int) -> Fit:
+    """Without claim ``k``, all fitted again, where that costs no more than chance; else with what it costs."""
+    claim = fit.model.claims[k]
+    if fit.over or not _settled_for(fit, claim):
+        return fit
+    fit.step(f"fitting without {claim.physics.name.replace('_', ' ')}")
+    try:
+        without = _fitted_without(fit, k)
+    except GearpolyError:
+        return fit
+    few = len(claim.values)
+    lost = 2.0 * few - gained_since(without, fit)
+    if significant(without, Candidate(claim=claim, gain=lost, freedoms=few)):
+        return replace(fit, rises=(fit.linear, {**_rises_here(fit), claim.key: lost}))
+    return without
+
+
+def _rises_here(fit: Fit) -> dict[tuple[object, ...], float]:
+    """What ``rises`` knows of the present linear system."""
+    return fit.rises[1] if fit.rises is not None and fit.rises[0] is fit.linear else {}
+
+
+def rise_without(fit: Fit, k: int) -> float | None:
+    """By how much the misfit rises where all is fitted to its end without claim ``k``, by the present noise; None
+    where to first order nothing can have come to rest for it, or gears cannot run so."""
+    claim = fit.model.claims[k]
+    if fit.over or not _settled_for(fit, claim):
+        return None
+    if claim.key in (known := _rises_here(fit)):
+        return known[claim.key]
+    try:
+        return _fitted_without(fit, k).linear.under(fit.noises).system.misfit - fit.linear.system.misfit
+    except GearpolyError:
+        return None
+
+
+def _fitted_without(fit: Fit, k: int) -> Fit:
+    """Everything fitted to its end without claim ``k``."""
+    there = fit.linear.system.misfit
+    without = relaxed(settled(joined(fit, [], instead=[k])))
+    if without.linear.under(fit.noises).system.misfit < there + MINIMA_APART:
+        without = multi_started(without, enough=there)
+    return without
+
+
+def _settled_for(fit: Fit, claim: Claim) -> bool:
+    """Whether what stands beside a claim may have come to rest in another local minimum for it."""
+    graded = any(gear.graded for gear in fit.model.as_built.gears)
+    if graded and not all(scene.bends for scene in fit.scenes):
+        return claim.place.tooth is None and order_of(claim) is None and not claim.physics.slow
+    if not claim.physics.mean_tooth:
+        return False
+    beside = [one.physics for one in fit.model.claims if one is not claim]
+    return (graded and claim.place.gear is not None) or any(one.mean_tooth and one.shaped for one in beside)
 
 
 def shows_in_laws(claim: Claim) -> bool:

@@ -16,10 +16,11 @@ from gearpoly.diagnose.begin import Begun
 from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
 from gearpoly.diagnose.budget import Watch
 from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
-from gearpoly.diagnose.conditions import take_back
+from gearpoly.diagnose.conditions import without_dear
 from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.exchange import freedoms
-from gearpoly.diagnose.kept import Kept, without_columns
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.one_for_all import one_for_all
@@ -27,7 +28,7 @@ from gearpoly.diagnose.placing import BETTER, well_placed
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.remounted import Remounted, remounted
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.search import run_search
 from gearpoly.diagnose.unstated import as_fitted
 from gearpoly.physics.base import Claim
 
@@ -39,7 +40,7 @@ class Searched:
     ``refitted`` in the stead of its claims, what was ``assumed`` on the way; ``anew``: what was mounted anew between
     recordings, so that nothing was looked for, as where they are of another pair; ``stopped``: time was over."""
 
-    search: Search
+    search: Fit
     comparison: Comparison
     start: Linear
     begun: Kept
@@ -53,13 +54,11 @@ class Searched:
 def searched(model: Model, start: Begun, watch: Watch) -> Searched:
     """The search at the place of a ``model`` whose teeth were placed, or at another place of their pitch where another
     physics of all teeth fits better than what was found, if it ends better there. Raises what ``compare`` does."""
-    spare = replace(model, built=np.zeros_like(model.built), claims=list(model.claims))
     first = _searched_at(model, start, watch)
     way = _better_place(first)
     if way is None or first.stopped:
         return first
-    spare.moved(way + first.search.model.offset - spare.offset)
-    second = _searched_at(spare, start, watch)
+    second = _searched_at(model.moved(way + first.search.model.offset - model.offset), start, watch)
     ahead = _ahead(second, first)
     if second.stopped or ahead <= BETTER[0]:
         return first
@@ -79,47 +78,42 @@ def _known(
 
 
 def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
-    waves, preparing = start.waves, watch.stage("prepare")
-    search, assumed = well_placed(model, lambda: from_declared(Search, model, waves, preparing)), start.assumed
+    waves, preparing, assumed = start.waves, watch.stage("prepare"), start.assumed
+    search = well_placed(model, lambda one: from_declared(one, waves, preparing))
     if (coarser := as_fitted(search)) is not None:
         model, assumed = coarser
-        search = Search.begun(model, waves, preparing)
-    anew = remounted(model, search.linear, deflection=search.deflection)
+        search = Fit.begun(model, waves, preparing)
+    anew = remounted(search.model, search.linear, deflection=search.deflection)
     comparison = _placed_alike(start.comparison, search)
-    search.step = watch.stage("search")
+    search = replace(search, step=watch.stage("search"))
     of_this_pair = anew is None and comparison.another is None
     if of_this_pair:
-        smooth_waves(search, comparison)
-        waves_beneath(search, comparison)
-    first, begun = search.linear, without_columns(search.kept())
-    looked_at = search.run() if of_this_pair else []
+        search = waves_beneath(smooth_waves(search, comparison), comparison)
+    first, begun = search.linear, kept(search)
+    looked_at: Sequence[Candidate] = []
+    if of_this_pair:
+        search, looked_at = run_search(search)
     if any(one.place.tooth is not None for one in search.model.claims):
         # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
-        end, scope = search.kept(), model.scope
-        search.restore(begun)
-        asked = smooth_waves(search, comparison, least=0.0)
-        started = search.linear, without_columns(search.kept())
-        looked_again = search.run() if asked else []
-        if asked and not search.over:
-            (first, begun), looked_at = started, looked_again
-        else:
-            # What was found till then is told.
-            search.restore(end)
-            model.scope = scope
-    stopped, budget = search.over, model.budget
-    model.budget = budget.further
-    search.step = watch.stage("rivals")
-    one_for_all(search)
-    refitted = contest(search, start.likely)
-    if take_back(search):
-        refitted = contest(search, start.likely)
+        back = come_back(begun, search)
+        asked = smooth_waves(back, comparison, least=0.0)
+        if asked is not back:
+            other, looked_again = run_search(asked)
+            if not other.over:  # else what was found till then is told
+                first, begun, search, looked_at = asked.linear, kept(asked), other, looked_again
+    stopped = search.over
+    search = replace(search.believing(budget=search.model.budget.further), step=watch.stage("rivals"))
+    search, refitted = contest(one_for_all(search), start.likely)
+    cheaper = without_dear(search)
+    if cheaper is not search:
+        search, refitted = contest(cheaper, start.likely)
     return Searched(
         search=search, comparison=comparison, start=first, begun=begun, looked_at=looked_at, refitted=refitted,
         assumed=assumed, anew=anew, stopped=stopped,
     )  # fmt: skip
 
 
-def _placed_alike(comparison: Comparison, search: Search) -> Comparison:
+def _placed_alike(comparison: Comparison, search: Fit) -> Comparison:
     """The comparison with the teeth where the search has them, and as they were built where they are open."""
     model = search.model
     if model.offset:

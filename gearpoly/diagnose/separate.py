@@ -98,7 +98,7 @@ def would_separate(
         seen = [(padded, *told), ([full(new)], *more)]
         sine = least_sine(total, seen)
         if best is None or sine > best.separability + 0.01:
-            best = Separation(recording=made, separability=sine, now=now, told=least_told(total, seen))
+            best = Separation(recording=made, separability=sine, now=now, told=simulation_floor(total, seen))
     if best is None or best.separability < now + least:
         return None
     return best
@@ -160,7 +160,7 @@ def least_sine(normal: FloatArray, parts: Sequence[Seen]) -> float:
     return min((sine for _, sine in _angles(normal, parts)), default=1.0)
 
 
-def least_told(normal: FloatArray, parts: Sequence[Seen]) -> float:
+def simulation_floor(normal: FloatArray, parts: Sequence[Seen]) -> float:
     """The fewest standard deviations by which a signal stands out from what any rival and everything open can make."""
     return min((size * sine for size, sine in _angles(normal, parts)), default=math.inf)
 

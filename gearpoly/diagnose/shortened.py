@@ -27,7 +27,7 @@ def shortened(model: Model, foreign: list[FloatArray], *, few: int) -> tuple[Mod
     """The model with as much of its recordings as suffices to place the teeth, a ``few`` samples of each, and so much
     of foreign columns."""
     wheres = [opening(one, model, few=few) for one in model.observed]
-    observed = [seen_at(one, where, model) for one, where in zip(model.observed, wheres, strict=True)]
+    observed = tuple(seen_at(one, where, model) for one, where in zip(model.observed, wheres, strict=True))
     return replace(model, observed=observed), [one[where] for one, where in zip(foreign, wheres, strict=True)]
 
 

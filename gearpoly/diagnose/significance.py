@@ -12,8 +12,8 @@ from scipy.special import gammaincc
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.residuals import beyond_model
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System, gain_of
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
@@ -38,7 +38,7 @@ class FitResidual:
     larger (Birge 1932, Phys. Rev. 40, 207), while what is known of teeth stays: the ``system`` has noise ``wider`` by
     this factor, in units of the present one."""
 
-    fit: Search
+    fit: Fit
     comparison: Comparison
     residuals: Sequence[FloatArray]
     repeats: Sequence[float]
@@ -53,7 +53,7 @@ class FitResidual:
 
 
 def fit_residual(
-    fit: Search, comparison: Comparison, residuals: Sequence[FloatArray], noise: Sequence[float]
+    fit: Fit, comparison: Comparison, residuals: Sequence[FloatArray], noise: Sequence[float]
 ) -> FitResidual:
     """The same from the ``residuals`` (n_k,) and the ``noise`` of every recording, in mm."""
     wider = math.sqrt(max(1.0, fit.linear.system.whiteness))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, CLEARLY, Fit
+from gearpoly.diagnose.fit import BETTER, CLEARLY, Fit, better_of, settled
 from gearpoly.diagnose.nuisance import SCALE_STD, law_changes
 
 WIDER, WIDEST = 1.2, 5.0
@@ -17,70 +17,55 @@ SOFT = 2.0
 """Standard deviations of the declared compliance from which on it is doubted that teeth are what is so soft."""
 
 
-@dataclass(kw_only=True, eq=False)
-class Softness(Fit):
-    """The fit, with compliance laws to come back from."""
+def with_declared_law(fit: Fit) -> Fit:
+    """By the declared compliance law again, unless another still fits clearly better: one that was taken for want of a
+    physics is in the way once that is found."""
+    if fit.model.law is None:
+        return fit
+    return better_of(fit, lambda one: settled(by_declared_law(one)), better=-CLEARLY)
 
-    def declared_law(self) -> None:
-        """Come back to the declared compliance law, unless another still fits clearly better: one that was taken for
-        want of a physics is in the way once that is found."""
-        if self.model.law is None:
-            return
 
-        def as_declared() -> None:
-            self.take_declared_law()
-            self.settle()
+def with_declared_softness(fit: Fit) -> Fit:
+    """Begun once more with teeth as soft as declared where they came out far from it, if that ends better: what else
+    gives way under load was taken for teeth before it was claimed, and what hardens and what is soft all along are two
+    valleys."""
+    if not fit.model.declared.model.tooth_deflection or not fit.model.claims:
+        return fit
+    softer = fit.model.scale * declared_ratio(fit)
+    if abs(softer - 1.0) < SOFT * SCALE_STD:
+        return fit
+    return better_of(fit, lambda one: settled(replace(one, model=one.model.softer(1.0 / softer))), better=BETTER)
 
-        self.tried(as_declared, better=-CLEARLY)
 
-    def declared_softness(self) -> None:
-        """Begin once more with teeth as soft as declared where they came out far from it, if that ends better: what
-        else gives way under load was taken for teeth before it was claimed, and what hardens and what is soft all along
-        are two valleys."""
-        if not self.model.declared.model.tooth_deflection or not self.model.claims:
-            return
-        softer = self.model.scale * self.declared_ratio()
-        if abs(softer - 1.0) < SOFT * SCALE_STD:
-            return
+def by_declared_law(fit: Fit) -> Fit:
+    """By the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
+    if fit.model.law is None:
+        return fit
+    return replace(fit, model=replace(fit.model.softer(declared_ratio(fit)), law=None), laws=None)
 
-        def as_soft() -> None:
-            self.model.soften(1.0 / softer)
-            self.settle()
 
-        self.tried(as_soft, better=BETTER)
+def declared_ratio(fit: Fit) -> float:
+    """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
+    if fit.model.law is None:
+        return 1.0
+    named = fit.model.declared.model
+    law = named.compliance, named.contact
+    back = law_changes(fit.scenes, only=law).get(law)
+    return 1.0 if back is None else back.ratio
 
-    def take_declared_law(self) -> None:
-        """Take the declared compliance law, teeth giving as much as before in the mean, without fitting again."""
-        if self.model.law is not None:
-            self.model.soften(self.declared_ratio())
-            self.model.law = None
-            self.laws = None
 
-    def declared_ratio(self) -> float:
-        """Compliance by the declared law over that by the law in use where teeth give as much in the mean."""
-        if self.model.law is None:
-            return 1.0
-        named = self.model.declared.model
-        law = named.compliance, named.contact
-        back = law_changes(self.scenes, only=law).get(law)
-        return 1.0 if back is None else back.ratio
+def with_wider_laws(fit: Fit) -> Fit:
+    """Fitted once more with as much doubt about the compliance law as it turned out to be wrong.
 
-    def widen(self) -> None:
-        """Fit once more with as much doubt about the compliance law as it turned out to be wrong.
-
-        The search holds laws to what is known of them, or a relief would be taken for a law; sizes and their errors
-        are to be honest about the law that was met.
-        """
-        if self.laws is None:
-            return
-        modes = len(self.laws.mix)
-        met = self.linear.system.solution[self.linear.layout.nuisance][-modes:]
-        wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
-        if wider > WIDER:
-            laws = self.laws.widened(wider)
-
-            def widened() -> None:
-                self.laws = laws
-                self.settle()
-
-            self.tried(widened, better=-math.inf)
+    The search holds laws to what is known of them, or a relief would be taken for a law; sizes and their errors are to
+    be honest about the law that was met.
+    """
+    if fit.laws is None:
+        return fit
+    modes = len(fit.laws.mix)
+    met = fit.linear.system.solution[fit.linear.layout.nuisance][-modes:]
+    wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
+    if wider <= WIDER:
+        return fit
+    laws = fit.laws.widened(wider)
+    return better_of(fit, lambda one: settled(replace(one, laws=laws)), better=-math.inf)

@@ -10,10 +10,11 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Cause, Entry, Gear
 from gearpoly.diagnose.causes import causes
+from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.residuals import sharp
-from gearpoly.diagnose.search import Search
+from gearpoly.diagnose.search import doubted
 from gearpoly.diagnose.unnamed import EVEN
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import FILE_RIGHT, UNEARNED
@@ -33,7 +34,7 @@ the plain error, four lengths as well, by up to 0.08 of themselves."""
 GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 
-def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+def explained(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The entries of which nobody has asked yet, each with the probability that it is there at all and what may be
     behind it; without those that are likelier not there. A wave so far above the noise that no colour would make it is
     there: where a fit finds nothing at its order, columns without a cause hold it."""
@@ -47,11 +48,11 @@ def explained(search: Search, comparison: Comparison, entries: Sequence[Entry]) 
     return tuple(one for one in told if one.probability is None or one.probability >= EVEN)
 
 
-def causes_of(search: Search, found: Posterior) -> tuple[Cause, ...]:
+def causes_of(search: Fit, found: Posterior) -> tuple[Cause, ...]:
     """The physics that may be behind a place, each with its probability: as far as the pair file is right. It is
     doubted too where a place would have its name by its chance alone, and has none: unseen data, time or number spoke
     against it. No cause that did not earn its name is told as likelier than such causes are."""
-    model, right = search.model, FILE_RIGHT if search.doubted or found.named else 1.0
+    model, right = search.model, FILE_RIGHT if doubted(search) or found.named else 1.0
     right = min(right, UNEARNED / max((chance for _, chance in found.causes), default=1.0))
     return tuple(
         Cause(

@@ -10,9 +10,10 @@ import numpy as np
 
 from gearpoly.diagnose.at_place import Weighed, at_place
 from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.scan import Candidate, all_places
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.weigh import Weigh
+from gearpoly.diagnose.weigh import beyond_floors, by_coincidence
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
 from gearpoly.infer.posterior import CERTAIN, Posterior
 from gearpoly.infer.prior import kind_of, order_of, same_place
@@ -35,18 +36,18 @@ UNNAMED = 24
 is to say."""
 
 
-def leave(fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False) -> None:
-    """Fit ``columns`` (n_k, q) in mm that have no cause beside all else from now on; ``slow`` ones are no wave."""
+def leaving(fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False) -> Fit:
+    """With ``columns`` (n_k, q) in mm that have no cause beside all else from now on; ``slow`` ones are no wave."""
     many = columns[0].shape[1]
     both = list(zip(columns, fit.foreign, strict=True))
     if slow:
-        fit.foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
-        fit.model.slow_courses += many
+        foreign = [np.concatenate((own, mine), axis=1) for mine, own in both]
+        there = fit.believing(slow_courses=fit.model.slow_courses + many)
     else:
-        fit.foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
+        foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
         moved = tuple(tuple(column + many for column in wave) for wave in fit.model.strangers)
-        fit.model.strangers = (tuple(range(many)), *moved)
-    fit.linear = fit.linearised()
+        there = fit.believing(strangers=(tuple(range(many)), *moved))
+    return replace(there, foreign=foreign).linearised()
 
 
 def is_weighed(claim: Claim) -> bool:
@@ -55,7 +56,7 @@ def is_weighed(claim: Claim) -> bool:
     return kind_of(claim) in ("wave", "tooth") and not claim.physics.once_per_turn
 
 
-def weigh_at(fit: Weigh, best: Candidate) -> Weighed | None:
+def weigh_at(fit: Fit, best: Candidate) -> Weighed | None:
     """What may be at the place of the ``best`` candidate; None where that is not weighed before it is fitted, or gears
     cannot run with it, as its fit will tell."""
     claim = best.claim
@@ -70,43 +71,43 @@ def weigh_at(fit: Weigh, best: Candidate) -> Weighed | None:
     return at_place(fit.model, fit.scenes, fit.linear, possible, looked=fit.looked, polish=True)
 
 
-def left_unnamed(fit: Weigh, claim: Claim, weighed: Weighed) -> bool:
-    """Whether an unknown cause stands in the place of a ``claim`` from now on, where that is likelier than every
-    physics together. The first ``TEETH`` teeth are fitted all the same, and weighed against a curve of their flanks at
-    the end, which then stands in the fitted file."""
+def left_unnamed(fit: Fit, claim: Claim, weighed: Weighed) -> Fit | None:
+    """With an unknown cause in the place of a ``claim`` from now on, where that is likelier than every physics
+    together; else None. The first ``TEETH`` teeth are fitted all the same, and weighed against a curve of their flanks
+    at the end, which then stands in the fitted file."""
     surely = weighed.posterior.unknown > CERTAIN and len(fit.model.unnamed) < UNNAMED
     fitted = claim.place.tooth is not None and _teeth(fit) < TEETH
     if not surely or fitted or weighed.unknown is None:
-        return False
+        return None
     where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
     fit.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")
     effect = fit.model.change(fit.scenes, claim, claim.values)
     rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
     place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
-    leave(fit, weighed.unknown)
-    fit.model.unnamed = (*fit.model.unnamed, place)
-    return True
+    return leaving(fit, weighed.unknown).believing(unnamed=(*fit.model.unnamed, place))
 
 
-def leave_more(fit: Weigh, found: Sequence[Candidate], *, besides: Claim) -> None:
-    """Leave further places of one look without a name, before all is fitted again: where there is one, there are more,
-    and each is weighed beside those before it."""
+def more_unnamed(fit: Fit, found: Sequence[Candidate], *, besides: Claim) -> Fit:
+    """With further places of one look left without a name, before all is fitted again: where there is one, there are
+    more, and each is weighed beside those before it."""
     seen = {_place(besides)}
     for one in found:
         if len(seen) > AT_ONCE or fit.over:
-            return
+            break
         if _place(one.claim) in seen or one.claim.physics is LOAD_WAVE:
             continue
         seen.add(_place(one.claim))
         weighed = weigh_at(fit, one)
         if weighed is not None:
-            left_unnamed(fit, one.claim, weighed)
+            fit = left_unnamed(fit, one.claim, weighed) or fit
+    return fit
 
 
-def leave_waves(fit: Weigh, found: Sequence[Candidate]) -> bool:
-    """Leave the waves of one look without a name that may as well be of those that no gear pair makes, and lie at an
-    order of a shaft by chance; whether there are any. Left out of the fit, they would speak against what is claimed:
-    one of 0.9 um, two orders below the mesh's, against 24 um of a cumulative pitch, which has a side band there."""
+def waves_unnamed(fit: Fit, found: Sequence[Candidate]) -> Fit:
+    """With the waves of one look left without a name that may as well be of those that no gear pair makes, and lie at
+    an order of a shaft by chance; the same ``fit`` where there are none. Left out of the fit, they would speak against
+    what is claimed: one of 0.9 um, two orders below the mesh's, against 24 um of a cumulative pitch, which has a side
+    band there."""
     seen: set[float] = set()
     for one in found:
         order, gear = order_of(one.claim), one.claim.place.gear
@@ -115,15 +116,15 @@ def leave_waves(fit: Weigh, found: Sequence[Candidate]) -> bool:
         if order is None or gear is None or kind_of(one.claim) != "wave":
             continue
         per_mesh = order / fit.model.scope.gears[gear].z
-        if per_mesh in seen or not (fit.clear(one) and fit.by_coincidence(one)):
+        if per_mesh in seen or not (beyond_floors(fit, one) and by_coincidence(fit, one)):
             continue
         seen.add(per_mesh)
         alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
-        rms = fit.size(one)
-        fit.model.unnamed = (*fit.model.unnamed, Unearned(claim=one.claim, rms=rms, posterior=alone, seen=True))
+        place = Unearned(claim=one.claim, rms=size_of(fit, one), posterior=alone, seen=True)
         by_reading = waves(fit.scenes, gear, (order,))
-        leave(fit, by_reading[len(by_reading) // 2 - 1].columns)  # for each recording, if there are several
-    return bool(seen)
+        # For each recording, if there are several.
+        fit = leaving(fit, by_reading[len(by_reading) // 2 - 1].columns).believing(unnamed=(*fit.model.unnamed, place))
+    return fit
 
 
 def _teeth(fit: Fit) -> int:

@@ -17,10 +17,11 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.blocks import Blocks, gained
 from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
+from gearpoly.diagnose.exchange import without_idle
+from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.heldout import Checked, cross_validated, foretold_to, held
-from gearpoly.diagnose.kept import Kept
+from gearpoly.diagnose.kept import Kept, come_back
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.search import Search
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
@@ -76,35 +77,35 @@ larger. A judgement."""
 
 
 def checked(
-    search: Search, begun: Kept, start: Linear, comparison: Comparison, *, stopped: bool = False, keys: bool = False
-) -> Checked | None:
+    search: Fit, begun: Kept, start: Linear, comparison: Comparison, *, stopped: bool = False, keys: bool = False
+) -> tuple[Fit, Checked | None]:
     """Take back of the claims what unseen data speak against: one or two that make them fit no better, one by one those
     that make their rms larger, and then all
     where the declared pair or as-built teeth alone do as well, or where the rms of unseen samples that is told would be
     larger with names than without by more than it is known to, or is well above the noise. Of a search that was
     ``stopped`` also what all teeth do, or one, is taken back, where more is left than noise; where ``keys`` of the pair
-    file were put right, what all teeth do. ``start`` is the fit of the state ``begun`` before any claim. None where
-    nothing is claimed."""
-    model = search.model
+    file were put right, what all teeth do. ``start`` is the fit of the state ``begun`` before any claim. The fit
+    without them, and what was found; None where nothing is claimed."""
     refused: list[tuple[Claim, float]] = []
-    if not model.claims:
-        return None
-    of_keys = _taken_back(search, [k for k, one in enumerate(model.claims) if keys and _as_keys_do(one)])
-    unchecked = _taken_back(search, [k for k, one in enumerate(model.claims) if not repeats(search, one)])
+    if not search.model.claims:
+        return search, None
+    search, of_keys = _without(search, [k for k, one in enumerate(search.model.claims) if keys and _as_keys_do(one)])
+    search, unchecked = _without(search, [k for k, one in enumerate(search.model.claims) if not repeats(search, one)])
     while (these := _idle(search)) is not None:
-        gone = _taken_back(search, these)
+        search, gone = _without(search, these)
         if not gone:
             break
         refused += gone
     while (worst := next((k for k in (_runs_off(search, start), _rises(search)) if k is not None), None)) is not None:
-        gone = _taken_back(search, [worst])
+        search, gone = _without(search, [worst])
         if not gone:
             break
         refused += gone
     number = _numbers(search)
     left = Blocks(_held(search), number).unseen().misfit / number.size
-    shapes = [k for k, one in enumerate(model.claims) if one.physics.mean_tooth or one.place.tooth is not None]
-    unfinished = _taken_back(search, shapes if stopped and left > UNFINISHED else [])
+    shapes = [k for k, one in enumerate(search.model.claims) if one.physics.mean_tooth or one.place.tooth is not None]
+    search, unfinished = _without(search, shapes if stopped and left > UNFINISHED else [])
+    model = search.model
     before_any, start = start, start.under(search.noises)
     declared = Blocks(_declared(search, start, comparison), number).unseen()
     as_built = Blocks(start.system, number).unseen()
@@ -119,10 +120,10 @@ def checked(
     if rms[1] > LACK_OF_FIT * expected or worse:
         refused += [(one, model.rms_of(search.scenes, one)) for one in model.claims]
         # Where none was left either: what was fitted about it stays fitted to it.
-        search.restore(begun)
+        search = come_back(begun, search)
     least = min(gains)
     count = number.size
-    return Checked(
+    return search, Checked(
         declared=declared.misfit / count,
         as_built=as_built.misfit / count,
         named=named.misfit / count,
@@ -138,25 +139,21 @@ def checked(
     )
 
 
-def _taken_back(search: Search, these: Sequence[int]) -> list[tuple[Claim, float]]:
-    """Take back the claims of these numbers and fit everything again: each with the rms in mm of what it did. None
-    where gears cannot run without them."""
+def _without(search: Fit, these: Sequence[int]) -> tuple[Fit, list[tuple[Claim, float]]]:
+    """Without the claims of these numbers, everything fitted again, and each with the rms in mm of what it did. The
+    same and none where gears cannot run without them."""
     if not these:
-        return []
-    model, before = search.model, search.kept()
+        return search, []
+    model = search.model
     search.step("fitting without " + ", ".join(model.claims[k].physics.name.replace("_", " ") for k in these))
     gone = [(model.claims[k], model.rms_of(search.scenes, model.claims[k])) for k in these]
     try:
-        search.join([], instead=these)
-        search.settle()
-        search.drop_idle()
+        return without_idle(settled(joined(search, [], instead=these))), gone
     except GearpolyError:
-        search.restore(before)
-        return []
-    return gone
+        return search, []
 
 
-def _idle(search: Search) -> tuple[int, ...] | None:
+def _idle(search: Fit) -> tuple[int, ...] | None:
     """The claim with which unseen data fit worse, or two that cancel and make it no better for sure; None where all
     pay."""
     model, number = search.model, _numbers(search)
@@ -194,7 +191,7 @@ def _idle(search: Search) -> tuple[int, ...] | None:
     return None
 
 
-def _told(search: Search, start: Linear) -> tuple[float, float]:
+def _told(search: Fit, start: Linear) -> tuple[float, float]:
     """The plain rms in mm of held-out samples, colour and all, with as-built teeth alone and with the claims: what only
     whitening makes better is not seen."""
     masks = [one.fit for one in search.model.observed]
@@ -203,7 +200,7 @@ def _told(search: Search, start: Linear) -> tuple[float, float]:
     return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
 
 
-def _runs_off(search: Search, start: Linear) -> int | None:
+def _runs_off(search: Fit, start: Linear) -> int | None:
     """Of several claims with which the rms of unseen samples is larger than before any, the one without which it is
     least; None where it is not larger, or no claim alone makes it so: of a printed wheel a right runout was refused
     together with a wrong spall."""
@@ -218,7 +215,7 @@ def _runs_off(search: Search, start: Linear) -> int | None:
     return best if each[best] < LESS * whole else None
 
 
-def _rises(search: Search) -> int | None:
+def _rises(search: Fit) -> int | None:
     """The claim with which the rms of unseen samples is larger than without it, the one by most; None where there is
     none. Whether index deviations are a fault of one tooth or as all teeth were made, unseen samples do not tell."""
     model = search.model
@@ -230,7 +227,7 @@ def _rises(search: Search) -> int | None:
     return worst
 
 
-def _without_each(search: Search) -> list[float]:
+def _without_each(search: Fit) -> list[float]:
     """The rms in mm of unseen samples without each claim, all else fitted again."""
     masks, layout, hold = [one.fit for one in search.model.observed], search.linear.layout, held_places(search)
     out = []
@@ -248,18 +245,18 @@ def _as_keys_do(claim: Claim) -> bool:
     return shaped or claim.physics.name in SHAPED_BY_KEYS
 
 
-def _doubt(search: Search) -> float:
+def _doubt(search: Fit) -> float:
     """Relative standard error of an rms of all unseen samples, were they normal: 1 / sqrt(2 n)."""
     unseen = sum(int(np.count_nonzero(~one.fit)) for one in search.model.observed)
     return 1.0 / math.sqrt(2.0 * max(1, unseen))
 
 
-def _held(search: Search) -> System:
+def _held(search: Fit) -> System:
     """The fit of everything, shapes of single teeth as they stand."""
     return held(search.linear, shaped_teeth(search)).system.without(shaped_teeth(search))
 
 
-def _declared(search: Search, start: Linear, comparison: Comparison) -> System:
+def _declared(search: Fit, start: Linear, comparison: Comparison) -> System:
     """What the declared simulation leaves of the recordings, beside the same nuisances as all else has."""
     at = slice(start.layout.nuisance.start, start.layout.foreign.stop)
     left = [one.residual for one in comparison.aligned]
@@ -272,7 +269,7 @@ def _declared(search: Search, start: Linear, comparison: Comparison) -> System:
     )
 
 
-def _numbers(search: Search) -> IntArray:
+def _numbers(search: Fit) -> IntArray:
     """The block (n,) of every sample of all recordings in a row."""
     claims = search.model.claims
     slow = any(one.physics.slow for one in claims)
@@ -288,14 +285,14 @@ def _numbers(search: Search) -> IntArray:
     return np.concatenate(out)
 
 
-def _turned(search: Search, k: int, gear: int | None) -> FloatArray:
+def _turned(search: Fit, k: int, gear: int | None) -> FloatArray:
     """Turns (n,) of a gear, or of the driven one, since the beginning of recording ``k``, never less than before."""
     samples = search.scenes[k].samples
     angle = samples.theta_1 if gear == 0 else samples.theta_2
     return np.asarray(np.maximum.accumulate(angle - np.min(angle)) / (2.0 * math.pi))
 
 
-def _comes_round(search: Search, k: int, claim: Claim, *, gear: int) -> bool:
+def _comes_round(search: Fit, k: int, claim: Claim, *, gear: int) -> bool:
     """Whether recording ``k`` holds a turn of a claim's ``gear``, and so many waves of it as its noise asks for."""
     turns, noise, order = float(_turned(search, k, gear)[-1]), search.noises[k], order_of(claim) or 1.0
     there = float(np.interp(order / search.model.scope.gears[gear].z, noise.frequency, noise.density))
@@ -303,7 +300,7 @@ def _comes_round(search: Search, k: int, claim: Claim, *, gear: int) -> bool:
     return turns >= 1.0 and (not wanders or order * turns >= CYCLES)
 
 
-def repeats(search: Search, claim: Claim) -> bool:
+def repeats(search: Fit, claim: Claim) -> bool:
     """Whether what a claim is about came more than once: its tooth into mesh, its gear round; what is the same at every
     mesh, or goes on slowly, is seen in every part of a recording."""
     gear, tooth = claim.place.gear, claim.place.tooth
