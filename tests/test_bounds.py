@@ -106,3 +106,5 @@ def test_a_gear_that_nobody_inspected_contradicts_no_inspection(sheet: dict[str,
     model = SimpleNamespace(as_built=as_built, declared=plain(sheet), built=None)
     (words,) = contradicted(cast(Any, SimpleNamespace(model=model)))
     assert "driving tooth 2" in words and "3.0 um" in words and says in words
+    (hurried,) = contradicted(cast(Any, SimpleNamespace(model=model)), stopped=True)
+    assert ("give it longer before you inspect again" in hurried) == (sheet is not None)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from gearpoly.diagnose.diagnose import _of_another_pair
+from gearpoly.diagnose.remarks import _of_another_pair, of_compliance
 from gearpoly.diagnose.search import MOST
 from tests.made_fits import MadeFit
 
@@ -37,3 +37,22 @@ def test_the_pair_is_doubted_where_its_physics_do_not_end(
     if says is not None:
         assert remarks[0].startswith(says)
         assert "another pair" in remarks[0]
+
+
+@pytest.mark.parametrize(
+    ("scale", "says"),
+    [
+        (None, None),
+        ((1.12, 0.01), None),  # laws differ by as much
+        ((0.513, 0.005), "0.51 times as much"),  # 36 N.m on the driving shaft, 90 stated
+        ((2.674, 0.009), "2.67 times as much"),  # a tilt
+    ],
+)
+def test_teeth_far_softer_than_any_law_has_them_say_what_to_check(
+    scale: tuple[float, float] | None, says: str | None
+) -> None:
+    said = list(of_compliance(scale))
+    assert len(said) == (says is not None)
+    if says is not None:
+        assert says in said[0]
+        assert "check torque_nm" in said[0]

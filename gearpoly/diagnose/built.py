@@ -122,9 +122,9 @@ def compliance_scale(search: Fit) -> tuple[float, float] | None:
     return scale, scale * math.sqrt(max(float(search.linear.system.covariance[at, at]), 0.0))
 
 
-def contradicted(search: Fit) -> list[str]:
+def contradicted(search: Fit, *, stopped: bool = False) -> list[str]:
     """Teeth that stand farther off their inspection than its uncertainty allows, or off what is declared free of
-    deviations, in words."""
+    deviations, in words. Of a search that time has ``stopped`` what was not asked may stand so."""
     model, out = search.model, []
     for flank in model.as_built.flanks:
         for gear, name in ((0, "driving"), (1, "driven")):
@@ -143,7 +143,8 @@ def contradicted(search: Fit) -> list[str]:
                         f"{what} of {name} tooth {teeth} ({flank} flank) differs "
                         + (
                             f"from the inspection {most}, more than {FAR:.0f} times its uncertainty of {std:g} um: "
-                            "inspect again"
+                            + ("what was not asked any more may do it; give it longer before you " if stopped else "")
+                            + "inspect again"
                             if gear_section(model.declared, gear).inspection is not None
                             else f"{most} from the ideal gear that the pair file declares: state a grade, or inspect it"
                         )

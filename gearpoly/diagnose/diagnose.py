@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from gearpoly.diagnose.as_recorded import as_recorded
 from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
-from gearpoly.diagnose.built import built_gears, compliance_scale, contradicted
+from gearpoly.diagnose.built import built_gears, compliance_scale
 from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
@@ -40,20 +40,18 @@ from gearpoly.diagnose.leftovers import (
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.remarks import of_compliance, of_search, of_the_file, of_untouched
 from gearpoly.diagnose.remounted import without_smaller
 from gearpoly.diagnose.scaled import scale_finding, with_scale
-from gearpoly.diagnose.search import MOST, doubted
 from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.softness import declared_ratio
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unseen import checked
-from gearpoly.diagnose.verdict import BuiltGear, Diagnosis, Finding, Rival, Status
+from gearpoly.diagnose.unseen import LACK_OF_FIT, checked
+from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
-from gearpoly.infer.posterior import TOLD
-from gearpoly.infer.prior import SHAPED_BY_KEYS
 from gearpoly.recording.recording import Recording
 
 TOLD_SIZE = 2.0
@@ -120,7 +118,6 @@ def diagnose(
         left_over = comparison.located.entries[:FOREMOST] or start.comparison.located.where[:FOREMOST] or left_over
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
-    scale = compliance_scale(search)
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"
@@ -128,6 +125,8 @@ def diagnose(
         status = "unexplained"
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
     left = after.unseen / max(expected, 1e-12)
+    sure = left <= LACK_OF_FIT
+    scale = compliance_scale(search) if sure else None
     built = built_gears(search, file, left=left, unearned=unearned, of_this_pair=comparison.another is None)
     everything = list(range(found.start.system.size))
     return Diagnosis(
@@ -149,14 +148,15 @@ def diagnose(
         remarks=(
             *comparison.remarks,
             *found.assumed,
-            *_untouched(findings),
+            *of_untouched(findings),
             *start.misread,
             *(() if found.anew is None else (found.anew.says,)),
             *apart,
             *(() if unseen is None else unseen.says),
             *((budget.says,) if stopped else ()),
-            *_remarks(search, file, built, comparison),
-            *_of_the_file(unearned),
+            *of_search(search, file, built, comparison, sure=sure, stopped=stopped),
+            *of_compliance(scale),
+            *of_the_file(unearned),
         ),
         unseen=unseen,
         stopped=stopped,
@@ -293,53 +293,3 @@ def _held_out_by(search: Fit, *, jumped: bool) -> str:
     return way + (
         "; where a tooth's pit begins and ends is held as all of them have it" if shaped_teeth(search) else ""
     )
-
-
-def _remarks(
-    search: Fit, file: PairFile, built: tuple[BuiltGear, BuiltGear], comparison: Comparison
-) -> tuple[str, ...]:
-    out = [] if comparison.another is not None else [*contradicted(search), *_of_another_pair(search)]
-    for name, section, gear in (("driving", file.driving, 0), ("driven", file.driven, 1)):
-        needed = built[gear].grade_needed
-        known = comparison.gears[gear]
-        for one in built[gear].exceeded:
-            at = " and ".join(f"{known.encoder_deg(tooth):.1f}" for tooth in one.teeth if known.zero is not None)
-            out.append(one.says(name) + (f", at {at} deg of its encoder" if at else ""))
-        if any(one.limit.grade is not None for one in built[gear].exceeded):
-            shown = "fits no grade" if needed is None else f"needs grade {needed} or a coarser one"
-            out.append(f"by pitch and slope the {name} gear as it runs {shown}, not its declared grade {section.grade}")
-    return tuple(out)
-
-
-def _of_the_file(unearned: Sequence[Unearned]) -> Iterator[str]:
-    """Which keys of the pair file may be wrong, where something looks as though they were."""
-    for one in unearned:
-        likely = one.posterior is not None and one.posterior.of(one.claim) > TOLD
-        if one.claim.physics.name in SHAPED_BY_KEYS and likely:
-            name, size = one.claim.physics.name.replace("_", " "), one.claim.values[0]
-            yield (
-                f"a {name} off by {size:.0f} um would explain it, and so would a wrong profile_shift, "
-                "pressure_angle_deg, addendum or centre_distance_mm in the pair file: check these"
-            )
-
-
-def _untouched(findings: Sequence[Finding]) -> Iterator[str]:
-    """A word about claims whose teeth are out of the mesh where they deviate."""
-    for one in findings:
-        if one.at_least:
-            name = one.claim.physics.name.replace("_", " ")
-            yield f"where the {name} is, teeth do not touch under these conditions: its size is the least it can have"
-
-
-def _of_another_pair(search: Fit) -> Iterator[str]:
-    """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
-    claims, left = len(search.model.claims), search.linear.system.whiteness
-    if claims >= MOST or doubted(search) or search.disowned:
-        named = f"{claims} physics are named" if claims else "nothing is named"
-        if search.disowned:
-            named += f", since {search.disowned} more would explain but a part of what is missing"
-        more = f", and {math.sqrt(left - 1.0):.1f} times the noise is left" if doubted(search) else ""
-        yield (
-            f"{named}{more}: perhaps something beside the gears is recorded, or the pair file is of another pair, or "
-            "of another state of this one"
-        )
