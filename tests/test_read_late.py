@@ -115,8 +115,8 @@ def test_at_an_even_speed_nothing_is_looked_for() -> None:
 
 @pytest.mark.parametrize("times", [0, 8, 12])
 def test_a_run_that_starts_and_stops_swings_no_more_than_twice(times: int) -> None:
-    """However much its even part trembles, by 0.5 % here: of a run of 6 turns, 2 % slower in the first and the last mesh,
-    a delay of 0.06 ms was made, and clocks that ran 9 s in a million apart. A sine swings twice in each of its turns."""
+    """However much its even part trembles, by 0.5 % here: of a run of 6 turns, slower in its first and last mesh, a
+    delay of 0.06 ms was made, and clocks that ran 9 s in a million apart. A sine swings twice in each of its turns."""
     t = np.linspace(0.0, 1.0, 107)
     tremble = 0.005 * np.random.default_rng(6).normal(size=t.size)
     ends = np.where((t < 0.01) | (t > 0.99), -0.2, 0.0)
