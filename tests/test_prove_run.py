@@ -484,4 +484,4 @@ def test_without_whitening_and_without_a_physics() -> None:
     white = Method(whiten=False).noise(noise)
     assert noise.ar.size
     assert not white.ar.size
-    assert np.allclose(white.whitened(values), values / noise.level)
+    assert np.allclose(white.whitened(values), values / white.level)

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.noise import Noise
+from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.floors import reading_floor
+from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.scan import Candidate, _enlarged
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -97,3 +99,11 @@ def test_an_encoder_may_have_as_many_lines_as_a_high_mesh_order() -> None:
     undulation = catalogue()["undulation"]
     instead = [place.order for place in undulation.instead(scope, Place(gear=0, order=24 * z))]
     assert set(instead) == {24 * z}
+
+
+@pytest.mark.parametrize("level", [0.0, 0.001, 0.3])
+def test_no_recording_tells_more_than_the_simulation_is_known_to(level: float) -> None:
+    """Both add as squares; where a recording has no noise, the simulation's own 12 nm are left."""
+    heard = Method().noise(noise((), level * UM))
+    assert heard.level == pytest.approx(math.hypot(level * UM, FAINT))
+    assert heard.innovation == pytest.approx(math.hypot(level * UM, FAINT))
