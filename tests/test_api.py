@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,28 @@ def test_what_is_offered_is_documented_and_typed(name: str) -> None:
             found = getattr(value, "fget", None) or getattr(value, "func", None) or getattr(value, "__func__", value)
             assert inspect.getdoc(found), f"{name}.{member}"
             assert "return" in found.__annotations__, f"{name}.{member}"
+
+
+KNOWN_BY_ALL = {"Any", "Literal", "Mapping", "None", "Path", "Self", "Sequence"}
+
+
+def annotations(one: object) -> list[str]:
+    """What a function of the API, or a class with its public members, takes and gives."""
+    members = (
+        [one, *(value for name, value in vars(one).items() if not name.startswith("_"))]
+        if inspect.isclass(one)
+        else [one]
+    )
+    found = [getattr(v, "fget", None) or getattr(v, "func", None) or getattr(v, "__func__", v) for v in members]
+    return [str(kind) for each in found for kind in getattr(each, "__annotations__", {}).values()]
+
+
+def test_every_type_of_a_signature_has_an_entry() -> None:
+    text = REFERENCE.read_text(encoding="utf-8")
+    entries = set(re.findall(r":: gearpoly\.(?:\w+\.)*(\w+)", text)) | set(re.findall(r"`([A-Z]\w+)`", text))
+    offered = [getattr(gearpoly, name) for name in gearpoly.__all__ if name != "__version__"]
+    named = {word for one in offered for kind in annotations(one) for word in re.findall(r"\b[A-Z]\w+", kind)}
+    assert len(named) > 20 and not named - entries - KNOWN_BY_ALL
 
 
 def test_nothing_heavy_is_loaded_before_it_is_asked_for() -> None:
