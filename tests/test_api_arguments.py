@@ -18,6 +18,7 @@ import pytest
 
 import gearpoly
 from gearpoly.api.words import in_words_of_python
+from gearpoly.recording.recording import Recording
 from tests.made_command import Command
 from tests.test_house import PACKAGE, ROOT
 
@@ -36,6 +37,8 @@ def pair() -> Any:
 def run() -> gearpoly.Simulated:
     return gearpoly.load(GRADED).simulate(turns=0.1, fast=True)
 
+
+RECORDED = Recording(source=Path("r.csv"), te_mm=np.zeros(9), driven_angle_rad=np.zeros(9))
 
 REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "a flank": (lambda: pair().simulate(flank="left"), f'flank "left": {FLANKS}'),
@@ -58,6 +61,10 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "nothing to diagnose": (lambda: pair().diagnose([]), f"recordings []: {RECORDING}"),
     "a number compared": (lambda: pair().compare(7), f"recordings 7: {RECORDING}"),
     "a number among others": (lambda: pair().compare(["rec.csv", 7]), f"recordings 7: {RECORDING}"),
+    "a flank of a recording": (
+        lambda: pair().compare(replace(RECORDED, flank="left")),  # type: ignore[arg-type]
+        f'r.csv: flank "left": {FLANKS}',
+    ),
     "a map": (
         lambda: gearpoly.read("rec.csv", map=7),  # type: ignore[arg-type]
         'map 7: want a path, such as "pair.toml" or a pathlib.Path',

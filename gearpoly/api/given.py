@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly import arguments
-from gearpoly.errors import OutOfRangeError, shown_value
+from gearpoly.errors import OutOfRangeError, shown, shown_value
 from gearpoly.export.magnify import LARGEST
 from gearpoly.export.outline import LEAST_POINTS, MOST_POINTS
 from gearpoly.recording.recording import Recording
@@ -43,11 +43,13 @@ def each_of(recordings: Recorded) -> list[Path | str | Recording]:
     """One recording or several as a list; raises ``OutOfRangeError`` for none and for what is no recording."""
     wish = "want the path of a recording, what gearpoly.read gives, or a list of these"
     if isinstance(recordings, str | Path | Recording):
-        return [recordings]
+        recordings = [recordings]
     given = list(recordings) if isinstance(recordings, Iterable) else [recordings]
     if not given:
         raise OutOfRangeError(f"recordings {shown_value(recordings)}: {wish}")
     for one in given:
         if not isinstance(one, str | Path | Recording):
             raise OutOfRangeError(f"recordings {shown_value(one)}: {wish}")
+        if isinstance(one, Recording):
+            arguments.check_choice(f"{shown(str(one.source))}: flank", one.flank, arguments.FLANKS)
     return given
