@@ -32,6 +32,9 @@ many times across its slow course, and where it swings less. Of chance courses o
 swing 8 to 12 times 4 in 1000 came below a tenth, of 578 that swing more often none. Of 4261 with fewer swings none came
 below 0.008."""
 
+HALF_WAY = 0.5
+"""Part of the rms of the speed's swing that a swing has on either side. A judgement: a sine has 1.41 of it."""
+
 STRETCHES = 8
 """Contiguous stretches of a recording, of which every other one is foretold by the rest."""
 
@@ -135,7 +138,7 @@ def read_late(one: Cleaned, pair: GearPair) -> Late | None:
     waves = [cosine_and_sine(angle, orders) for angle in (cells.theta_1, cells.theta_2)]
     beside = np.concatenate([slow_curves(x), *waves], axis=1)
     swing = speed - beside @ np.linalg.lstsq(beside, speed, rcond=None)[0]
-    part = FORETELLS if np.count_nonzero(np.diff(np.sign(swing))) >= SWINGS else SLOWLY
+    part = FORETELLS if _swings(swing) >= SWINGS else SLOWLY
     whole = np.column_stack([pair.r_b2 * speed, pair.r_b2 * speed * x, beside])
     block = np.minimum(np.arange(x.size) * STRETCHES // x.size, STRETCHES - 1) % 2 == 0
     for columns in (whole[:, [0, *range(2, whole.shape[1])]], whole):
@@ -150,6 +153,13 @@ def read_late(one: Cleaned, pair: GearPair) -> Late | None:
     sense = -1.0 if one.backward else 1.0
     size = pair.r_b2 * abs(float(beta[0])) * float(np.ptp(speed))
     return Late(by=sense * float(beta[0]), std=float(std[0]), rate=rate, size=size)
+
+
+def _swings(values: FloatArray) -> int:
+    """How often ``values`` (n,) go from one side to the other, farther than half of their rms on both: a run that
+    starts and stops swings twice, however much its even part trembles."""
+    far = values[np.abs(values) > HALF_WAY * float(np.sqrt(np.mean(values**2)))]
+    return int(np.count_nonzero(np.diff(np.sign(far))))
 
 
 def _fit(columns: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -199,6 +199,11 @@ def check_complete(file: Path, where: str, names: Collection[str]) -> None:
     if len(missing) > (1 if te else 0):
         both, any_te = " and ".join(ANGLE_COLUMNS), ", ".join(TE_COLUMNS)
         wish = f"want both {both}, or one of them and a column of {any_te}"
+        if te and "time_s" in names:
+            wish += (
+                "; where the shaft turns evenly and its time alone was logged, add a column "
+                "driven_angle_deg = 360 time_s / (seconds of a turn)"
+            )
         raise InputFileError(file, where=where, found=f"no column {' and no '.join(missing)}", wish=wish)
 
 

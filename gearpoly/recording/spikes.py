@@ -19,6 +19,12 @@ SPIKE_SIGMAS = 12.0
 spike. Gaussian noise does not get there (10^-32), noise of heavy tails hardly.
 """
 
+USUAL_SHARE, USUAL_TIMES = 0.95, 3.0
+"""A spike is so many times as far off as all but one sample in twenty are. Where readings are rounded to an arcmin most
+samples are equal, and the few that are a digit or two off are no spikes. In Gaussian noise it is half of the distance
+above.
+"""
+
 QUIET_SHARE = 0.25
 """Largest spread of the two neighbours on each side, as a share of the distance: beside a step or in a dip of several
 samples it is at least 1, at a peak of two slopes 2/3.
@@ -65,7 +71,8 @@ def single_spikes(x: FloatArray, *shafts: FloatArray, moving: bool = False) -> B
     if smallest == math.inf:
         return spikes
     sigma = max(1.4826 * float(np.median(size)), smallest)
-    found = np.flatnonzero(size > SPIKE_SIGMAS * sigma)
+    usual = float(np.partition(size, k := int(USUAL_SHARE * (size.size - 1)))[k])
+    found = np.flatnonzero(size > max(SPIKE_SIGMAS * sigma, USUAL_TIMES * usual))
     found = found[_are_quiet(_beside(x, found), size[found], moving=moving)]
     spikes[found] = True
     for shaft in shafts:
