@@ -73,7 +73,8 @@ class Count:
         whole = isinstance(value, Integral) and not isinstance(value, bool)
         if not whole or int(value) < self.least or (self.most is not None and int(value) > self.most):  # type: ignore[call-overload]
             span = _span(self.least, math.inf if self.most is None else self.most)
-            raise OutOfRangeError(f"{name} {shown_value(value)}: want a whole number{span}")
+            wish = f"{self.least}" if self.least == self.most else f"a whole number{span}"
+            raise OutOfRangeError(f"{name} {shown_value(value)}: want {wish}")
 
 
 def _span(least: float, most: float) -> str:

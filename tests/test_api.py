@@ -120,6 +120,15 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
     assert value == pytest.approx(E_UM, abs=max(4.0 * std, 0.05))
     assert found.noise_um == pytest.approx(NOISE_UM, rel=0.1) and found.after_um < 1.1 * NOISE_UM < found.before_um
     assert found.says[0].startswith("The driving gear runs 6") and found.status == found.verdict["status"]
+    assert re.fullmatch(
+        rf"<Diagnosed \S+pair\.toml: explained, eccentricity, unseen {found.before_um:.3g} um rms before, .* um>",
+        repr(found),
+    )
+    with pytest.raises(gearpoly.OutOfRangeError, match=r"^recording 1: want 0$"):
+        found.plot(recording=1)
+    with pytest.raises(gearpoly.OutOfRangeError, match=r'^ending ".tif": want ".png", ".svg" or ".pdf"$'):
+        found.to_figures(tmp_path / "pictures", ending=".tif")
+    assert not (tmp_path / "pictures").exists()
     found.to_json(tmp_path / "v.json")
     assert json.loads((tmp_path / "v.json").read_text()) == json.loads(json.dumps(found.to_dict()))
     found.to_fitted(tmp_path / "fitted.toml")
@@ -142,6 +151,7 @@ def test_recordings_are_files_or_what_was_read(bench: Path) -> None:  # noqa: F8
         assert found.where[0]["kind"] == "shaft_order" and found.where[0]["order"] == 1
         assert found.says[0].startswith("order 1 of the driving shaft")
         assert found.to_dict()["noise_um"] == found.noise_um
+        assert f": 1 recording, residual {found.residual_rms_um:.3g} um rms, noise " in repr(found)
 
 
 def test_tables_have_every_sample(bench: Path) -> None:  # noqa: F811
@@ -168,6 +178,7 @@ def test_a_plan_says_what_to_record(bench: Path) -> None:  # noqa: F811
     made = gearpoly.load(bench / "pair.toml").plan()
     assert made.says[0].startswith("Record the drive flank") and any("coast flank" in one for one in made.says)
     assert made.to_dict()["first"]["says"] == made.says[0]
+    assert repr(made).startswith("<Planned: Record the drive flank") and len(repr(made)) < 300
 
 
 def test_a_study_is_made_gone_on_with_and_read(tmp_path: Path) -> None:
