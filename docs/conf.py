@@ -50,7 +50,9 @@ highlight_language = "none"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
-autodoc_preserve_defaults = True
+autodoc_type_aliases = {
+    name: name for name in ("BoolArray", "Flank", "FloatArray", "IntArray", "Recorded", "Status", "Which")
+}
 python_use_unqualified_type_names = True
 
 
@@ -97,9 +99,21 @@ def _options_whole(app: Sphinx, page: str, template: str, context: dict[str, Any
     )
 
 
+def _aliases_by_name(
+    app: Sphinx, what: str, name: str, one: object, options: object, signature: str | None, result: str | None
+) -> tuple[str | None, str | None]:
+    """Types that the reference explains by name stand in a union by name too."""
+
+    def plain(text: str | None) -> str | None:
+        return text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text)
+
+    return plain(signature), plain(result)
+
+
 def setup(app: Sphinx) -> None:
     """Draw equations by matplotlib, which gearpoly brings anyway."""
     app.connect("source-read", _made_by_the_package)
+    app.connect("autodoc-process-signature", _aliases_by_name)
     app.connect("html-page-context", _options_whole)
     app.add_html_math_renderer("drawn", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.config.html_math_renderer = "drawn"

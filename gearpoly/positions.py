@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly import arguments
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.recording import Recording
@@ -24,7 +25,10 @@ def cycle_positions(
 ) -> FloatArray:
     """Driven rotations (N,) in rad: ``turns`` of the driven gear (default: a whole hunting cycle) at
     ``points_per_mesh`` a pitch, up to the end of the last mesh that is begun: means, contact ratio and peak to peak
-    over a part of a mesh would say where it ends."""
+    over a part of a mesh would say where it ends. Raises ``OutOfRangeError`` for no such number of either."""
+    if turns is not None:
+        arguments.TURNS.check("--turns", turns)
+    arguments.POINTS_PER_MESH.check("--points-per-mesh", points_per_mesh)
     meshes = pair.meshes_per_cycle if turns is None else math.ceil(turns * pair.driven.gear.z * (1.0 - ROUNDING))
     count = max(1, meshes) * points_per_mesh
     return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)

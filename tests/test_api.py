@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,28 @@ def test_what_is_offered_is_documented_and_typed(name: str) -> None:
             found = getattr(value, "fget", None) or getattr(value, "func", None) or getattr(value, "__func__", value)
             assert inspect.getdoc(found), f"{name}.{member}"
             assert "return" in found.__annotations__, f"{name}.{member}"
+
+
+KNOWN_BY_ALL = {"Any", "Literal", "Mapping", "None", "Path", "Self", "Sequence"}
+
+
+def annotations(one: object) -> list[str]:
+    """What a function of the API, or a class with its public members, takes and gives."""
+    members = (
+        [one, *(value for name, value in vars(one).items() if not name.startswith("_"))]
+        if inspect.isclass(one)
+        else [one]
+    )
+    found = [getattr(v, "fget", None) or getattr(v, "func", None) or getattr(v, "__func__", v) for v in members]
+    return [str(kind) for each in found for kind in getattr(each, "__annotations__", {}).values()]
+
+
+def test_every_type_of_a_signature_has_an_entry() -> None:
+    text = REFERENCE.read_text(encoding="utf-8")
+    entries = set(re.findall(r":: gearpoly\.(?:\w+\.)*(\w+)", text)) | set(re.findall(r"`([A-Z]\w+)`", text))
+    offered = [getattr(gearpoly, name) for name in gearpoly.__all__ if name != "__version__"]
+    named = {word for one in offered for kind in annotations(one) for word in re.findall(r"\b[A-Z]\w+", kind)}
+    assert len(named) > 20 and not named - entries - KNOWN_BY_ALL
 
 
 def test_nothing_heavy_is_loaded_before_it_is_asked_for() -> None:
@@ -97,6 +120,15 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
     assert value == pytest.approx(E_UM, abs=max(4.0 * std, 0.05))
     assert found.noise_um == pytest.approx(NOISE_UM, rel=0.1) and found.after_um < 1.1 * NOISE_UM < found.before_um
     assert found.says[0].startswith("The driving gear runs 6") and found.status == found.verdict["status"]
+    assert re.fullmatch(
+        rf"<Diagnosed \S+pair\.toml: explained, eccentricity, unseen {found.before_um:.3g} um rms before, .* um>",
+        repr(found),
+    )
+    with pytest.raises(gearpoly.OutOfRangeError, match=r"^recording 1: want 0$"):
+        found.plot(recording=1)
+    with pytest.raises(gearpoly.OutOfRangeError, match=r'^ending ".tif": want ".png", ".svg" or ".pdf"$'):
+        found.to_figures(tmp_path / "pictures", ending=".tif")
+    assert not (tmp_path / "pictures").exists()
     found.to_json(tmp_path / "v.json")
     assert json.loads((tmp_path / "v.json").read_text()) == json.loads(json.dumps(found.to_dict()))
     found.to_fitted(tmp_path / "fitted.toml")
@@ -119,6 +151,7 @@ def test_recordings_are_files_or_what_was_read(bench: Path) -> None:  # noqa: F8
         assert found.where[0]["kind"] == "shaft_order" and found.where[0]["order"] == 1
         assert found.says[0].startswith("order 1 of the driving shaft")
         assert found.to_dict()["noise_um"] == found.noise_um
+        assert f": 1 recording, residual {found.residual_rms_um:.3g} um rms, noise " in repr(found)
 
 
 def test_tables_have_every_sample(bench: Path) -> None:  # noqa: F811
@@ -145,6 +178,7 @@ def test_a_plan_says_what_to_record(bench: Path) -> None:  # noqa: F811
     made = gearpoly.load(bench / "pair.toml").plan()
     assert made.says[0].startswith("Record the drive flank") and any("coast flank" in one for one in made.says)
     assert made.to_dict()["first"]["says"] == made.says[0]
+    assert repr(made).startswith("<Planned: Record the drive flank") and len(repr(made)) < 300
 
 
 def test_a_study_is_made_gone_on_with_and_read(tmp_path: Path) -> None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import re
+import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +20,7 @@ from gearpoly.report.diagnosis_data import order_spectra
 from gearpoly.report.diagnosis_figures import curves_figure, fit_figure, write_figures
 from gearpoly.report.diagnosis_page import page
 from gearpoly.units import UM
-from tests.chromium import Chromium
+from tests.chromium import PATIENCE, Chromium, needed
 from tests.made_diagnosis import E_UM, made_comparison, made_diagnosis
 
 A4 = (595.3, 841.9)
@@ -115,3 +118,60 @@ def test_the_page_prints_on_a4_in_the_light_look(browser: Chromium, diagnosis: D
     assert browser.run("document.documentElement.dataset.theme") == "light"
     browser.run("window.dispatchEvent(new Event('afterprint')); 0")
     assert browser.run("document.documentElement.dataset.theme ?? 'none'") == "none"
+
+
+def colours(data: bytes) -> set[tuple[float, ...]]:
+    """Fill colours of a browser's PDF, red, green and blue from 0 to 1."""
+    found: set[tuple[float, ...]] = set()
+    for packed in re.findall(rb"stream\r?\n(.*?)endstream", data, re.DOTALL):
+        with contextlib.suppress(zlib.error):  # a font or a picture
+            text = zlib.decompress(packed)
+            found |= {tuple(map(float, one)) for one in re.findall(rb"([\d.]+) ([\d.]+) ([\d.]+) rg\b", text)}
+    return found
+
+
+BARS = {"before": (0x9A, 0x6A, 0x00), "after": (0x3F, 0x33, 0xB5)}
+"""Colours of the bars in the light look."""
+
+
+@pytest.mark.parametrize("background", [True, False])
+def test_bars_are_printed_without_background_graphics_too(
+    browser: Chromium, diagnosis: Diagnosis, tmp_path: Path, background: bool
+) -> None:
+    """Browsers leave backgrounds out unless asked, and bars are nothing else."""
+    target = tmp_path / "page.html"
+    target.write_text(page(diagnosis), encoding="utf-8")
+    browser.open(target)
+    browser.settle()
+    browser.run("document.getElementById('plots').remove(); 0")  # its keys are borders of these colours
+    printed = colours(base64.b64decode(browser.send("Page.printToPDF", printBackground=background)["data"]))
+    for colour in BARS.values():
+        wanted = np.array(colour) / 255.0
+        assert any(np.allclose(one, wanted, atol=1e-3) for one in printed)  # a PDF has four digits
+
+
+def test_no_finding_is_torn_over_two_pages(browser: Chromium, diagnosis: Diagnosis, tmp_path: Path) -> None:
+    target = tmp_path / "page.html"
+    target.write_text(page(diagnosis), encoding="utf-8")
+    browser.open(target)
+    browser.send("Emulation.setEmulatedMedia", media="print")
+    kept = "[...document.querySelectorAll('.finding')].map((one) => getComputedStyle(one).breakInside).join()"
+    found = browser.run(kept)
+    browser.send("Emulation.setEmulatedMedia", media="")
+    assert found == ",".join(["avoid"] * len(diagnosis.findings)) and len(diagnosis.findings) > 1
+
+
+def test_a_browser_that_waits_for_nothing_prints_the_plots(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    """``chromium --print-to-pdf`` prints once the page is loaded; data and plots were not there by then. Three curves,
+    two maps and two charts of teeth of either gear, twice each."""
+    target = tmp_path / "page.html"
+    target.write_text(page(diagnosis), encoding="utf-8")
+    options = ("--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}")
+    pdf = tmp_path / "page.pdf"
+    subprocess.run(
+        [needed(), *options, f"--print-to-pdf={pdf}", target.as_uri()],
+        check=True,
+        capture_output=True,
+        timeout=PATIENCE,
+    )
+    assert len(re.findall(rb"/Subtype /Image", pdf.read_bytes())) == 3 + 4 + 4

@@ -19,6 +19,7 @@ PACKAGE = ROOT / "gearpoly"
 # conceals effects and scores their finding, and what a user types.
 ORDER = (
     "errors threads units",
+    "arguments",
     "page plugins",
     "keys",
     "gear",

@@ -532,6 +532,6 @@ def test_traces_end_earlier_where_the_flank_stands_off(tmp_path: Path) -> None:
 
 def test_a_design_says_that_a_chip_is_left_out(tmp_path: Path) -> None:
     file = chipped_file(1, 0.8)
-    assert export_design(file, made(file), tmp_path / "d.rexs", Request()) == [
-        "not part of a design and left out: driving.inspection, driven.inspection, driven.chip"
-    ]
+    assert export_design(file, made(file), tmp_path / "d.rexs", Request()).remarks == (
+        "not part of a design and left out: driving.inspection, driven.inspection, driven.chip",
+    )

@@ -6,7 +6,7 @@ Angles are rad and lengths mm, as everywhere inside; keys of pair files keep the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,17 +16,21 @@ import numpy as np
 from pydantic import ValidationError
 from shapely.geometry import Polygon
 
+from gearpoly import arguments
+from gearpoly.api.given import CURVES, MAGNIFICATION, POINTS, Recorded, each_of, row
 from gearpoly.api.results import Compared, Simulated
 from gearpoly.api.verdicts import Diagnosed, Planned
-from gearpoly.assemble import Assembled, assemble
+from gearpoly.api.words import told_in_python
+from gearpoly.assemble import Assembled, assemble, root_remarks
 from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
-from gearpoly.errors import OutOfRangeError
+from gearpoly.errors import shown
+from gearpoly.export.design import ExportedDesign
 from gearpoly.export.drawing import Drawing, Request, draw
 from gearpoly.export.formats.svg import svg_text
 from gearpoly.export.outline import Detail
-from gearpoly.export.write import Exported, export
+from gearpoly.export.write import Exported, export_any
 from gearpoly.files.faults import explain
 from gearpoly.files.models import PairFile
 from gearpoly.files.output import write_text
@@ -43,14 +47,10 @@ from gearpoly.positions import POINTS_PER_MESH, cycle_positions
 from gearpoly.recording.read import read_set
 from gearpoly.recording.recording import Recording
 from gearpoly.simulate import simulate, strength_remarks
-from gearpoly.units import NM, FloatArray, read_only
+from gearpoly.units import NM, RPM, FloatArray, read_only
 
 GLANCE = Detail(points=24)
 """Detail of pictures in notebooks: under 150 kB a pair, and no edge shows on a screen."""
-
-
-Recorded = Path | str | Recording | Sequence[Path | str | Recording]
-"""One recording or several of one set-up: files, or what ``read`` gave."""
 
 
 def _quiet(done: int) -> None:
@@ -63,6 +63,13 @@ class PairGear:
 
     pair: Pair
     which: Literal["driving", "driven"]
+
+    def __post_init__(self) -> None:
+        arguments.check_choice("which", self.which, arguments.GEARS)
+
+    def __repr__(self) -> str:
+        gear = self.nominal
+        return f"<PairGear: the {self.which} gear, {gear.z} teeth of module {gear.m:g} mm>"
 
     @property
     def mounted(self) -> Mounted:
@@ -87,12 +94,14 @@ class PairGear:
 
     def deviation(self, roll_length: FloatArray, *, flank: Flank = "drive") -> FloatArray:
         """Normal deviation (z, n) in mm of every tooth at roll lengths (n,) in mm, pitch included, positive = more
-        material."""
+        material. Raises ``OutOfRangeError`` for lengths or a flank that are none."""
+        arguments.check_choice("flank", flank, arguments.FLANKS)
+        roll_length = row("roll_length", roll_length, "finite length in mm, 0 or more,", least=0.0)
         shapes = self.deviations.drive if flank == "drive" else self.deviations.coast
-        rows = np.broadcast_to(np.asarray(roll_length, dtype=np.float64), (self.nominal.z, np.size(roll_length)))
+        rows = np.broadcast_to(roll_length, (self.nominal.z, roll_length.size))
         return read_only(total(shapes, rows, z=self.nominal.z, span=self.mounted.flanks.span))
 
-    def export(self, target: Path | str, *, magnify: float = 1.0, **options: Any) -> Exported:
+    def export(self, target: Path | str, *, magnify: float = 1.0, **options: Any) -> Exported | ExportedDesign:
         """Write this gear alone; options as in :meth:`Pair.export`."""
         return self.pair.export(target, which=self.which, magnify=magnify, **options)
 
@@ -113,9 +122,17 @@ class Pair:
     source: str
     seed: int
 
+    def __repr__(self) -> str:
+        z_1, z_2 = self.mesh.driving.gear.z, self.mesh.driven.gear.z
+        return (
+            f'<Pair "{shown(self.file.name)}": {z_1}/{z_2} teeth, centre distance {self.mesh.a:g} mm, seed {self.seed}>'
+        )
+
     @classmethod
     def read(cls, path: Path | str, *, seed: int = 0) -> Self:
         """The pair of a pair file. Raises ``InputFileError`` as ``gearpoly simulate`` does."""
+        arguments.check_file("path", path)
+        arguments.SEED.check("seed", seed)
         file = read_pair(path)
         return cls(assembled=assemble(file, path=path, seed=seed), file=file, source=str(path), seed=seed)
 
@@ -125,6 +142,8 @@ class Pair:
 
         Measured traces named in it are looked for in the working folder. Raises ``InputFileError``.
         """
+        arguments.check_keys("known", known)
+        arguments.SEED.check("seed", seed)
         source = "pair"
         raw = with_sheets(dict(known), Path(source))
         try:
@@ -150,16 +169,17 @@ class Pair:
 
     def contacts(self, theta_2: FloatArray | float, *, flank: Flank = "drive", near: float = NEAR) -> FlankContacts:
         """Certified contacts, unloaded, at driven rotations ``theta_2`` in rad (one or many); pairs within ``near`` mm
-        of the first touch are in it too."""
-        at = np.atleast_1d(np.asarray(theta_2, dtype=np.float64))
-        if at.ndim != 1 or not np.all(np.isfinite(at)):
-            raise OutOfRangeError("theta_2: want one finite angle in rad or a list of them")
+        of the first touch are in it too. Raises ``OutOfRangeError`` for angles, a flank or a distance that are none."""
+        at = row("theta_2", theta_2, "finite angle in rad")
+        arguments.check_choice("flank", flank, arguments.FLANKS)
+        arguments.GAP.check("near", near)
         return contacts(self.mesh, at, flank=flank, near=near)
 
     def transmission_error(self, theta_2: FloatArray | float, *, flank: Flank = "drive") -> FloatArray:
         """Unloaded transmission error (N,) in rad on the driven side at ``theta_2`` (N,) in rad."""
         return self.contacts(theta_2, flank=flank).te
 
+    @told_in_python()
     def simulate(
         self,
         *,
@@ -169,26 +189,41 @@ class Pair:
         flank: Flank = "drive",
         fast: bool = False,
     ) -> Simulated:
-        """What ``gearpoly simulate`` computes, over ``turns`` of the driven gear (default: a whole hunting cycle)."""
+        """What ``gearpoly simulate`` computes, over ``turns`` of the driven gear (default: a whole hunting cycle).
+
+        Raises ``OutOfRangeError`` for an argument that the command refuses.
+        """
+        if torque_nm is not None:
+            arguments.TORQUE.check("torque_nm", torque_nm)
+        speed = self.file.pair.speed_rpm
         made = simulate(
             self.assembled,
             cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
-            Condition(flank=flank, torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM),
+            Condition(
+                flank=flank,
+                torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM,
+                speed=None if speed is None else speed * RPM,
+            ),
             seed=self.seed,
             evenly=True,
             fast=fast,
             progress=_quiet,
         )
-        return Simulated(name=self.file.name, simulation=made, remarks=tuple(strength_remarks(made)))
+        remarks = (*root_remarks(self.file), *strength_remarks(made))
+        return Simulated(name=self.file.name, simulation=made, remarks=remarks)
 
+    @told_in_python()
     def compare(self, recordings: Recorded, *, map: Path | str | None = None) -> Compared:
         """Lay recordings of one set-up on the simulation of this pair, as ``gearpoly compare`` does; ``map`` says what
         their columns are. Raises ``InputFileError`` as the command does."""
         return Compared(comparison=compare_as_built(self.file, self._read(recordings, map), path=self.source))
 
+    @told_in_python()
     def diagnose(self, recordings: Recorded, *, map: Path | str | None = None, within: float = math.inf) -> Diagnosed:
         """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
-        ``within`` seconds of work. Raises ``InputFileError`` as the command does."""
+        ``within`` seconds of work. Raises ``InputFileError`` as the command does, ``OutOfRangeError`` for less
+        than 1 s."""
+        arguments.SECONDS.check("within", within)
         found = diagnose(self.file, self._read(recordings, map), path=self.source, within=within)
         return Diagnosed(source=self.source, diagnosis=found)
 
@@ -197,20 +232,22 @@ class Pair:
         return Planned(plan=plan(self.file, path=self.source))
 
     def _read(self, recordings: Recorded, map: Path | str | None) -> list[Recording]:
-        given = [recordings] if isinstance(recordings, str | Path | Recording) else list(recordings)
         out: list[Recording] = []
-        for one in given:
+        for one in each_of(recordings):
             out += [one] if isinstance(one, Recording) else read(one, map=map, worm=self.file.worm)
         return out
 
     def save(self, target: Path | str) -> None:
         """Write what is known of the pair as a pair file."""
+        arguments.check_file("target", target)
         write_text(target, dump_pair(moved(self.file, source=Path(self.source), target=Path(target))))
 
+    @told_in_python()
     def drawing(self, request: Request | None = None) -> Drawing:
         """The gears placed and drawn as ``request`` wants them: polygons, parts, contacts."""
         return draw(self.assembled, request or Request(), title=self.file.name, source=self.source, seed=self.seed)
 
+    @told_in_python()
     def export(
         self,
         target: Path | str,
@@ -223,12 +260,22 @@ class Pair:
         points: int | None = None,
         chord: float | None = None,
         curves: str | None = None,
-    ) -> Exported:
-        """Write the gears in the format of the ending of ``target``, as ``gearpoly export`` does.
+    ) -> Exported | ExportedDesign:
+        """Write the gears in the format of the ending of ``target``, as ``gearpoly export`` does; a ``.rexs`` file
+        holds their design.
 
         ``theta_2`` in rad, ``chord`` (the chord error) in mm; the others as on the command line. Raises
         ``InputFileError``, ``OutOfRangeError`` or ``MissingExtraError`` with what would do.
         """
+        arguments.check_file("target", target)
+        arguments.ANGLE.check("theta_2", theta_2)
+        MAGNIFICATION.check("magnify", magnify)
+        if points is not None:
+            POINTS.check("points", points)
+        if chord is not None:
+            arguments.Number(unit="mm").check("chord", chord)
+        if curves is not None:
+            arguments.check_choice("curves", curves, CURVES)
         request = Request(
             which=which,
             at=theta_2,
@@ -237,15 +284,7 @@ class Pair:
             magnify=magnify,
             detail=Detail(points=points, chord=chord),
         )
-        return export(
-            self.assembled,
-            target,
-            request,
-            title=self.file.name,
-            source=self.source,
-            seed=self.seed,
-            curves=curves,
-        )
+        return export_any(self.file, self.assembled, target, request, source=self.source, seed=self.seed, curves=curves)
 
     def _repr_svg_(self) -> str:
         return _glance(self.drawing(Request(detail=GLANCE)))
@@ -261,7 +300,11 @@ def load(path: Path | str, *, seed: int = 0) -> Pair:
     return Pair.read(path, seed=seed)
 
 
+@told_in_python()
 def read(path: Path | str, *, map: Path | str | None = None, worm: WormSection | None = None) -> list[Recording]:
     """All recordings of one file, in any format that ``gearpoly read`` knows; ``map`` says what its columns are, and
     ``worm`` turns the error of a telescope's axis into the pair's. Raises ``InputFileError``."""
+    arguments.check_file("path", path)
+    if map is not None:
+        arguments.check_file("map", map)
     return read_set([Path(path)], None if map is None else [Path(map)], worm=worm)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearpoly.api.tables import data_frame
 from gearpoly.compare.beside import Comparison
+from gearpoly.errors import shown
 from gearpoly.files.output import write_text
 from gearpoly.mesh.pair import Flank
 from gearpoly.simulate import Simulation
@@ -28,6 +29,12 @@ class Simulated:
     name: str
     simulation: Simulation
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        figures = (
+            f"transmission error {self.te_pp_um:.3g} um peak to peak, mean backlash {self.backlash_mean_um:.3g} um"
+        )
+        return f'<Simulated "{shown(self.name)}": {self.te_um.size} positions, {self.flank} flank, {figures}>'
 
     @property
     def flank(self) -> Flank:
@@ -106,6 +113,11 @@ class Compared:
     """Recordings beside their simulation: what ``gearpoly compare`` finds. ``comparison`` has the rest (mm, rad)."""
 
     comparison: Comparison
+
+    def __repr__(self) -> str:
+        many = len(self.comparison.aligned)
+        figures = f"residual {self.residual_rms_um:.3g} um rms, noise {self.noise_um:.3g} um, {len(self.where)} places"
+        return f'<Compared "{shown(self.name)}": {many} recording{"s" * (many > 1)}, {figures}>'
 
     @property
     def name(self) -> str:

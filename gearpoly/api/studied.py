@@ -8,8 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearpoly import arguments
 from gearpoly.api.tables import data_frame
-from gearpoly.errors import OutOfRangeError, shown
+from gearpoly.api.words import told_in_python
+from gearpoly.errors import OutOfRangeError, shown_value
 from gearpoly.study.answers import Answers, answer
 from gearpoly.study.answers_json import answers_json
 
@@ -54,8 +56,8 @@ class Studied:
         from gearpoly.study.pictures import pictures
 
         found = {one.name: one.figure() for one in pictures(self.answers)}
-        if what not in found:
-            raise OutOfRangeError(f'no picture "{shown(what)}"; want one of {", ".join(found) or "none yet"}')
+        if what not in tuple(found):
+            raise OutOfRangeError(f"no picture {shown_value(what)}; want one of {', '.join(found) or 'none yet'}")
         if target is not None:
             save(found[what], Path(target))
         return found[what]
@@ -66,9 +68,15 @@ class Studied:
         return data_frame(store.columns(store.schema.names))
 
 
+@told_in_python()
 def run_study(path: Path | str, folder: Path | str, *, workers: int = 1, scheduler: str | None = None) -> Studied:
     """Draw and sweep the pairs of a study file into ``folder``, as ``gearpoly study`` does; what is there already is
     gone on with. ``scheduler`` is the address of a Dask cluster. Raises ``InputFileError`` as the command does."""
+    arguments.check_file("path", path)
+    arguments.check_file("folder", folder)
+    arguments.WORKERS.check("workers", workers)
+    if scheduler is not None and workers != 1:
+        raise OutOfRangeError(f"workers {workers}: the scheduler brings its own workers; leave workers out")
     from gearpoly.study.read import read_study
     from gearpoly.study.run import run_study as run
 
@@ -78,4 +86,5 @@ def run_study(path: Path | str, folder: Path | str, *, workers: int = 1, schedul
 
 def open_study(folder: Path | str) -> Studied:
     """The table that a study left in ``folder``, finished or not."""
+    arguments.check_file("folder", folder)
     return Studied(folder=Path(folder))

@@ -9,10 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gearpoly import arguments
 from gearpoly.api.results import samples_of
 from gearpoly.api.tables import data_frame
 from gearpoly.diagnose.plan import Plan
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Status
+from gearpoly.errors import shown
 from gearpoly.files.output import write_text
 from gearpoly.files.pairfile import dump_pair, moved
 from gearpoly.units import UM
@@ -29,6 +31,11 @@ class Diagnosed:
 
     source: str
     diagnosis: Diagnosis
+
+    def __repr__(self) -> str:
+        named = ", ".join(one.claim.physics.name for one in self.missing) or "nothing named"
+        figures = f"unseen {self.before_um:.3g} um rms before, {self.after_um:.3g} um after"
+        return f"<Diagnosed {shown(self.source)}: {self.status}, {named}, {figures}, noise {self.noise_um:.3g} um>"
 
     @property
     def status(self) -> Status:
@@ -68,7 +75,8 @@ class Diagnosed:
 
     def plot(self, target: Path | str | None = None, *, recording: int = 0) -> Figure:
         """Transmission error recorded and simulated, before and after, of one ``recording``; written to ``target`` if
-        given."""
+        given. Raises ``OutOfRangeError`` for the number of no recording; they count from 0."""
+        arguments.Count(least=0, most=len(self.diagnosis.comparison.aligned) - 1).check("recording", recording)
         from gearpoly.report.diagnosis_data import recording_label
         from gearpoly.report.diagnosis_figures import curves_figure
         from gearpoly.report.plots import save
@@ -106,7 +114,9 @@ class Diagnosed:
     def to_figures(self, folder: Path | str, *, ending: str = ".svg") -> list[Path]:
         """Write every picture into ``folder`` as .svg, .png or .pdf; returns the files."""
         from gearpoly.report.diagnosis_figures import write_figures
+        from gearpoly.report.plots import FORMATS
 
+        arguments.check_choice("ending", ending, FORMATS)
         return write_figures(self.diagnosis, Path(folder), ending=ending)
 
     def to_fitted(self, target: Path | str) -> None:
@@ -123,6 +133,10 @@ class Planned:
     """Which recordings would tell the look-alikes of a pair apart: what ``gearpoly plan`` finds."""
 
     plan: Plan
+
+    def __repr__(self) -> str:
+        more = f"{len(self.plan.further)} more recordings, {len(self.plan.look_alikes)} look-alikes"
+        return f"<Planned: {self.says[0].rstrip('.')}; {more}>"
 
     @property
     def says(self) -> tuple[str, ...]:

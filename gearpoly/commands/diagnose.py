@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.arguments import SECONDS
 from gearpoly.diagnose.budget import USUAL
 
 ORDER = 30
@@ -33,7 +34,7 @@ def diagnose(
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
     within: Annotated[
-        float, typer.Option(min=1.0, metavar="SECONDS", help="Look no longer than so many seconds of work.")
+        float, typer.Option(min=SECONDS.least, metavar="SECONDS", help="Look no longer than so many seconds of work.")
     ] = USUAL,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""

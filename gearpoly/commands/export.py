@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.arguments import SEED
+
 ORDER = 50
 
 
@@ -58,30 +60,21 @@ def export(
     curves: Annotated[
         CurveChoice | None, typer.Option(help="dxf: lines, arcs or splines; step: splines or lines; else lines.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
 ) -> None:
     """Write error gears in the format of the file's ending: drawings, solids, points, inspection files, designs."""
     import sys
 
     from gearpoly.assemble import assemble
-    from gearpoly.errors import OutOfRangeError
-    from gearpoly.export.design import export_design, is_design_target
     from gearpoly.export.drawing import Request
     from gearpoly.export.outline import Detail
-    from gearpoly.export.write import check
-    from gearpoly.export.write import export as run
-    from gearpoly.files.output import check_target, say_written
+    from gearpoly.export.write import check_any, export_any
+    from gearpoly.files.output import say_written
     from gearpoly.files.pairfile import read_pair
     from gearpoly.units import DEG, UM
 
     chosen = None if curves is None else curves.value
-    design = is_design_target(to)
-    if design:
-        check_target(to)
-        if chosen is not None:
-            raise OutOfRangeError(f"--curves {chosen}: {to.suffix} files hold no curves; leave it out")
-    else:
-        check(to, chosen)
+    check_any(to, chosen)
     request = Request(
         which=gear.value,
         at=at * DEG,
@@ -92,10 +85,7 @@ def export(
     )
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
-    if design:
-        for remark in export_design(file, assembled, to, request):
-            print(f"note: {remark}", file=sys.stderr)
-        say_written(to, "the design of both gears (REXS 2.0)")
-        return
-    written = run(assembled, to, request, title=file.name, source=str(pair), seed=seed, curves=chosen)
+    written = export_any(file, assembled, to, request, source=str(pair), seed=seed, curves=chosen)
+    for remark in written.remarks:
+        print(f"note: {remark}", file=sys.stderr)
     say_written(to, written.says)

@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from gearpoly.arguments import SEED
+
 ORDER = 45
 
 
@@ -34,7 +36,7 @@ def plot(
     ] = What.mesh,
     at: Annotated[float, typer.Option(help="Driven angle in deg.")] = 0.0,
     flank: Annotated[FlankToDraw, typer.Option(help="Which flanks touch.")] = FlankToDraw.drive,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
 ) -> None:
     """Draw still pictures of a pair: the mesh at a contact, tooth deviations, gaps of near pairs."""
     import math

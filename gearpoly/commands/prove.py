@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.arguments import WORKERS
+
 ORDER = 70
 
 
@@ -27,7 +29,7 @@ def prove(
     real: Annotated[
         Path | None, typer.Option(help="Score a folder of real recordings with NAME.judgement.json instead.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=1)] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=WORKERS.least)] = None,
     out: Annotated[Path | None, typer.Option(help="Folder of cases and verdicts; a killed run goes on there.")] = None,
 ) -> None:
     """Conceal effects, diagnose them, open the truths, and print the scoreboard."""

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gearpoly.arguments import POINTS_PER_MESH, SEED, TURNS
+
 if TYPE_CHECKING:
     from gearpoly.assemble import Assembled
     from gearpoly.files.models import PairFile
@@ -42,16 +44,20 @@ def simulate(
     ] = None,
     turns: Annotated[
         float | None,
-        typer.Option(help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=0.0),
+        typer.Option(
+            help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=TURNS.least
+        ),
     ] = None,
-    points_per_mesh: Annotated[int | None, typer.Option(help="Positions per pitch; default 40.", min=1)] = None,
+    points_per_mesh: Annotated[
+        int | None, typer.Option(help="Positions per pitch; default 40.", min=POINTS_PER_MESH.least)
+    ] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
     map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
     fast: Annotated[
         bool,
         typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
     ] = False,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
     every_default: Annotated[
         bool, typer.Option("--defaults", help="List every value that the pair file left to its default.")
     ] = False,

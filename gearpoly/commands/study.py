@@ -7,13 +7,15 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.arguments import WORKERS
+
 ORDER = 60
 
 
 def study(
     study: Annotated[Path, typer.Argument(help="Study file (TOML): pair, sweeps, number of pairs, outputs.")],
     out: Annotated[Path, typer.Option(help="Folder of the table; a half-finished one is gone on with.")],
-    workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=1)] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=WORKERS.least)] = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler (tcp://host:8786) to run on instead.")
     ] = None,

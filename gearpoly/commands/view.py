@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.arguments import SEED
 from gearpoly.commands.simulate import FlankChoice
 
 ORDER = 40
@@ -27,7 +28,9 @@ def view(
     flank: Annotated[
         FlankChoice | None, typer.Option(help="Which flank carries; default drive, or the recording's.")
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Decides what a grade leaves to chance; default 0.", min=0)] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Decides what a grade leaves to chance; default 0.", min=SEED.least)
+    ] = None,
 ) -> None:
     """Write the contact debugger: gears, contacts, gaps and TE in one page that any browser opens from disk."""
     from gearpoly.assemble import assemble

@@ -10,7 +10,7 @@ from gearpoly.assemble import NAMES, Assembled
 from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Request
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.files.output import written_aside
+from gearpoly.files.output import check_target, written_aside
 from gearpoly.files.rexs.gear import LIMITS
 from gearpoly.files.rexs.model import Attribute, Component, Relation, RexsModel, Value
 from gearpoly.files.rexs.source import ENDINGS
@@ -30,8 +30,29 @@ def is_design_target(target: Path) -> bool:
     return target.suffix.lower() in ENDINGS
 
 
-def export_design(file: PairFile, assembled: Assembled, target: Path, request: Request) -> list[str]:
-    """Write the design of a pair to ``target``; gives what is left out of it.
+@dataclass(frozen=True, kw_only=True)
+class ExportedDesign:
+    """A design that was written to ``target``; ``remarks`` say what of the pair is no part of it."""
+
+    target: Path
+    remarks: tuple[str, ...]
+
+    @property
+    def says(self) -> str:
+        """What is in the file, for whoever asked for it."""
+        return f"the design of both gears (REXS {VERSION})"
+
+
+def check_design(target: Path, curves: str | None) -> None:
+    """Raise ``InputFileError`` where ``target`` cannot be written, ``OutOfRangeError`` where ``curves`` are asked for;
+    before any long work."""
+    check_target(target)
+    if curves is not None:
+        raise OutOfRangeError(f"--curves {curves}: {target.suffix} files hold no curves; leave it out")
+
+
+def export_design(file: PairFile, assembled: Assembled, target: Path, request: Request) -> ExportedDesign:
+    """Write the design of a pair to ``target``.
 
     Raises ``OutOfRangeError`` for what a ``request`` asks of a drawing, ``InputFileError`` where ``target`` cannot be
     written.
@@ -44,7 +65,7 @@ def export_design(file: PairFile, assembled: Assembled, target: Path, request: R
     model = design_model(file, assembled)
     with written_aside(target) as aside:
         write_model(model, aside, ending=target.suffix.lower())
-    return left_out(file)
+    return ExportedDesign(target=target, remarks=tuple(left_out(file)))
 
 
 def left_out(file: PairFile) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 from shapely import is_valid_reason
 from shapely.geometry import Polygon
 
-from gearpoly import __version__
+from gearpoly import __version__, arguments
 from gearpoly.assemble import NAMES, Assembled
 from gearpoly.errors import (
     GearpolyError,
@@ -25,6 +25,7 @@ from gearpoly.errors import (
     JammedError,
     NotConvergedError,
     OutOfRangeError,
+    shown,
 )
 from gearpoly.export.magnify import LARGEST, magnified, onset
 from gearpoly.export.outline import Detail, Outline, OutlinePart, draw_outline
@@ -50,7 +51,8 @@ class Request:
     """What a user asked for: ``which`` gears, the driven rotation ``at`` in rad at which ``flank`` touches, or gears
     ``apart`` at rotation 0; ``magnify`` as in ``magnified``; ``detail``.
 
-    Raises ``OutOfRangeError`` for a magnification outside 0 to ``LARGEST`` or an angle that is no number.
+    Raises ``OutOfRangeError`` for a gear or flank that is none, for a magnification outside 0 to ``LARGEST`` and for an
+    angle that is no number.
     """
 
     which: Which = "both"
@@ -61,6 +63,8 @@ class Request:
     detail: Detail = field(default_factory=Detail)
 
     def __post_init__(self) -> None:
+        arguments.check_choice("--gear", self.which, (*arguments.GEARS, "both"))
+        arguments.check_choice("--flank", self.flank, arguments.FLANKS)
         if not 0.0 <= self.magnify <= LARGEST:
             raise OutOfRangeError(f"--magnify {self.magnify:g}: want 0 (the ideal gear) to {LARGEST:g}")
         if not math.isfinite(self.at):
@@ -135,6 +139,10 @@ class Drawing:
     seed: int
     theta_1: float
     contacts: FlankContacts | None
+
+    def __repr__(self) -> str:
+        gears = " and ".join(gear.name for gear in self.gears)
+        return f'<Drawing "{shown(self.title)}": {gears} gear, chord error {rounded_up(self.chord_error / UM):g} um>'
 
     @property
     def chord_error(self) -> float:

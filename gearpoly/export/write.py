@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gearpoly.assemble import Assembled
-from gearpoly.errors import OutOfRangeError
+from gearpoly.errors import OutOfRangeError, shown
+from gearpoly.export.design import ExportedDesign, check_design, export_design, is_design_target
 from gearpoly.export.drawing import Drawing, Request, draw, rounded_up
 from gearpoly.export.formats import Format, format_for
+from gearpoly.files.models import PairFile
 from gearpoly.files.output import check_target, written_aside
 from gearpoly.units import DEG, UM
 
@@ -22,6 +24,11 @@ class Exported:
     drawing: Drawing
     curves: str
     chord_error: float
+    remarks: tuple[str, ...] = ()
+    """Nothing: a drawing leaves nothing out."""
+
+    def __repr__(self) -> str:
+        return f"<Exported {shown(str(self.target))}: {self.says}>"
 
     @property
     def says(self) -> str:
@@ -35,6 +42,14 @@ class Exported:
             angles = f"{request.at / DEG:g} deg (driving {drawing.theta_1 / DEG:.6f} deg)"
             text += f", {request.flank} flanks in mesh at {angles}"
         return text if request.magnify == 1.0 else f"{text}, deviations magnified {request.magnify:g} times"
+
+
+def check_any(target: Path, curves: str | None) -> None:
+    """``check`` for a drawing or solid, and the same for a design."""
+    if is_design_target(target):
+        check_design(target, curves)
+    else:
+        check(target, curves)
 
 
 def check(target: Path, curves: str | None) -> tuple[Format, str]:
@@ -72,3 +87,21 @@ def export(
     with written_aside(path) as aside:
         error = kind.write(drawing, aside, wanted)
     return Exported(target=path, drawing=drawing, curves=wanted, chord_error=error)
+
+
+def export_any(
+    file: PairFile,
+    assembled: Assembled,
+    target: Path | str,
+    request: Request,
+    *,
+    source: str,
+    seed: int,
+    curves: str | None = None,
+) -> Exported | ExportedDesign:
+    """``export`` of the pair ``assembled`` from ``file``, or its design where the ending of ``target`` asks for one."""
+    path = Path(target)
+    check_any(path, curves)
+    if is_design_target(path):
+        return export_design(file, assembled, path, request)
+    return export(assembled, path, request, title=file.name, source=source, seed=seed, curves=curves)

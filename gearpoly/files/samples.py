@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
+from gearpoly.arguments import check_file
 from gearpoly.errors import InputFileError
 from gearpoly.files.paths import is_folder, look
 
@@ -27,11 +28,13 @@ def samples() -> Path:
     raise InputFileError(PACKAGE, found="no sample data here", wish="install a wheel of gearpoly, or work in a clone")
 
 
-def copy_samples(target: Path) -> Path:
+def copy_samples(target: Path | str) -> Path:
     """Copy the sample data to the folder ``target``, which must not be there yet: whole, or not at all.
 
     Raises ``InputFileError`` where ``target`` is there or cannot be written.
     """
+    check_file("target", target)
+    target = Path(target)
     source = samples()
     if look(target) is not None:
         raise InputFileError(target, found="it is there already", wish="want the name of a new folder")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gearpoly import arguments
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import NM
@@ -16,7 +17,7 @@ class Condition:
 
     ``backward``: the pair runs backwards; ``varies``: the most by which the torque is off its mean along a recording,
     as a part of it. Frozen, so that what was made under it can be kept by it; whatever else a pair feels, such as a
-    temperature, is one more field. Raises ``OutOfRangeError`` for a torque that is none.
+    temperature, is one more field. Raises ``OutOfRangeError`` for a flank or a torque that is none.
     """
 
     flank: Flank
@@ -26,6 +27,7 @@ class Condition:
     varies: float = 0.0
 
     def __post_init__(self) -> None:
+        arguments.check_choice("--flank", self.flank, arguments.FLANKS)
         check_torque(self.torque)
 
     @property

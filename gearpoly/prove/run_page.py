@@ -6,6 +6,7 @@ from typing import Any
 
 from gearpoly.prove.side import known, table
 from gearpoly.prove.words import MEANING, UNLISTED, missing_unknown, percent, value
+from gearpoly.proving.ground import CALLED
 
 MARKS = {True: "reached", False: "**missed**", None: "not judged"}
 
@@ -53,7 +54,10 @@ def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) 
         "",
         "### Beside what a careful expert could know",
         "",
-        *known([(klass, one, groups.get(klass, {})) for klass, one in board["by_expert"].items()], "class"),
+        *known(
+            [(CALLED.get(klass, klass), one, groups.get(klass, {})) for klass, one in board["by_expert"].items()],
+            "class",
+        ),
         "",
         "### By physics",
         "",
@@ -82,7 +86,7 @@ def _missed(rows: list[dict[str, Any]]) -> list[str]:
 def _depths(classes: dict[str, Any]) -> list[str]:
     rows = [
         [
-            name, one["concealed"], str(one["cases"]),
+            CALLED.get(name, name), one["concealed"], str(one["cases"]),
             *("" if one[key] is None else f"{one[key]:.2g}" for key in ("over_what_hides_it", "over_noise")),
         ]
         for name, one in classes.items()
@@ -99,7 +103,7 @@ def _profiles(head: str, rows: Any) -> list[str]:
     return table(
         [head, "cases", "something reported", "named, tooth included", "in the reported set", "further claims"],
         [
-            [name, str(one["cases"]), *(percent(one[key]) for key in ("reported", "named", "in_set")),
+            [CALLED.get(name, name), str(one["cases"]), *(percent(one[key]) for key in ("reported", "named", "in_set")),
              str(one["extras"])]
             for name, one in rows if one["cases"]
         ],
@@ -144,7 +148,8 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
         said = one["error"] or "; ".join(one["said"]) or ("located, not named" if one["unexplained"] else "nothing")
         rows.append(
             [
-                one["case"], f"{one['class']}, {one['pair']}", "; ".join(concealed) or "nothing",
+                one["case"], f"{CALLED.get(one['class'], one['class'])}, {one['pair']}",
+                "; ".join(concealed) or "nothing",
                 said.replace("|", "/"), ", ".join(misses),
             ]
         )  # fmt: skip

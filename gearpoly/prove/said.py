@@ -36,7 +36,7 @@ def said_rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
             [(name, hit) for name, one in known for hit in one.located], None,
         ),
         at_most(
-            "silent", "silent where something could be known",
+            "silent", "nothing said where something could be known",
             [(name, one.silent) for name, one in known if one.named or one.located], None,
         ),
         *(at_most(key, text, [(name, one.failure == key) for name, one in known], None)

@@ -68,7 +68,7 @@ def halves(boards: Sequence[Board], labels: Sequence[str]) -> list[str]:
 def known(every: Sequence[tuple[str, Board, Board]], head: str) -> list[str]:
     """Two tables of the same groups: what was said, and how sure, how well and how fast."""
     shares = ("false_names", "named", "located", "silent", "said")
-    heads = ["false name", "named", "located", "silent", "wrong file said"]
+    heads = ["false name", "named", "located", "nothing said", "wrong file said"]
     said = [
         [
             name, str(one["cases"]), *(short_percent(one[key]) for key in shares),

@@ -29,7 +29,7 @@ MEANING = {
     "coverage_2": "beyond 2 sigma",
     "energy_removed_share": "mismatch left",
     "strangers_located": "not located",
-    "strangers_named": "false name for a stranger",
+    "strangers_named": "false name for what is outside the catalogue",
     "background_located": "background not located",
     "background_named": "false name beside a background",
     "false_alarms_background": "false alarm",
@@ -37,7 +37,7 @@ MEANING = {
     "false_name_cases": "a name that may not stand",
     "to_be_named": "not named that was to be",
     "to_be_located": "not located that was to be",
-    "silent": "silent",
+    "silent": "nothing said",
     "refused": "refused",
     "time_out": "time-out",
     "traceback": "traceback",
@@ -47,7 +47,7 @@ MEANING = {
 
 EXPERT = {
     "false_names": "with a false name", "named": "named, tooth included", "located": "located",
-    "silent": "silent where something could be known", "said": "wrong file: said so",
+    "silent": "nothing said where something could be known", "said": "wrong file: said so",
 }  # fmt: skip
 """Shares of the table by class, and what they are called."""
 

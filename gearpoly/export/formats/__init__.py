@@ -44,7 +44,7 @@ def format_for(target: Path) -> Format:
     name = target.name.lower()
     matching = [ending for ending in formats() if name.endswith(ending) and name != ending]
     if not matching:
-        known = ", ".join(sorted(formats()))
+        known = ", ".join(sorted({*formats(), *DESIGNS}))
         found = f'the ending "{target.suffix}"' if target.suffix else "no ending"
         raise InputFileError(target, found=found, wish=f"want one of {known}")
     return formats()[max(matching, key=len)]

@@ -238,5 +238,6 @@ window.addEventListener("afterprint", () => {
   repaint();
 });
 choose(0);
+for (const one of everyPlot) one.draw(); // now: what prints or pictures a page at once waits for no frame
 
 Object.assign(window, { gearpoly: { data: DATA, plots, recording, choose } });

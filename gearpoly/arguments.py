@@ -1,0 +1,108 @@
+"""What an argument may be: choices, numbers, counts, files and lists, the same from Python and on the command line.
+
+Messages name an argument as the command line does (``--turns``) where that has it; ``gearpoly.api`` calls it by its
+name in Python.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Integral, Real
+
+from gearpoly.errors import OutOfRangeError, shown_value
+
+FLANKS = ("drive", "coast")
+"""Flanks that may carry."""
+
+GEARS = ("driving", "driven")
+"""The gears of a pair."""
+
+
+def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
+    """Refuse a ``value`` of the argument ``name`` that is none of ``choices``: raises ``OutOfRangeError``."""
+    if not isinstance(value, str) or value not in choices:
+        *others, last = (f'"{one}"' for one in choices)
+        wish = f"{', '.join(others)} or {last}" if others else last
+        raise OutOfRangeError(f"{name} {shown_value(value)}: want {wish}")
+
+
+def check_file(name: str, value: object) -> None:
+    """Refuse a ``value`` of the argument ``name`` that is no path: raises ``OutOfRangeError``."""
+    if not isinstance(value, str | os.PathLike):
+        raise OutOfRangeError(f'{name} {shown_value(value)}: want a path, such as "pair.toml" or a pathlib.Path')
+
+
+def check_keys(name: str, value: object) -> None:
+    """Refuse a ``value`` of the argument ``name`` that is no dictionary: raises ``OutOfRangeError``."""
+    if not isinstance(value, Mapping):
+        raise OutOfRangeError(f"{name} {shown_value(value)}: want a dictionary with the keys of a pair file")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number from ``least`` to ``most``, both allowed, that says in ``unit`` what it says; infinite only where not
+    ``finite``."""
+
+    least: float = -math.inf
+    most: float = math.inf
+    unit: str = ""
+    finite: bool = True
+
+    def check(self, name: str, value: object) -> None:
+        """Refuse a ``value`` of the argument ``name`` that is no such number: raises ``OutOfRangeError``."""
+        real = isinstance(value, Real) and not isinstance(value, bool)
+        if real and self.least <= float(value) <= self.most and (math.isfinite(value) or not self.finite):  # type: ignore[arg-type]
+            return
+        kind = "a finite number" if self.finite and math.inf in (-self.least, self.most) else "a number"
+        unit = f" in {self.unit}" if self.unit else ""
+        raise OutOfRangeError(f"{name} {shown_value(value)}: want {kind}{unit}{_span(self.least, self.most)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Count:
+    """A whole number from ``least`` to ``most``, both allowed (None: no end)."""
+
+    least: int
+    most: int | None = None
+
+    def check(self, name: str, value: object) -> None:
+        """Refuse a ``value`` of the argument ``name`` that is no such number: raises ``OutOfRangeError``."""
+        whole = isinstance(value, Integral) and not isinstance(value, bool)
+        if not whole or int(value) < self.least or (self.most is not None and int(value) > self.most):  # type: ignore[call-overload]
+            span = _span(self.least, math.inf if self.most is None else self.most)
+            wish = f"{self.least}" if self.least == self.most else f"a whole number{span}"
+            raise OutOfRangeError(f"{name} {shown_value(value)}: want {wish}")
+
+
+def _span(least: float, most: float) -> str:
+    if most == math.inf:
+        return "" if least == -math.inf else f", {least:g} or more"
+    return f" from {least:g} to {most:g}"
+
+
+TURNS = Number(least=0.0)
+"""Turns of the driven gear; the mesh that is begun is gone through, so 0 is one mesh."""
+
+POINTS_PER_MESH = Count(least=1)
+"""Positions per pitch."""
+
+SEED = Count(least=0)
+"""What decides what a grade leaves to chance: numpy's generators take no negative seed."""
+
+SECONDS = Number(least=1.0, unit="s", finite=False)
+"""Work of a diagnosis: reading and laying recordings on their simulation alone takes most of a second."""
+
+WORKERS = Count(least=1)
+"""Processes of a study."""
+
+ANGLE = Number(unit="rad")
+"""A rotation."""
+
+GAP = Number(least=0.0, unit="mm", finite=False)
+"""A distance between teeth."""
+
+TORQUE = Number(least=0.0, unit="N.m")
+"""A torque is a magnitude; the flank says which way it acts."""
