@@ -281,7 +281,7 @@ def test_stated_errors_cover_the_truth(tmp_path: Path) -> None:
         file, path, made = inspected(tmp_path, rng, gauge=0.2)
         beside = lay_beside(file, [record(made, rig, rng)], path=path)
         error_1, error_2 = errors(beside, rig)
-        assert abs(error_2) < 0.04  # never another tooth, 14.4 deg off
+        assert abs(error_2) < 0.3  # never another tooth, 14.4 deg off; half the samples tell up to 0.1 deg
         scores.append((error_1 * DEG / beside.alignment.std_driving, error_2 * DEG / beside.alignment.std_driven))
     z = np.array(scores)
     # Of 40 normal numbers at least 34 lie within two sigma with 99.8 %, and the rms lies within 0.7 and 1.35.
