@@ -13,9 +13,10 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry, says
-from gearpoly.compare.jump_search import JumpSearch
+from gearpoly.compare.jump_search import next_jump
 from gearpoly.compare.jumps import Jump, Left, rise, size_of, weigh_steps
 from gearpoly.compare.locate import locate
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.diagnose.diagnose import diagnose
@@ -351,10 +352,10 @@ def test_what_did_not_stand_leaves_no_trace() -> None:
     """A search that tries a jump and takes it back ends where one without any jump ends."""
     data = made(12)
     bump = np.where(np.abs(along(data) - 0.5) < 0.01, 4.0, 0.0)
-    search = JumpSearch([plus(data, bump)], known(), 0.0)
+    search = JointModel([plus(data, bump)], known(), 0.0)
     before = search.fit(passes=3)
     noise = search.states[0].noise
-    after, jumped_ = search.jump(before, least=0.0)
+    after, jumped_ = next_jump(search, before, least=0.0)
     assert not jumped_ and not search.states[0].jumps and search.refused
     assert search.states[0].noise is noise
     np.testing.assert_allclose(after.left[0], before.left[0], atol=1e-9)

@@ -15,8 +15,8 @@ from gearpoly.compare.lines import Peak
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.maps import tooth_maps
 from gearpoly.compare.masked import settle_waves
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import estimate_noise
-from gearpoly.compare.search import Search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried, sharing_from_rows
 from tests.residuals import healthy, noise, residual, samples, tooth_signal
@@ -385,7 +385,7 @@ def test_waves_that_move_keep_their_own_size() -> None:
     data = healthy(np.random.default_rng(8), z_1=18, z_2=25, cycles=1, kind="white")
     large, small = 4.41 / 18, 7.73 / 18
     waves = 2.0 * UM * np.cos(2 * np.pi * large * data.u) + 0.5 * UM * np.cos(2 * np.pi * small * data.u)
-    search = Search([plus(data, waves)], inspected(18, 25), 0.0)
+    search = JointModel([plus(data, waves)], inspected(18, 25), 0.0)
     state = search.states[0]
     off = 0.05 / state.search.span
     for frequency in (large + off, small + off):

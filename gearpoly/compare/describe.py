@@ -12,9 +12,10 @@ from gearpoly.compare.entries import Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
+from gearpoly.compare.jump_search import has_drift
 from gearpoly.compare.lines import TIE, Peak
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.search import Search
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM, FloatArray
 
@@ -45,7 +46,7 @@ STRETCHES = 4096
 """Stretches of the record whose sums stand for it there."""
 
 
-def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float, float, float, float]:
+def _wave(search: JointModel, solution: Solution, k: int, peak: Peak) -> tuple[float, float, float, float]:
     """Amplitude and standard error in mm, phase in rad (at u = 0 or time 0), and chi square of a wave in recording
     k."""
     s = search.states[k]
@@ -65,7 +66,7 @@ def _wave(search: Search, solution: Solution, k: int, peak: Peak) -> tuple[float
     return amplitude, std, math.atan2(ab[1], ab[0]), square
 
 
-def kind_of(search: Search, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
+def kind_of(search: JointModel, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
     """Kind, gear, order, label and rivals of a wave at an integer order, ``frequency`` in cycles per mesh."""
     orders = [frequency * search.z_1, frequency * search.z_2]
     whole = [abs(order - round(order)) < 1e-6 * max(order, 1.0) for order in orders]
@@ -114,7 +115,7 @@ def _train(peak: Peak, unit: str, *, scale: float = 1.0) -> str:
     return f"harmonic {peak.harmonic} of pulses at {peak.frequency / peak.harmonic * scale:.4g} {unit}"
 
 
-def wave_entry(search: Search, solution: Solution, k: int, peak: Peak) -> Entry | None:
+def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> Entry | None:
     """The entry of a wave first seen in recording ``k``; ``None`` where the joint fit leaves nothing of it."""
     share = {"time": SHARES.time}.get(peak.domain, SHARES.orders if peak.known else SHARES.between)
     p_value = float((SHARES.faint if peak.faint else share) * math.exp(min(0.0, peak.log_false)))
@@ -272,10 +273,10 @@ def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -
     return where @ law, np.sqrt(np.einsum("ij,jk,ik->i", where, covariance, where))
 
 
-def drift_entry(search: Search, solution: Solution, k: int) -> Entry | None:
+def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     """What the slow curve of recording ``k`` (ramp, bow, S) says beyond what the noise wanders."""
     s = search.states[k]
-    if s.jumps and not search.drifts(k, solution):
+    if s.jumps and not has_drift(search, k, solution):
         return None
     beta = solution.beta[search.places[k]["slow"][1:]]
     degree = np.arange(1, beta.size + 1)

@@ -8,9 +8,10 @@ import numpy as np
 
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
+from gearpoly.compare.jump_search import a_turn, standing, stretch_of
 from gearpoly.compare.jumps import size_of
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.search import Search
 from gearpoly.units import UM, FloatArray
 
 ROUND = 0.5
@@ -18,11 +19,11 @@ ROUND = 0.5
 for the mates that they meet."""
 
 
-def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
+def jump_entries(search: JointModel, solution: Solution, k: int) -> list[Entry]:
     """Entries of the jumps in recording ``k``, as they stand beside everything that was found after them."""
     out = []
     for jump in search.states[k].jumps:
-        found = search.standing(k, solution, jump)
+        found = standing(search, k, solution, jump)
         if found is None:
             continue
         gain, _, _ = found.steps.at(found.at)
@@ -32,9 +33,11 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
         if too_large or _comes_round(search, solution, k, found.at, amplitude):
             continue
         level, _ = found.colour
-        moment, moment_std = found.steps.moment(search.stretch(k), level=level, about=found.at, within=search.turn(k))
+        moment, moment_std = found.steps.moment(
+            stretch_of(search, k), level=level, about=found.at, within=a_turn(search, k)
+        )
         timed = search.states[k].data.time_s is not None
-        along, side = search.stretch(k), jump.width // 2
+        along, side = stretch_of(search, k), jump.width // 2
         rise = float(along[min(found.at + side, along.size - 1)] - along[max(0, found.at - side)])
         out.append(
             Entry(
@@ -57,7 +60,7 @@ def jump_entries(search: Search, solution: Solution, k: int) -> list[Entry]:
     return out
 
 
-def _comes_round(search: Search, solution: Solution, k: int, at: int, amplitude: float) -> bool:
+def _comes_round(search: JointModel, solution: Solution, k: int, at: int, amplitude: float) -> bool:
     """Whether recording ``k`` steps as at sample ``at`` one turn of either shaft before and after too, from one pitch
     to the next: then a tooth or its neighbours came round, and nothing jumped."""
     s, places = search.states[k], search.places[k]

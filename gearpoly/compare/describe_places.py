@@ -10,8 +10,8 @@ from scipy.special import chdtrc
 from gearpoly.compare.describe import GEARS
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.search import Search
 from gearpoly.compare.teeth import ToothFind
 from gearpoly.units import UM, FloatArray
 
@@ -22,7 +22,7 @@ and a speed of angles over times is that of its part of a wobble."""
 _PHASES = (np.arange(96) + 0.5) / 96.0
 
 
-def tooth_entries(search: Search, solution: Solution, *, numbered: tuple[bool, bool]) -> list[Entry]:
+def tooth_entries(search: JointModel, solution: Solution, *, numbered: tuple[bool, bool]) -> list[Entry]:
     """One entry for every tooth that stands out, in whatever recordings it does."""
     groups: dict[tuple[int, int, str], list[ToothFind]] = {}
     for find in search.finds:
@@ -30,7 +30,9 @@ def tooth_entries(search: Search, solution: Solution, *, numbered: tuple[bool, b
     return [_tooth_entry(search, solution, finds, numbered=numbered) for finds in groups.values()]
 
 
-def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, numbered: tuple[bool, bool]) -> Entry:
+def _tooth_entry(
+    search: JointModel, solution: Solution, finds: list[ToothFind], *, numbered: tuple[bool, bool]
+) -> Entry:
     find = max(finds, key=lambda f: f.gain)
     gear = search.gears[find.gear - 1]
     alike = [j for j, s in enumerate(search.states) if s.data.flank == find.flank]
@@ -65,7 +67,7 @@ def _tooth_entry(search: Search, solution: Solution, finds: list[ToothFind], *, 
     )
 
 
-def _mesh_wave(search: Search, solution: Solution, k: int) -> FloatArray | None:
+def _mesh_wave(search: JointModel, solution: Solution, k: int) -> FloatArray | None:
     """Mean mesh shape of recording ``k`` by phase, in mm, from its mesh orders; ``None`` without any."""
     s = search.states[k]
     curve = np.zeros(_PHASES.size)
@@ -79,7 +81,7 @@ def _mesh_wave(search: Search, solution: Solution, k: int) -> FloatArray | None:
     return curve if any_found else None
 
 
-def phase_entries(search: Search, solution: Solution) -> list[Entry]:
+def phase_entries(search: JointModel, solution: Solution) -> list[Entry]:
     """The stretch of a pitch in which the mean tooth differs most, per flank, and whether one or two pairs carry
     there."""
     out: list[Entry] = []
@@ -120,7 +122,7 @@ def phase_entries(search: Search, solution: Solution) -> list[Entry]:
     return out
 
 
-def _same_things(search: Search, a: int, b: int) -> list[tuple[int, int]]:
+def _same_things(search: JointModel, a: int, b: int) -> list[tuple[int, int]]:
     """Places of parameters that mean the same in recordings ``a`` and ``b``: mean, waves fixed to shafts, teeth."""
     one, two = search.places[a], search.places[b]
     pairs = [(int(one["slow"][0]), int(two["slow"][0]))]
@@ -134,7 +136,7 @@ def _same_things(search: Search, a: int, b: int) -> list[tuple[int, int]]:
     return pairs
 
 
-def condition_entries(search: Search, solution: Solution) -> list[Entry]:
+def condition_entries(search: JointModel, solution: Solution) -> list[Entry]:
     """Recordings whose difference from simulation is not that of the first of their flank with the least torque."""
     out: list[Entry] = []
     groups = {f: [k for k, s in enumerate(search.states) if s.data.flank == f] for f in search.flanks}
@@ -149,7 +151,7 @@ def condition_entries(search: Search, solution: Solution) -> list[Entry]:
     return out
 
 
-def _condition(search: Search, solution: Solution, base: int, k: int, tests: int) -> Entry | None:
+def _condition(search: JointModel, solution: Solution, base: int, k: int, tests: int) -> Entry | None:
     pairs = _same_things(search, base, k)
     one, two = np.array(pairs).T
     difference = solution.beta[two] - solution.beta[one]

@@ -17,9 +17,8 @@ from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.describe import kind_of
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES, log_tail_line
-from gearpoly.compare.model import State
+from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.search import Search
 from gearpoly.units import UM, FloatArray
 
 LEAST = 0.1
@@ -64,7 +63,9 @@ class _Wave:
         return float(np.hypot(*self.heights))
 
 
-def divide(search: Search, solution: Solution, entries: list[Entry]) -> tuple[tuple[Entry, ...], tuple[Division, ...]]:
+def divide(
+    search: JointModel, solution: Solution, entries: list[Entry]
+) -> tuple[tuple[Entry, ...], tuple[Division, ...]]:
     """All places at which recordings and simulation differ, that which holds most of the mismatch first, and the
     division of every recording. ``entries`` are what stands out of what teeth may hold; they are listed as large as
     the whole mismatch has them."""
@@ -109,7 +110,7 @@ def holds(entry: Entry, *, z: tuple[int, int], time_s: FloatArray | None, theta_
     return lasts * entry.mean_square(*z)
 
 
-def _parts(search: Search, solution: Solution, k: int, *, drift: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _parts(search: JointModel, solution: Solution, k: int, *, drift: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
     """What the fit gives to teeth, zeros and compliance (n,), to all that is listed (n,), and of that to whole orders
     of the shafts (n,), in mm."""
     s, stack, places = search.states[k], search.stacks[k], search.places[k]
@@ -183,7 +184,7 @@ def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_W
     return waves, curve
 
 
-def _as_large(entry: Entry, by: dict[int, _Wave], search: Search) -> Entry:
+def _as_large(entry: Entry, by: dict[int, _Wave], search: JointModel) -> Entry:
     """An order that stands out of what teeth may hold, as large as the whole mismatch has it where that differs: then
     the fit gave one part of it to teeth and another to a wave. It is nothing where both cancel."""
     best = max(by, key=lambda k: by[k].amplitude / by[k].std)
@@ -208,7 +209,7 @@ def _sizes(by: dict[int, _Wave]) -> tuple[float, ...] | None:
     return tuple(by[k].amplitude / UM for k in sorted(by)) if len(by) > 1 else None
 
 
-def _entry(search: Search, by: dict[int, _Wave]) -> Entry:
+def _entry(search: JointModel, by: dict[int, _Wave]) -> Entry:
     """An order that teeth could make within what inspection or grade leave open."""
     wave = max(by.values(), key=lambda one: one.amplitude / one.std)
     kind, gear, order, label, rivals = kind_of(search, wave.frequency)

@@ -24,7 +24,6 @@ from gearpoly.compare.jumps import (
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import DENSE_SAMPLES, Solution
-from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.compare.sudden import sudden, took
 from gearpoly.units import FloatArray, IntArray
@@ -71,213 +70,223 @@ class Weighed:
     log_false: float
 
 
-class JumpSearch(JointModel):
-    """Looks for jumps in what the joint model leaves."""
+def next_jump(search: JointModel, solution: Solution, *, least: float) -> tuple[Solution, bool]:
+    """Fit the strongest jump that gains more than ``least``, look again with the noise that is left, and keep it if
+    it stands; the solution then, and whether it does.
 
-    def __init__(self, residuals: Sequence[AlignedResidual], gears: tuple[GearKnown, GearKnown], floor: float) -> None:
-        super().__init__(residuals, gears, floor)
-        self.refused: list[tuple[int, bool, int]] = []
+    Where another jump is left the noise looks as if it wandered and hides the first: so what is too faint waits for
+    the next, and both may stand together.
+    """
+    first, noises = solution, [s.noise for s in search.states]
+    before = [[(jump, jump.at) for jump in s.jumps] for s in search.states]
+    waiting: list[tuple[State, Jump]] = []
+    for _ in range(TRIALS):
+        best = _best_jump(search, solution)
+        if best is None and least == 0.0 and _drifts(search, solution):
+            solution = _quieted(search, solution)
+            best = _best_jump(search, solution)
+        if best is None or best.gain < least:
+            break
+        if lead_of(search, best) < -SURELY:
+            # All that is fitted anew beside it turns no bump and no slow rise into a jump. In the tests of jumps
+            # all that were kept led by 1 or more before they were fitted, too; of a printed eccentric pair
+            # twelve trailed by 10 to 53 then, and by 8 to 24 afterwards.
+            search.refused.append((best.k, best.alone, best.at))
+            continue
+        jump, s = Jump(at=best.at), search.states[best.k]
+        waiting.append((s, jump))
+        s.jumps.append(jump)
+        solution = _settled(search, best.k)
+        found = [standing(search, search.states.index(s), solution, jump) for s, jump in waiting]
+        sharp = [one is None or _is_sharp(search, one, sure=len(found) > 1) for one in found]
+        if all(sharp) and None not in found:
+            search.refused = []
+            return solution, True
+        if not all(sharp):
+            search.refused.append((best.k, best.alone, best.at))
+            s.jumps.remove(waiting.pop()[1])
+            solution = _settled(search, best.k)
+    if solution is first:
+        return solution, False
+    for s, noise, jumps in zip(search.states, noises, before, strict=True):
+        search.refused += [(search.states.index(s), False, jump.at) for other, jump in waiting if other is s]
+        s.noise, s.jumps = noise, [jump for jump, _ in jumps]
+        for jump, at in jumps:
+            jump.at = at
+    return search.fit(passes=1), False
 
-    def jump(self, solution: Solution, *, least: float) -> tuple[Solution, bool]:
-        """Fit the strongest jump that gains more than ``least``, look again with the noise that is left, and keep it if
-        it stands; the solution then, and whether it does.
 
-        Where another jump is left the noise looks as if it wandered and hides the first: so what is too faint waits for
-        the next, and both may stand together.
-        """
-        first, noises = solution, [s.noise for s in self.states]
-        before = [[(jump, jump.at) for jump in s.jumps] for s in self.states]
-        waiting: list[tuple[State, Jump]] = []
-        for _ in range(TRIALS):
-            best = self._best_jump(solution)
-            if best is None and least == 0.0 and self._drifts(solution):
-                solution = self._quieted(solution)
-                best = self._best_jump(solution)
-            if best is None or best.gain < least:
+def put_in_sudden(search: JointModel) -> None:
+    """Begin with the jumps that noise as it looks beside them would hide, and with the noise beside them."""
+    for s in search.states:
+        if s.data.u.size > DENSE_SAMPLES:
+            continue
+        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.search.period)
+        if not found:
+            continue
+        rest = s.data.residual.copy()
+        for at, size in found.items():
+            place, width = took(s.data.residual, at)
+            s.jumps.append(Jump(at=place, width=width))
+            rest -= size * s.jumps[-1].column(rest.size)
+        s.noise = s.estimator.estimate(rest)
+
+
+def standing_only(search: JointModel, solution: Solution) -> Solution:
+    """Keep of the jumps that were put in those that stand and are sharp beside all others."""
+    for k, s in enumerate(search.states):
+        while s.jumps:
+            solution = _settled(search, k)
+            found = [standing(search, k, solution, jump) for jump in s.jumps]
+            weak = [j for j, one in enumerate(found) if one is None or not _is_sharp(search, one, sure=False)]
+            if not weak:
                 break
-            if self.lead(best) < -SURELY:
-                # All that is fitted anew beside it turns no bump and no slow rise into a jump. In the tests of jumps
-                # all that were kept led by 1 or more before they were fitted, too; of a printed eccentric pair
-                # twelve trailed by 10 to 53 then, and by 8 to 24 afterwards.
-                self.refused.append((best.k, best.alone, best.at))
-                continue
-            jump, s = Jump(at=best.at), self.states[best.k]
-            waiting.append((s, jump))
-            s.jumps.append(jump)
-            solution = self._settled(best.k)
-            found = [self.standing(self.states.index(s), solution, jump) for s, jump in waiting]
-            sharp = [one is None or self._is_sharp(one, sure=len(found) > 1) for one in found]
-            if all(sharp) and None not in found:
-                self.refused = []
-                return solution, True
-            if not all(sharp):
-                self.refused.append((best.k, best.alone, best.at))
-                s.jumps.remove(waiting.pop()[1])
-                solution = self._settled(best.k)
-        if solution is first:
-            return solution, False
-        for s, noise, jumps in zip(self.states, noises, before, strict=True):
-            self.refused += [(self.states.index(s), False, jump.at) for other, jump in waiting if other is s]
-            s.noise, s.jumps = noise, [jump for jump, _ in jumps]
-            for jump, at in jumps:
-                jump.at = at
-        return self.fit(passes=1), False
+            del s.jumps[weak[-1]]
+            if not s.jumps:
+                solution = _settled(search, k)
+    return solution
 
-    def put_in_sudden(self) -> None:
-        """Begin with the jumps that noise as it looks beside them would hide, and with the noise beside them."""
-        for s in self.states:
-            if s.data.u.size > DENSE_SAMPLES:
-                continue
-            found = sudden(s.data.u, s.data.residual, turn=STAYS * max(self.z_1, self.z_2), period=s.search.period)
-            if not found:
-                continue
-            rest = s.data.residual.copy()
-            for at, size in found.items():
-                place, width = took(s.data.residual, at)
-                s.jumps.append(Jump(at=place, width=width))
-                rest -= size * s.jumps[-1].column(rest.size)
-            s.noise = s.estimator.estimate(rest)
 
-    def standing_only(self, solution: Solution) -> Solution:
-        """Keep of the jumps that were put in those that stand and are sharp beside all others."""
-        for k, s in enumerate(self.states):
-            while s.jumps:
-                solution = self._settled(k)
-                found = [self.standing(k, solution, jump) for jump in s.jumps]
-                weak = [j for j, one in enumerate(found) if one is None or not self._is_sharp(one, sure=False)]
-                if not weak:
-                    break
-                del s.jumps[weak[-1]]
-                if not s.jumps:
-                    solution = self._settled(k)
-        return solution
+def _best_jump(search: JointModel, solution: Solution) -> Weighed | None:
+    ways = [(k, alone) for k in range(len(search.states)) for alone in (True, False)]
+    found = [weigh_jump(search, k, solution, alone=alone) for k, alone in ways]
+    return max((one for one in found if one is not None), key=lambda one: one.gain, default=None)
 
-    def _best_jump(self, solution: Solution) -> Weighed | None:
-        ways = [(k, alone) for k in range(len(self.states)) for alone in (True, False)]
-        found = [self.weigh_jump(k, solution, alone=alone) for k, alone in ways]
-        return max((one for one in found if one is not None), key=lambda one: one.gain, default=None)
 
-    def weigh_jump(self, k: int, solution: Solution, *, alone: bool, but: Jump | None = None) -> Weighed | None:
-        """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
-        place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
-        s = self.states[k]
-        u, spacing = s.data.u, s.search.spacing
-        if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
-            return None
-        turns = STAYS * max(self.z_1, self.z_2)
-        low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turns, u[-1] - turns))
-        if high - low < 2:
-            return None
-        left, slow = self._left(k, solution, but)
-        barred = np.zeros(u.size, dtype=np.bool_)
-        others = [jump.at for jump in s.jumps if jump is not but]
-        others += [at for which, way, at in self.refused if (which, way) == (k, alone) and but is None]
-        for at in others:
-            barred |= np.abs(u - u[at]) < turns
-        curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE)
-        rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
-        steps = weigh_steps(rest, low=low, high=high, barred=barred)
-        colour = (1.0, AS_MODELLED)
-        if but is not None:
-            steps = sharpened(rest, steps, barred=barred)
-            colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE], spacing=spacing)
-        gain, amplitude, _ = steps.at(steps.best)
-        more = float(left.gains(rise(u.size, steps.best, width=1, noise=left.noise)[:, None])[0])
-        drift = left.explained(slow) + more - gain
-        # Both ways of looking at it have their chance.
-        log_false = steps.log_false(gain, colour=colour, recordings=2 * len(self.states))
-        if log_false > 0.0 or abs(amplitude) < self.floor or (alone and drift > min(more, DRIFTS)):
-            return None
-        return Weighed(
-            k=k, at=steps.best, gain=more, alone=alone, open=alone and more - drift < TIE, left=rest, steps=steps,
-            colour=colour, log_false=log_false,
-        )  # fmt: skip
+def weigh_jump(
+    search: JointModel, k: int, solution: Solution, *, alone: bool, but: Jump | None = None
+) -> Weighed | None:
+    """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
+    place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
+    s = search.states[k]
+    u, spacing = s.data.u, s.search.spacing
+    if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
+        return None
+    turns = STAYS * max(search.z_1, search.z_2)
+    low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turns, u[-1] - turns))
+    if high - low < 2:
+        return None
+    left, slow = _left(search, k, solution, but)
+    barred = np.zeros(u.size, dtype=np.bool_)
+    others = [jump.at for jump in s.jumps if jump is not but]
+    others += [at for which, way, at in search.refused if (which, way) == (k, alone) and but is None]
+    for at in others:
+        barred |= np.abs(u - u[at]) < turns
+    curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE)
+    rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
+    steps = weigh_steps(rest, low=low, high=high, barred=barred)
+    colour = (1.0, AS_MODELLED)
+    if but is not None:
+        steps = sharpened(rest, steps, barred=barred)
+        colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE], spacing=spacing)
+    gain, amplitude, _ = steps.at(steps.best)
+    more = float(left.gains(rise(u.size, steps.best, width=1, noise=left.noise)[:, None])[0])
+    drift = left.explained(slow) + more - gain
+    # Both ways of looking at it have their chance.
+    log_false = steps.log_false(gain, colour=colour, recordings=2 * len(search.states))
+    if log_false > 0.0 or abs(amplitude) < search.floor or (alone and drift > min(more, DRIFTS)):
+        return None
+    return Weighed(
+        k=k, at=steps.best, gain=more, alone=alone, open=alone and more - drift < TIE, left=rest, steps=steps,
+        colour=colour, log_false=log_false,
+    )  # fmt: skip
 
-    def standing(self, k: int, solution: Solution, jump: Jump) -> Weighed | None:
-        """A jump that is fitted, as it stands beside all else: without slow curves, where these are not needed."""
-        alone = self.weigh_jump(k, solution, alone=True, but=jump)
-        return alone if alone is not None else self.weigh_jump(k, solution, alone=False, but=jump)
 
-    def _left(self, k: int, solution: Solution, but: Jump | None) -> tuple[Left, IntArray]:
-        """Recording ``k`` as the fit leaves it, one jump put back, and where its slow curves (but for the mean) stand
-        among the columns."""
-        s, stack = self.states[k], self.stacks[k]
-        places = np.concatenate([where for _, where in stack.parts])
-        left = Left(
-            white=stack.white,
-            stepped=stack.stepped,
-            beta=solution.beta[places],
-            covariance=solution.covariance[np.ix_(places, places)],
-            rest=stack.noise.whitened(solution.left[k]),
-            noise=stack.noise,
-        )
-        slow = np.flatnonzero(np.isin(places, self.places[k]["slow"][1:]))
-        if but is not None:
-            jumps = self.places[k]["jumps"]
-            left = left.without(np.flatnonzero(places == jumps[s.jumps.index(but)]))
-        return left, slow
+def standing(search: JointModel, k: int, solution: Solution, jump: Jump) -> Weighed | None:
+    """A jump that is fitted, as it stands beside all else: without slow curves, where these are not needed."""
+    alone = weigh_jump(search, k, solution, alone=True, but=jump)
+    return alone if alone is not None else weigh_jump(search, k, solution, alone=False, but=jump)
 
-    def _drifts(self, solution: Solution) -> list[int]:
-        """Recordings whose slow curves are no chance: they may be jumps, which raise the noise that hides them."""
-        return [k for k in range(len(self.states)) if self.drifts(k, solution)]
 
-    def _quieted(self, solution: Solution) -> Solution:
-        """Fit everything again with the noise of such recordings beside fine slow curves."""
-        for k in self._drifts(solution):
-            s = self.states[k]
-            curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE)
-            left = solution.left[k]
-            s.noise = s.estimator.estimate(left - curves @ np.linalg.lstsq(curves, left, rcond=None)[0])
-        return self.fit(passes=1)
+def _left(search: JointModel, k: int, solution: Solution, but: Jump | None) -> tuple[Left, IntArray]:
+    """Recording ``k`` as the fit leaves it, one jump put back, and where its slow curves (but for the mean) stand
+    among the columns."""
+    s, stack = search.states[k], search.stacks[k]
+    places = np.concatenate([where for _, where in stack.parts])
+    left = Left(
+        white=stack.white,
+        stepped=stack.stepped,
+        beta=solution.beta[places],
+        covariance=solution.covariance[np.ix_(places, places)],
+        rest=stack.noise.whitened(solution.left[k]),
+        noise=stack.noise,
+    )
+    slow = np.flatnonzero(np.isin(places, search.places[k]["slow"][1:]))
+    if but is not None:
+        jumps = search.places[k]["jumps"]
+        left = left.without(np.flatnonzero(places == jumps[s.jumps.index(but)]))
+    return left, slow
 
-    def _settled(self, k: int) -> Solution:
-        """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
-        others."""
-        for turn in range(SETTLED):
-            solution = self.fit(passes=1)
-            self.renew_noise(solution)
-            solution = self.fit(passes=1)
-            if turn == SETTLED - 1:
-                break
-            places = [jump.at for jump in self.states[k].jumps]
-            found = [self.standing(k, solution, jump) for jump in self.states[k].jumps]
-            better = [at if one is None else one.at for at, one in zip(places, found, strict=True)]
-            if better == places:
-                break
-            self._moved(k, better)
-        return solution
 
-    def _moved(self, k: int, better: Sequence[int]) -> None:
-        """Move the jumps of recording ``k`` to ``better`` samples, each found with the others where they are: one that
-        another has taken meanwhile is left to it, or jumps up and down all end at the sharpest of them."""
-        jumps, u = self.states[k].jumps, self.states[k].data.u
-        turns = STAYS * max(self.z_1, self.z_2)
-        for jump, at in zip(jumps, better, strict=True):
-            if all(abs(u[at] - u[other.at]) >= turns for other in jumps if other is not jump):
-                jump.at = at
+def _drifts(search: JointModel, solution: Solution) -> list[int]:
+    """Recordings whose slow curves are no chance: they may be jumps, which raise the noise that hides them."""
+    return [k for k in range(len(search.states)) if has_drift(search, k, solution)]
 
-    def lead(self, find: Weighed) -> float:
-        """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
-        than any bump that is over within one."""
-        return sharpness(find.left, find.at, turn=self.turn(find.k))
 
-    def turn(self, k: int) -> int:
-        """Samples that recording ``k`` holds for as long as a jump has to stay."""
-        return int(STAYS * max(self.z_1, self.z_2) / self.states[k].search.spacing)
+def _quieted(search: JointModel, solution: Solution) -> Solution:
+    """Fit everything again with the noise of such recordings beside fine slow curves."""
+    for k in _drifts(search, solution):
+        s = search.states[k]
+        curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE)
+        left = solution.left[k]
+        s.noise = s.estimator.estimate(left - curves @ np.linalg.lstsq(curves, left, rcond=None)[0])
+    return search.fit(passes=1)
 
-    def _is_sharp(self, find: Weighed, *, sure: bool) -> bool:
-        """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
-        that is sure."""
-        sure = sure or wanders(find.left.noise, span=self.states[find.k].search.span)
-        return self.lead(find) > (SURELY if sure else -TIE)
 
-    def stretch(self, k: int) -> FloatArray:
-        """What the moment of a jump in recording ``k`` is told in: s, or turns of the driving shaft since the
-        beginning."""
-        data = self.states[k].data
-        return (data.theta_1 - data.theta_1[0]) / (2.0 * math.pi) if data.time_s is None else data.time_s
+def _settled(search: JointModel, k: int) -> Solution:
+    """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
+    others."""
+    for turn in range(SETTLED):
+        solution = search.fit(passes=1)
+        search.renew_noise(solution)
+        solution = search.fit(passes=1)
+        if turn == SETTLED - 1:
+            break
+        places = [jump.at for jump in search.states[k].jumps]
+        found = [standing(search, k, solution, jump) for jump in search.states[k].jumps]
+        better = [at if one is None else one.at for at, one in zip(places, found, strict=True)]
+        if better == places:
+            break
+        _moved(search, k, better)
+    return solution
 
-    def drifts(self, k: int, solution: Solution) -> bool:
-        """Whether the slow curves of recording ``k`` are needed beside the jumps that it has."""
-        left, slow = self._left(k, solution, None)
-        return left.explained(slow) > DRIFTS
+
+def _moved(search: JointModel, k: int, better: Sequence[int]) -> None:
+    """Move the jumps of recording ``k`` to ``better`` samples, each found with the others where they are: one that
+    another has taken meanwhile is left to it, or jumps up and down all end at the sharpest of them."""
+    jumps, u = search.states[k].jumps, search.states[k].data.u
+    turns = STAYS * max(search.z_1, search.z_2)
+    for jump, at in zip(jumps, better, strict=True):
+        if all(abs(u[at] - u[other.at]) >= turns for other in jumps if other is not jump):
+            jump.at = at
+
+
+def lead_of(search: JointModel, find: Weighed) -> float:
+    """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
+    than any bump that is over within one."""
+    return sharpness(find.left, find.at, turn=a_turn(search, find.k))
+
+
+def a_turn(search: JointModel, k: int) -> int:
+    """Samples that recording ``k`` holds for as long as a jump has to stay."""
+    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].search.spacing)
+
+
+def _is_sharp(search: JointModel, find: Weighed, *, sure: bool) -> bool:
+    """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
+    that is sure."""
+    sure = sure or wanders(find.left.noise, span=search.states[find.k].search.span)
+    return lead_of(search, find) > (SURELY if sure else -TIE)
+
+
+def stretch_of(search: JointModel, k: int) -> FloatArray:
+    """What the moment of a jump in recording ``k`` is told in: s, or turns of the driving shaft since the
+    beginning."""
+    data = search.states[k].data
+    return (data.theta_1 - data.theta_1[0]) / (2.0 * math.pi) if data.time_s is None else data.time_s
+
+
+def has_drift(search: JointModel, k: int, solution: Solution) -> bool:
+    """Whether the slow curves of recording ``k`` are needed beside the jumps that it has."""
+    left, slow = _left(search, k, solution, None)
+    return left.explained(slow) > DRIFTS

@@ -29,10 +29,11 @@ from gearpoly.compare.lines import LineSearch
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.masked import strong_waves
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.search import Search
+from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import UM, FloatArray, read_only
 
@@ -100,8 +101,8 @@ def locate(
         parts.append(_to_search(r, k=k, gears=gears, recordings=recordings, floor=floor))
         del r  # a long one is let go before the next is laid out
     short = [one.data for one in parts]
-    search = Search(short, gears, floor)
-    solution = search.run(over)
+    search = JointModel(short, gears, floor)
+    solution = run_search(search, over)
     states = search.states
     entries = [entry for one in parts for entry in one.entries]
     entries += _of_each(search, solution)
@@ -193,7 +194,7 @@ def _to_search(
     return _Searched(data=data, entries=[*entries, *fast.entries], noise=fast.noise.thinned())
 
 
-def _of_each(search: Search, solution: Solution) -> list[Entry]:
+def _of_each(search: JointModel, solution: Solution) -> list[Entry]:
     """Waves, jumps, bursts and drifts of each recording; waves that several share once."""
     entries: list[Entry] = []
     seen: set[int] = set()

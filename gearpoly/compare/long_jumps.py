@@ -12,9 +12,10 @@ from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.jump_search import AS_MODELLED, FINE, STAYS
 from gearpoly.compare.jumps import Left, weigh_steps
+from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import NoiseEstimator
 from gearpoly.compare.reduce import SAMPLES, shortening
-from gearpoly.compare.search import Search
+from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.sudden import sudden
@@ -107,8 +108,8 @@ def _about(data: AlignedResidual, at: int, *, gears: tuple[GearKnown, GearKnown]
         residual=data.residual[here],
         time_s=None if data.time_s is None else data.time_s[here],
     )
-    search = Search([shortening(stretch.u, z_1=gears[0].z, z_2=gears[1].z).of(stretch)], gears, floor)
-    solution = search.run()
+    search = JointModel([shortening(stretch.u, z_1=gears[0].z, z_2=gears[1].z).of(stretch)], gears, floor)
+    solution = run_search(search)
     before = float(stretch.theta_1[0] - data.theta_1[0]) / (2.0 * math.pi)
     return [
         entry if entry.driving_turn is None else replace(entry, driving_turn=entry.driving_turn + before)

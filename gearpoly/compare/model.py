@@ -116,6 +116,7 @@ class JointModel:
         self.finds: list[ToothFind] = []
         self.built_rms = 0.0
         self.places: list[dict[str, IntArray]] = []
+        self.refused: list[tuple[int, bool, int]] = []
 
     def _lines(self, data: AlignedResidual) -> LineSearch:
         return LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)

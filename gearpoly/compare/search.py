@@ -10,10 +10,10 @@ import numpy as np
 
 from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
-from gearpoly.compare.jump_search import JumpSearch
+from gearpoly.compare.jump_search import next_jump, put_in_sudden, standing_only
 from gearpoly.compare.lines import APART, TIE, Peak
 from gearpoly.compare.masked import masked_wave, settle_waves
-from gearpoly.compare.model import State
+from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import mean_innovation
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
@@ -58,290 +58,297 @@ not constant): a wave's amplitude over the rms, and the rms over one tooth's con
 follow, a grade much."""
 
 
-class Search(JumpSearch):
-    """Looks for waves, teeth and jumps in what the joint model leaves."""
+def order_candidates(search: JointModel, k: int, solution: Solution) -> list[Peak]:
+    """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
+    s, stack = search.states[k], search.stacks[k]
+    searched = s.search.searched
+    if not np.any(searched):
+        return []
+    tests = s.search.orders.frequency.size * len(search.states)
+    frequency = s.search.orders.frequency[searched]
+    gain = s.noise.gain(frequency, spacing=s.search.spacing)
+    places, cross, own = stack.against(s.search.wave_sums, gain)
+    white = s.noise.whitened(solution.left[k])
+    total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known[searched]]
+    score = np.stack([total.real, -total.imag], axis=1)
+    rest, count = s.noise.rest_at(frequency)
+    alone = own[:, 0, 0].copy()
+    # Of the parameters of other recordings a wave of this one knows nothing.
+    known = solution.covariance[np.ix_(places, places)]
+    for b in range(2):
+        taken = known @ cross[:, :, b]
+        for a in range(2):
+            own[:, a, b] -= np.einsum("ij,ij->j", cross[:, :, a], taken)
+    good = np.linalg.eigvalsh(own)[:, 0] > 1e-4 * alone
+    z = np.zeros(frequency.size)
+    z[good] = 0.5 * np.einsum("fi,fij,fj->f", score[good], np.linalg.inv(own[good]), score[good]) / rest[good]
+    log_false = math.log(tests / SHARES.orders) + log_tail_line(z, count)
+    # What the simulation itself cannot resolve is no find.
+    amplitude = np.zeros(frequency.size)
+    amplitude[good] = np.linalg.norm(np.linalg.solve(own[good], score[good][:, :, None])[:, :, 0], axis=1)
+    take = (log_false < 0.0) & (amplitude > max(search.floor, FOLLOWED_WAVE * search.built_rms))
+    return [
+        Peak(domain="order", frequency=float(frequency[j]), std=0.0, gain=2.0 * float(z[j]),
+             log_false=float(log_false[j]), known=True)
+        for j in np.flatnonzero(take)
+    ]  # fmt: skip
 
-    def order_candidates(self, k: int, solution: Solution) -> list[Peak]:
-        """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
-        s, stack = self.states[k], self.stacks[k]
-        searched = s.search.searched
-        if not np.any(searched):
-            return []
-        tests = s.search.orders.frequency.size * len(self.states)
-        frequency = s.search.orders.frequency[searched]
-        gain = s.noise.gain(frequency, spacing=s.search.spacing)
-        places, cross, own = stack.against(s.search.wave_sums, gain)
-        white = s.noise.whitened(solution.left[k])
-        total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known[searched]]
-        score = np.stack([total.real, -total.imag], axis=1)
-        rest, count = s.noise.rest_at(frequency)
-        alone = own[:, 0, 0].copy()
-        # Of the parameters of other recordings a wave of this one knows nothing.
-        known = solution.covariance[np.ix_(places, places)]
-        for b in range(2):
-            taken = known @ cross[:, :, b]
-            for a in range(2):
-                own[:, a, b] -= np.einsum("ij,ij->j", cross[:, :, a], taken)
-        good = np.linalg.eigvalsh(own)[:, 0] > 1e-4 * alone
-        z = np.zeros(frequency.size)
-        z[good] = 0.5 * np.einsum("fi,fij,fj->f", score[good], np.linalg.inv(own[good]), score[good]) / rest[good]
-        log_false = math.log(tests / SHARES.orders) + log_tail_line(z, count)
-        # What the simulation itself cannot resolve is no find.
-        amplitude = np.zeros(frequency.size)
-        amplitude[good] = np.linalg.norm(np.linalg.solve(own[good], score[good][:, :, None])[:, :, 0], axis=1)
-        take = (log_false < 0.0) & (amplitude > max(self.floor, FOLLOWED_WAVE * self.built_rms))
-        return [
-            Peak(domain="order", frequency=float(frequency[j]), std=0.0, gain=2.0 * float(z[j]),
-                 log_false=float(log_false[j]), known=True)
-            for j in np.flatnonzero(take)
-        ]  # fmt: skip
 
-    def all_wave_candidates(self, solution: Solution) -> list[list[Peak]]:
-        """Waves in what is left of each recording, the strongest first."""
-        return each(lambda k: self.wave_candidates(k, solution), range(len(self.states)))
+def all_wave_candidates(search: JointModel, solution: Solution) -> list[list[Peak]]:
+    """Waves in what is left of each recording, the strongest first."""
+    return each(lambda k: wave_candidates(search, k, solution), range(len(search.states)))
 
-    def wave_candidates(self, k: int, solution: Solution) -> list[Peak]:
-        """Waves in what is left of recording ``k``, the strongest first."""
-        s = self.states[k]
-        known = self.order_candidates(k, solution)
-        white = s.noise.whitened(solution.left[k])
-        other = [p for p in s.search.peaks(white, s.noise, recordings=len(self.states)) if not p.known]
-        taken = [p.frequency for p in s.orders]
-        fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
-        for p in other:
-            if self._taken(s, p):
+
+def wave_candidates(search: JointModel, k: int, solution: Solution) -> list[Peak]:
+    """Waves in what is left of recording ``k``, the strongest first."""
+    s = search.states[k]
+    known = order_candidates(search, k, solution)
+    white = s.noise.whitened(solution.left[k])
+    other = [p for p in s.search.peaks(white, s.noise, recordings=len(search.states)) if not p.known]
+    taken = [p.frequency for p in s.orders]
+    fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
+    for p in other:
+        if _taken(s, p):
+            continue
+        # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
+        near = [q for q in fresh if q.known and s.search.lines_from(p, q.frequency) < APART]
+        if _above_floor(search, s, p) and all(p.gain > q.gain + TIE for q in near):
+            fresh = [q for q in fresh if q not in near] + [p]
+    return sorted(fresh, key=lambda p: -p.gain)
+
+
+def _taken(s: State, peak: Peak) -> bool:
+    """Whether a wave of the fit is as good as this one. What one wave leaves at its own frequency swells or fades,
+    and of any number of waves so near each other no size is told."""
+    held = s.times if peak.domain == "time" else s.orders
+    span = s.search.over(peak.domain)[2]
+    return any(abs(p.frequency - peak.frequency) * span < ONE_WAVE for p in held if p.domain == peak.domain)
+
+
+def _above_floor(search: JointModel, s: State, peak: Peak) -> bool:
+    """Whether a wave of any frequency is more than what the simulation does not follow, which repeats with the
+    pair."""
+    lines = s.search
+    frequency = lines.per_mesh(peak)
+    if lines.strange(np.array([frequency]))[0]:
+        return True
+    repeats = lines.repeats(np.array([frequency]))[0]
+    least = max(search.floor, FOLLOWED_WAVE * search.built_rms if repeats else 0.0)
+    gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=lines.spacing))[0])
+    return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > least
+
+
+def faint_candidates(search: JointModel, solution: Solution) -> list[list[Peak]]:
+    """Waves, per recording, that stand out together only."""
+    whites = [s.noise.whitened(left) for s, left in zip(search.states, solution.left, strict=True)]
+    found = faint_waves([s.search for s in search.states], whites, [s.noise for s in search.states])
+    for s, peaks in zip(search.states, found, strict=True):
+        for peak in peaks:
+            taken = [p for p in (s.times if peak.domain == "time" else s.orders) if p.domain == peak.domain]
+            span = s.search.over(peak.domain)[2]
+            if peak.leads and not _above_floor(search, s, peak):
+                return [[] for _ in found]
+            if any(abs(peak.frequency - p.frequency) * span < APART for p in taken):
+                return [[] for _ in found]
+    return found
+
+
+def tooth_candidates(search: JointModel, solution: Solution) -> list[ToothFind]:
+    out: list[ToothFind] = []
+    taken = {(f.gear, f.tooth, f.recording, f.flank) for f in search.finds}
+    precision = search.built_precision()
+    for flank_at, flank in enumerate(search.flanks):
+        members = [k for k, s in enumerate(search.states) if s.data.flank == flank]
+        group = [search.states[k] for k in members]
+        scores = [s.noise.score(s.noise.whitened(solution.left[k])) for k, s in zip(members, group, strict=True)]
+        samples = min(s.data.u.size for s in group)
+        begin, end = zip(*(s.carried.contact for s in group), strict=True)
+        contact = min(begin), max(end)
+        for gear, first, z in ((1, 0, search.z_1), (2, 2 * search.z_1, search.z_2)):
+            cells = []
+            for s in group:
+                weight = s.carried.weights(search.deviation(s))
+                cells.append(make_cells(s.carried, weight, gear=gear, coast=s.coast, samples=samples, contact=contact))
+            at = flank_at * search.tooth_parameters + first
+            information = tooth_information(
+                cells, [s.noise for s in group], precision=(float(precision[at]), float(precision[at + z]))
+            )
+            beside = search.z_1 + search.z_2 - z + (len(search.flanks) - 1) * (search.z_1 + search.z_2)
+            finds = scan_teeth(cells, scores, information, tests_beside=beside)
+            for find in finds:
+                which = None if find.recording is None else members[find.recording]
+                if (find.gear, find.tooth, which, flank) not in taken:
+                    out.append(replace(find, recording=which, flank=flank))
+    each = sum(s.data.u.size for s in search.states) / len(search.states) / max(search.z_1, search.z_2)
+    level = min(s.noise.innovation for s in search.states)
+    least = each * (FOLLOWED_TOOTH * search.built_rms / level) ** 2
+    out = [f for f in out if abs(f.amplitude) > search.floor and f.gain > least]
+    return sorted(out, key=lambda f: -f.gain)
+
+
+def contradicted_teeth(search: JointModel) -> list[ToothFind]:
+    """Teeth that the fit has moved far against what was known of them, where their fellows stay, farthest first:
+    they stand out by all of that. What is left beside them are hand-overs of their neighbours, larger than all that
+    they still pay."""
+    out: list[ToothFind] = []
+    taken = {(f.gear, f.tooth, f.flank) for f in search.finds}
+    for at, flank in enumerate(search.flanks):
+        contact = next(s.carried.contact for s in search.states if s.data.flank == flank)
+        for gear, first, z in ((1, 0, search.z_1), (2, 2 * search.z_1, search.z_2)):
+            std = search.gears[gear - 1].prior_std[0]
+            start = at * search.tooth_parameters + first
+            pull = search.beta_built[start : start + z] / std
+            tooth = int(np.argmax(np.abs(pull)))
+            far = abs(float(pull[tooth]))
+            if far < max(OUTLYING, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
                 continue
-            # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
-            near = [q for q in fresh if q.known and s.search.lines_from(p, q.frequency) < APART]
-            if self._above_floor(s, p) and all(p.gain > q.gain + TIE for q in near):
-                fresh = [q for q in fresh if q not in near] + [p]
-        return sorted(fresh, key=lambda p: -p.gain)
+            find = ToothFind(
+                gear=gear, tooth=tooth, phase=contact, amplitude=std * float(pull[tooth]),
+                std=std, gain=far**2, log_false=math.log(z / SHARES.teeth) - 0.5 * far**2, recording=None,
+                flank=flank,
+            )  # fmt: skip
+            out.append(find)
+    return sorted(out, key=lambda find: -find.gain)
 
-    @staticmethod
-    def _taken(s: State, peak: Peak) -> bool:
-        """Whether a wave of the fit is as good as this one. What one wave leaves at its own frequency swells or fades,
-        and of any number of waves so near each other no size is told."""
-        held = s.times if peak.domain == "time" else s.orders
-        span = s.search.over(peak.domain)[2]
-        return any(abs(p.frequency - peak.frequency) * span < ONE_WAVE for p in held if p.domain == peak.domain)
 
-    def _above_floor(self, s: State, peak: Peak) -> bool:
-        """Whether a wave of any frequency is more than what the simulation does not follow, which repeats with the
-        pair."""
-        search = s.search
-        frequency = search.per_mesh(peak)
-        if search.strange(np.array([frequency]))[0]:
-            return True
-        repeats = search.repeats(np.array([frequency]))[0]
-        least = max(self.floor, FOLLOWED_WAVE * self.built_rms if repeats else 0.0)
-        gain = float(np.abs(s.noise.gain(np.array([frequency]), spacing=search.spacing))[0])
-        return 2.0 * math.sqrt(0.5 * peak.gain / s.data.u.size) / gain > least
-
-    def faint_candidates(self, solution: Solution) -> list[list[Peak]]:
-        """Waves, per recording, that stand out together only."""
-        whites = [s.noise.whitened(left) for s, left in zip(self.states, solution.left, strict=True)]
-        found = faint_waves([s.search for s in self.states], whites, [s.noise for s in self.states])
-        for s, peaks in zip(self.states, found, strict=True):
-            for peak in peaks:
-                taken = [p for p in (s.times if peak.domain == "time" else s.orders) if p.domain == peak.domain]
-                span = s.search.over(peak.domain)[2]
-                if peak.leads and not self._above_floor(s, peak):
-                    return [[] for _ in found]
-                if any(abs(peak.frequency - p.frequency) * span < APART for p in taken):
-                    return [[] for _ in found]
-        return found
-
-    def tooth_candidates(self, solution: Solution) -> list[ToothFind]:
-        out: list[ToothFind] = []
-        taken = {(f.gear, f.tooth, f.recording, f.flank) for f in self.finds}
-        precision = self.built_precision()
-        for flank_at, flank in enumerate(self.flanks):
-            members = [k for k, s in enumerate(self.states) if s.data.flank == flank]
-            group = [self.states[k] for k in members]
-            scores = [s.noise.score(s.noise.whitened(solution.left[k])) for k, s in zip(members, group, strict=True)]
-            samples = min(s.data.u.size for s in group)
-            begin, end = zip(*(s.carried.contact for s in group), strict=True)
-            contact = min(begin), max(end)
-            for gear, first, z in ((1, 0, self.z_1), (2, 2 * self.z_1, self.z_2)):
-                cells = []
-                for s in group:
-                    weight = s.carried.weights(self.deviation(s))
-                    cells.append(
-                        make_cells(s.carried, weight, gear=gear, coast=s.coast, samples=samples, contact=contact)
-                    )
-                at = flank_at * self.tooth_parameters + first
-                information = tooth_information(
-                    cells, [s.noise for s in group], precision=(float(precision[at]), float(precision[at + z]))
-                )
-                beside = self.z_1 + self.z_2 - z + (len(self.flanks) - 1) * (self.z_1 + self.z_2)
-                finds = scan_teeth(cells, scores, information, tests_beside=beside)
-                for find in finds:
-                    which = None if find.recording is None else members[find.recording]
-                    if (find.gear, find.tooth, which, flank) not in taken:
-                        out.append(replace(find, recording=which, flank=flank))
-        each = sum(s.data.u.size for s in self.states) / len(self.states) / max(self.z_1, self.z_2)
-        level = min(s.noise.innovation for s in self.states)
-        least = each * (FOLLOWED_TOOTH * self.built_rms / level) ** 2
-        out = [f for f in out if abs(f.amplitude) > self.floor and f.gain > least]
-        return sorted(out, key=lambda f: -f.gain)
-
-    def contradicted(self) -> list[ToothFind]:
-        """Teeth that the fit has moved far against what was known of them, where their fellows stay, farthest first:
-        they stand out by all of that. What is left beside them are hand-overs of their neighbours, larger than all that
-        they still pay."""
-        out: list[ToothFind] = []
-        taken = {(f.gear, f.tooth, f.flank) for f in self.finds}
-        for at, flank in enumerate(self.flanks):
-            contact = next(s.carried.contact for s in self.states if s.data.flank == flank)
-            for gear, first, z in ((1, 0, self.z_1), (2, 2 * self.z_1, self.z_2)):
-                std = self.gears[gear - 1].prior_std[0]
-                start = at * self.tooth_parameters + first
-                pull = self.beta_built[start : start + z] / std
-                tooth = int(np.argmax(np.abs(pull)))
-                far = abs(float(pull[tooth]))
-                if far < max(OUTLYING, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
-                    continue
-                find = ToothFind(
-                    gear=gear, tooth=tooth, phase=contact, amplitude=std * float(pull[tooth]),
-                    std=std, gain=far**2, log_false=math.log(z / SHARES.teeth) - 0.5 * far**2, recording=None,
-                    flank=flank,
-                )  # fmt: skip
-                out.append(find)
-        return sorted(out, key=lambda find: -find.gain)
-
-    def run(self, over: Callable[[], bool] = lambda: False) -> Solution:
-        """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then."""
-        self.put_in_sudden()
-        solution = self.fit(passes=3)
-        for _ in range(2):
-            self.renew_noise(solution)
-            solution = self.fit(passes=1)
-        solution = self.standing_only(solution)
-        largest, refused_at = 0.0, math.inf
-        for turn in range(ROUNDS):
-            against = self.contradicted()
-            if against:
-                self._take_tooth(against)
-                solution = self._settled_waves(self.fit(passes=3))
-                continue
-            if len(self.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in self.states) > MOST:
-                break
-            if turn >= ONE_BY_ONE and over():
-                break
-            waves = self.all_wave_candidates(solution)
-            teeth = self.tooth_candidates(solution)
-            best_wave = max((w[0].gain for w in waves if w), default=0.0)
-            best_tooth = teeth[0].gain if teeth else 0.0
-            best = max(best_wave, best_tooth)
-            # A jump raises the noise under its own gain more than under a wave's, until it is fitted.
-            if self.level < CALMER * refused_at:
-                solution, jumped = self.jump(solution, least=best / RIVALRY)
-                if jumped:
-                    continue
-                refused_at = self.level
-            if best == 0.0:
-                waves = self.faint_candidates(solution)
-                best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
-                # A train of pulses comes first: the one of its lines that stands out would be taken for a wave.
-                if best == 0.0:
-                    solution, unmasked = self.unmask(solution)
-                    if unmasked:
-                        continue
-            largest = max(largest, best)
-            if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
-                if self.level == refused_at:
-                    break
-                solution, jumped = self.jump(solution, least=best / RIVALRY)
-                if not jumped:
-                    break
-                continue
-            self.refused = []
-            if self._tooth_first(waves, best_wave, teeth):
-                for _ in range(1 if turn < ONE_BY_ONE else 4):
-                    if teeth:
-                        self._take_tooth(teeth)
-                        teeth = [t for t in teeth[1:] if (t.gear, t.tooth) != (teeth[0].gear, teeth[0].tooth)]
-            else:
-                self._take_waves(waves, best_wave)
-            solution = self._settled_waves(self.fit(passes=3 if self.finds else 2))
-        return solution
-
-    @property
-    def level(self) -> float:
-        """Rms in mm of the innovations of all recordings."""
-        return mean_innovation([s.noise for s in self.states])
-
-    def _settled_waves(self, solution: Solution) -> Solution:
-        """The noise renewed and the waves of no known order moved to where everything else leaves them."""
-        self.renew_noise(solution)
-        solution = self.fit(passes=1)
-        if settle_waves(self, solution):
-            self.renew_noise(self.fit(passes=1))
-            solution = self.fit(passes=1)
-        return solution
-
-    def unmask(self, solution: Solution) -> tuple[Solution, bool]:
-        """Take the strongest wave of every recording that hides in the noise it raised; the solution, and whether there
-        is one."""
-        unmasked = False
-        for s, left, places in zip(self.states, solution.left, self.places, strict=True):
-            # In noise that seems to wander slow curves are hardly weighed: they are drawn anew.
-            whole = left + s.slow @ solution.beta[places["slow"]]
-            found = masked_wave(s.search, s.estimator, s.slow, whole, recordings=len(self.states), floor=self.floor)
-            if found is None:
-                continue
-            peak, s.noise = found.peak, found.noise
-            held = s.times if peak.domain == "time" else s.orders
-            if not any(p.domain == peak.domain and p.frequency == peak.frequency for p in held):
-                held.append(peak)
-                unmasked = True
-        return (self._settled_waves(self.fit(passes=1)), True) if unmasked else (solution, False)
-
-    def _tooth_first(self, waves: list[list[Peak]], best_wave: float, teeth: list[ToothFind]) -> bool:
-        """Whether the best tooth explains more than the best waves.
-
-        Where neither is far ahead both are tried: a score says how likely a find is if all else is as fitted, and teeth
-        that stand in for a wave not yet found are not.
-        """
+def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> Solution:
+    """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then."""
+    put_in_sudden(search)
+    solution = search.fit(passes=3)
+    for _ in range(2):
+        search.renew_noise(solution)
+        solution = search.fit(passes=1)
+    solution = standing_only(search, solution)
+    largest, refused_at = 0.0, math.inf
+    for turn in range(ROUNDS):
+        against = contradicted_teeth(search)
+        if against:
+            _take_tooth(search, against)
+            solution = _settled_waves(search, search.fit(passes=3))
+            continue
+        if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST:
+            break
+        if turn >= ONE_BY_ONE and over():
+            break
+        waves = all_wave_candidates(search, solution)
+        teeth = tooth_candidates(search, solution)
+        best_wave = max((w[0].gain for w in waves if w), default=0.0)
         best_tooth = teeth[0].gain if teeth else 0.0
-        if not RIVALRY * best_wave > best_tooth > best_wave / RIVALRY:
-            return best_tooth > best_wave
-        misfit = []
-        for tooth in (True, False):
-            kept = [(list(s.orders), list(s.times), list(s.teeth), dict(s.wander)) for s in self.states]
-            finds = list(self.finds)
-            built = self.beta_built.copy()
-            if tooth:
-                self._take_tooth(teeth)
-            else:
-                self._take_waves(waves, best_wave)
-            misfit.append(self.fit(passes=1).misfit)
-            for s, (orders, times, shapes, wander) in zip(self.states, kept, strict=True):
-                s.orders, s.times, s.teeth, s.wander = orders, times, shapes, wander
-            self.finds, self.beta_built = finds, built
-        return misfit[0] < misfit[1]
-
-    def _take_tooth(self, teeth: list[ToothFind]) -> None:
-        best = teeth[0]
-        rival = next((t for t in teeth if t.gear != best.gear and t.gain > 0.9 * best.gain), None)
-        if rival is not None:
-            best = replace(best, rival=(rival.gear, rival.tooth))
-        self.finds.append(best)
-        for k, s in enumerate(self.states):
-            alike = best.recording is None and s.data.flank == best.flank
-            if alike or best.recording == k:
-                s.teeth.append(self.new_tooth(s, best))
-
-    def _take_waves(self, waves: list[list[Peak]], best: float) -> None:
-        for k, peaks in enumerate(waves):
-            for peak in peaks:
-                if peak.gain < TOGETHER * best and not peak.faint:
+        best = max(best_wave, best_tooth)
+        # A jump raises the noise under its own gain more than under a wave's, until it is fitted.
+        if noise_level(search) < CALMER * refused_at:
+            solution, jumped = next_jump(search, solution, least=best / RIVALRY)
+            if jumped:
+                continue
+            refused_at = noise_level(search)
+        if best == 0.0:
+            waves = faint_candidates(search, solution)
+            best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
+            # A train of pulses comes first: the one of its lines that stands out would be taken for a wave.
+            if best == 0.0:
+                solution, unmasked = next_masked(search, solution)
+                if unmasked:
                     continue
-                if peak.domain == "time":
-                    self.states[k].times.append(peak)
-                    continue
-                # What is fixed to a shaft is there in every recording; how large, each says for itself.
-                for s in self.states if peak.known else [self.states[k]]:
-                    here = [abs(p.frequency - peak.frequency) * s.search.span for p in s.orders]
-                    if peak.frequency < s.search.nyquist and (not here or min(here) > ONE_WAVE):
-                        s.orders.append(peak)
+        largest = max(largest, best)
+        if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
+            if noise_level(search) == refused_at:
+                break
+            solution, jumped = next_jump(search, solution, least=best / RIVALRY)
+            if not jumped:
+                break
+            continue
+        search.refused = []
+        if _tooth_first(search, waves, best_wave, teeth):
+            for _ in range(1 if turn < ONE_BY_ONE else 4):
+                if teeth:
+                    _take_tooth(search, teeth)
+                    teeth = [t for t in teeth[1:] if (t.gear, t.tooth) != (teeth[0].gear, teeth[0].tooth)]
+        else:
+            _take_waves(search, waves, best_wave)
+        solution = _settled_waves(search, search.fit(passes=3 if search.finds else 2))
+    return solution
+
+
+def noise_level(search: JointModel) -> float:
+    """Rms in mm of the innovations of all recordings."""
+    return mean_innovation([s.noise for s in search.states])
+
+
+def _settled_waves(search: JointModel, solution: Solution) -> Solution:
+    """The noise renewed and the waves of no known order moved to where everything else leaves them."""
+    search.renew_noise(solution)
+    solution = search.fit(passes=1)
+    if settle_waves(search, solution):
+        search.renew_noise(search.fit(passes=1))
+        solution = search.fit(passes=1)
+    return solution
+
+
+def next_masked(search: JointModel, solution: Solution) -> tuple[Solution, bool]:
+    """Take the strongest wave of every recording that hides in the noise it raised; the solution, and whether there
+    is one."""
+    unmasked = False
+    for s, left, places in zip(search.states, solution.left, search.places, strict=True):
+        # In noise that seems to wander slow curves are hardly weighed: they are drawn anew.
+        whole = left + s.slow @ solution.beta[places["slow"]]
+        found = masked_wave(s.search, s.estimator, s.slow, whole, recordings=len(search.states), floor=search.floor)
+        if found is None:
+            continue
+        peak, s.noise = found.peak, found.noise
+        held = s.times if peak.domain == "time" else s.orders
+        if not any(p.domain == peak.domain and p.frequency == peak.frequency for p in held):
+            held.append(peak)
+            unmasked = True
+    return (_settled_waves(search, search.fit(passes=1)), True) if unmasked else (solution, False)
+
+
+def _tooth_first(search: JointModel, waves: list[list[Peak]], best_wave: float, teeth: list[ToothFind]) -> bool:
+    """Whether the best tooth explains more than the best waves.
+
+    Where neither is far ahead both are tried: a score says how likely a find is if all else is as fitted, and teeth
+    that stand in for a wave not yet found are not.
+    """
+    best_tooth = teeth[0].gain if teeth else 0.0
+    if not RIVALRY * best_wave > best_tooth > best_wave / RIVALRY:
+        return best_tooth > best_wave
+    misfit = []
+    for tooth in (True, False):
+        kept = [(list(s.orders), list(s.times), list(s.teeth), dict(s.wander)) for s in search.states]
+        finds = list(search.finds)
+        built = search.beta_built.copy()
+        if tooth:
+            _take_tooth(search, teeth)
+        else:
+            _take_waves(search, waves, best_wave)
+        misfit.append(search.fit(passes=1).misfit)
+        for s, (orders, times, shapes, wander) in zip(search.states, kept, strict=True):
+            s.orders, s.times, s.teeth, s.wander = orders, times, shapes, wander
+        search.finds, search.beta_built = finds, built
+    return misfit[0] < misfit[1]
+
+
+def _take_tooth(search: JointModel, teeth: list[ToothFind]) -> None:
+    best = teeth[0]
+    rival = next((t for t in teeth if t.gear != best.gear and t.gain > 0.9 * best.gain), None)
+    if rival is not None:
+        best = replace(best, rival=(rival.gear, rival.tooth))
+    search.finds.append(best)
+    for k, s in enumerate(search.states):
+        alike = best.recording is None and s.data.flank == best.flank
+        if alike or best.recording == k:
+            s.teeth.append(search.new_tooth(s, best))
+
+
+def _take_waves(search: JointModel, waves: list[list[Peak]], best: float) -> None:
+    for k, peaks in enumerate(waves):
+        for peak in peaks:
+            if peak.gain < TOGETHER * best and not peak.faint:
+                continue
+            if peak.domain == "time":
+                search.states[k].times.append(peak)
+                continue
+            # What is fixed to a shaft is there in every recording; how large, each says for itself.
+            for s in search.states if peak.known else [search.states[k]]:
+                here = [abs(p.frequency - peak.frequency) * s.search.span for p in s.orders]
+                if peak.frequency < s.search.nyquist and (not here or min(here) > ONE_WAVE):
+                    s.orders.append(peak)
