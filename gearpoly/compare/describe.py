@@ -13,7 +13,7 @@ from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
 from gearpoly.compare.jump_search import has_drift
-from gearpoly.compare.lines import TIE, Peak
+from gearpoly.compare.lines import SLOWEST, TIE, Peak
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.regression import Solution
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
@@ -121,6 +121,8 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     p_value = float((SHARES.faint if peak.faint else share) * math.exp(min(0.0, peak.log_false)))
     s = search.states[k]
     if peak.domain == "time":
+        if peak.frequency * s.search.duration < SLOWEST:
+            return None  # it has settled where a drift says as much: 4 um of three quarters of a wave were told
         amplitude, std, phase, square = _wave(search, solution, k, peak)
         # Of waves found together the strongest stands for all, and others where they stand out beside it.
         if peak.faint and square < SEEN and not peak.leads:

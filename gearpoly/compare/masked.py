@@ -192,10 +192,8 @@ def _settled(
 ) -> Peak:
     """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside the curves that span the orthonormal,
     white columns ``slow`` (n, q): to first order a frequency is one more column, x times the wave turned by a
-    quarter. None moves to where it is slower than the slowest that is looked for: of a shaft that bows while it warms
-    4 um of three quarters of a wave were told."""
+    quarter."""
     x, _, span, _ = s.search.over(peak.domain)
-    slowest = min(frequency, SLOWEST / span)
     along = 2.0 * np.pi * (x - 0.5 * (x[0] + x[-1]))
 
     def beside(values: FloatArray) -> FloatArray:
@@ -216,6 +214,6 @@ def _settled(
         turned = beside(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
         turned -= columns @ (inverse @ (columns.T @ turned))
         by = float(turned @ rest) / max(float(turned @ turned), 1e-300)
-        frequency = max(slowest, frequency + float(np.clip(by, -FARTHEST / span, FARTHEST / span)))
+        frequency += float(np.clip(by, -FARTHEST / span, FARTHEST / span))
     level = float(s.search.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])
     return replace(peak, frequency=frequency, gain=gain / level)
