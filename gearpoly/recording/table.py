@@ -14,8 +14,8 @@ AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE = "axis_error_arcsec", "axis_correction_
 pulses may have turned it by, and the angle of the worm. Only the pair file knows the worm between that axis and the
 pair."""
 
-MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
-"""Those of them that a table under names of its own may have."""
+MAPPED_AXIS = (AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE)
+"""All of them, as a map and a table under names of its own may give them."""
 
 
 PULSE_TIME, PULSE_CHANNEL = "pulse_time_s", "pulse_channel"
