@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
 from tests.made_texts import DEGREE, RATIO, chart, same, table, written
@@ -111,3 +113,15 @@ def test_counts_that_never_begin_again(tmp_path: Path, per: int, says: str) -> N
         read = read_recording(file, chart=chart(tmp_path, lines))
         assert read.driving_angle_rad is not None
         assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 50.0) < 2.0 / per
+
+
+@pytest.mark.parametrize("written", ["1/3600 deg", "1/7 deg", "0.001234567 rad", "1/10 deg", "1e-5 rev"])
+def test_a_unit_in_a_map_is_the_one_that_was_read(written: str) -> None:
+    """The name that a map states again means the same size to the last digit."""
+    unit = unit_written(written, ANGLE)
+    assert unit is not None
+    assert unit_written(unit.name, ANGLE) == unit
+    number, base = written.split()
+    size = {"deg": 1.0, "rad": 180.0 / math.pi, "rev": 360.0}[base]
+    above, _, below = number.partition("/")
+    assert unit.size == pytest.approx(float(above) / float(below or 1.0) * size, rel=1e-15)

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearpoly.recording.by_readings import are_counts, are_levels, begins_again_at, counter_modulus, wrapped_unit
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
 
@@ -57,16 +58,20 @@ def angle_entries(column: str, channel: str, values: FloatArray) -> tuple[str, .
         return (counter_entry(column, channel, modulus),)
     if are_counts(values):
         return counts_entries(shaft, channel)
-    return (entry(column, channel, wrapped_unit(values)),)
+    unit = wrapped_unit(values)
+    return (entry(column, channel, unit) if unit is not None else analog_entry(column, channel, values, stated=False),)
 
 
 def analog_entry(column: str, channel: str, values: FloatArray, *, stated: bool) -> str:
     """The line that gives an angle's ``column`` to readings (n,) of no unit, or of another one that is ``stated``, such
     as volts: as turns of what they begin again at, where they do, and else with a scale to be filled in."""
+    whole = counter_modulus(values)
+    if whole is not None:
+        return counter_entry(column, channel, whole)
     modulus = begins_again_at(values)
     if modulus is None:
         return entry(column, channel, None, *(["scale = 1.0"] if stated else []))
-    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus!r}")
+    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {in_full(modulus)}")
 
 
 def counter_entry(column: str, channel: str, modulus: int) -> str:

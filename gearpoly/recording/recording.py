@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import InputFileError, shown_value
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.run import Run
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
@@ -252,7 +253,7 @@ def _check_angles(file: Path, name: str, values: FloatArray) -> None:
         return
     row = int(np.nanargmax(np.abs(values)))
     wish = f"want an angle of at most {ANGLE_LIMIT_DEG:g} deg; leave that reading out (an empty cell or nan)"
-    raise InputFileError(file, where=f"column {name}, row {row + 1}", found=f"{values[row]:g} deg", wish=wish)
+    raise InputFileError(file, where=f"column {name}, row {row + 1}", found=f"{in_full(values[row])} deg", wish=wish)
 
 
 def recording_from_columns(
