@@ -335,7 +335,7 @@ def test_what_closes_the_contract_s_own_table_is_to_be_deleted(tmp_path: Path) -
     """A map that calls the word missing would make a reading of a mean."""
     text = table(list(RUN.values()), OWN, separator=",", decimal=".")
     for below in ("Mittelwert,180.0,129.6,25.0\n", "Ende der Messung,,,\n"):
-        with pytest.raises(InputFileError, match="line 1502.*delete the line if it is no row"):
+        with pytest.raises(InputFileError, match=r"line 1502.*delete the line if it is no row"):
             read_recording(written(tmp_path, text + below))
     check(read_recording(written(tmp_path, text)))
 
@@ -351,7 +351,7 @@ def test_a_file_of_two_decimal_marks_is_told_what_to_write(tmp_path: Path) -> No
     """Points in the time and commas in the angles: no map reads both, so it is said what to write, and that is read."""
     lines = table(list(RUN.values()), GERMAN).splitlines()
     mixed = [lines[0], *(row.replace(",", ".", 1) for row in lines[1:])]
-    with pytest.raises(InputFileError, match="line 2, column Zeit.*write one decimal mark in all columns") as caught:
+    with pytest.raises(InputFileError, match=r"line 2, column Zeit.*write one decimal mark in all columns") as caught:
         read_recording(written(tmp_path, "\n".join(mixed) + "\n"))
     assert "text.missing" not in str(caught.value)
     cured = [lines[0], *(row.replace(".", ",", 1) for row in mixed[1:])]

@@ -17,7 +17,7 @@ from tests.made_texts import DEGREE, RATIO, chart, same, table, written
 
 N = 4000
 SIZES = {"deg": 1.0, "rad": 180.0 / np.pi, "rev": 360.0, "gon": 0.9}
-LINE = re.compile(r"(?:columns|keys)\.\w+ = (?:\{[^}]*\}|[\d.]+)")
+LINE = re.compile(r'(?:columns|keys)\.\w+ = (?:\{[^}]*\}|"[^"]*"|[\d.]+)')
 
 
 def turned(turns: float, *, mesh: int = 18, lines: float = 1.0, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -109,7 +109,7 @@ def test_counts_that_never_begin_again(tmp_path: Path, per: int, says: str) -> N
         file = written(tmp_path, text)
         (doubt,) = survey(file)[0].doubts
         assert doubt.says.endswith(wanted)
-        lines = "\n".join(doubt.ask).replace("lines = 1000", f"lines = {per // 4}")
+        lines = "\n".join(doubt.ask).replace('lines = "those on its label"', f"lines = {per // 4}")
         read = read_recording(file, chart=chart(tmp_path, lines))
         assert read.driving_angle_rad is not None
         assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 50.0) < 2.0 / per

@@ -15,7 +15,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.by_readings import rises, runs_evenly
 from gearpoly.recording.deeds import in_full
-from gearpoly.recording.map_lines import entry
+from gearpoly.recording.map_lines import entry, lines_entry
 from gearpoly.recording.meaning import Meaning
 from gearpoly.recording.pulses import Edges, pulses
 from gearpoly.recording.quantities import TIME, UNITS, Unit
@@ -118,7 +118,7 @@ def asked_of_pulses(meant: Sequence[Meaning], channels: dict[str, Channel]) -> t
     ``None`` where they are something else."""
     timed = [one for one in meant if one.dimension == TIME and one.column == "time_s"]
     rest = [one for one in meant if one not in timed]
-    lines = tuple(f"keys.{shaft}_lines = 100" for shaft in SHAFTS)
+    lines = tuple(lines_entry(shaft) for shaft in SHAFTS)
     between = [one for one in meant if tokens(one.channel) & set(INTERVALS) and not rises(channels[one.channel].values)]
     if len(between) == 2 and all(one in between or one.dimension == TIME for one in meant):
         first = _paired(between)

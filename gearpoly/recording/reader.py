@@ -141,6 +141,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         table = at_the_worm(file, table, worm)
     if any(name in PULSE_TIMES for name in table.columns):
         table = angles_from_pulse_times(file, table)
+    entries = table.entries
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:
@@ -172,7 +173,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         table = angles_from_raw(file, table)
     elif "time_s" not in table.columns and (rate := table.keys.get("sample_rate_hz")):
         table.columns["time_s"] = np.arange(next(iter(table.columns.values())).size) / float(str(rate))
-    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places)
+    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places, entries=entries)
 
 
 def _last_places(table: Table) -> dict[str, float]:
