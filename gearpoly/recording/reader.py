@@ -22,6 +22,7 @@ from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus
+from gearpoly.recording.by_speed import check_speed
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
@@ -155,6 +156,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
     for doubt in on_one_clock(table):
         table.remarks.append(f"{doubt.says}; in a map, if the clock was set: {' '.join(doubt.ask)}")
     bring_together(file, table)
+    check_speed(file, table)
     for name in ANGLE_COLUMNS:
         other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
         if other is not None:

@@ -276,6 +276,13 @@ CLEAN = [
         ratio=RATIO,
     ),
     text(
+        "speed off by a unit",
+        'columns.time_s = { from = "time_s", unit = "ms" }',
+        "# speed_rpm = 30.0\n" + own({**RUN, "time_s": 1e3 * T}),
+        chart="",
+        cured='columns.time_s = { from = "time_s", unit = "ms" }\n',
+    ),
+    text(
         "one shaft in rad",
         'columns.driven_angle_deg = { from = "driven_angle_deg", unit = "rad" }',
         own({**RUN, "driving_angle_deg": WHOLE, "driven_angle_deg": np.radians(RATIO * WHOLE)}, digits=9),
