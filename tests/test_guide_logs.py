@@ -14,11 +14,13 @@ from gearpoly.compare.clock import found, turned
 from gearpoly.errors import InputFileError
 from gearpoly.keys.sections import WormSection
 from gearpoly.physics.place import Place
+from gearpoly.recording.map_file import read_map
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
 from gearpoly.units import ARCSEC, DEG, FloatArray
 from tests.made_command import Command
-from tests.made_guide_log import DECLINATION, EQ6, HEADER, PERIOD, RATE, SCALE, made_log
+from tests.made_guide_log import DECLINATION, EQ6, HEADER, PERIOD, RATE, SCALE, axis_error, made_log
+from tests.made_texts import table, written
 from tests.physics_cases import Condition, rough, scope_of
 
 LOGS = Path(__file__).parents[2] / "shared" / "recordings" / "guide_logs"
@@ -53,6 +55,35 @@ def test_pulses_are_what_the_worm_may_have_turned(tmp_path: Path) -> None:
     step = RATE * SCALE / math.cos(math.radians(DECLINATION)) / 3600.0 * 180.0 * DEG
     np.testing.assert_allclose(read.driven_correction_rad[:5], 0.0)
     np.testing.assert_allclose(read.driven_correction_rad[5:], step, rtol=1e-12)
+
+
+def test_the_map_that_read_writes_of_a_log_is_taken(tmp_path: Path, gearpoly_command: Command) -> None:
+    """With the map as without it: the error that went in, and what the pulses sent (the axis halves what it sees)."""
+    log, lines = tmp_path / "log.txt", tmp_path / "map.toml"
+    text, time, error = made_log()
+    log.write_text(text, encoding="utf-8")
+    gearpoly_command("read", log, "--write", lines)
+    read, plain = read_recording(log, worm=EQ6, chart=read_map(lines)), read_recording(log, worm=EQ6)
+    assert read.time_s is not None and read.te_rad is not None and read.driven_correction_rad is not None
+    np.testing.assert_allclose(read.time_s, time, atol=1e-3)  # written to ms
+    held = np.isfinite(read.te_rad)
+    np.testing.assert_allclose(read.te_rad[held], 180 * error[held] * ARCSEC, atol=180 * 0.01 * ARCSEC)
+    np.testing.assert_array_equal(read.driven_correction_rad, plain.driven_correction_rad)
+
+
+def test_pulses_in_a_table_of_names_are_the_worm_s(tmp_path: Path) -> None:
+    """A table that names the pulses says what a log says: 1 arcsec of the axis is 180 at the worm. Without an error of
+    an axis there is no worm, and the column is none of the recording's."""
+    time = np.arange(300.0)
+    columns = [time, axis_error(time), 0.25 * np.floor(time / 10.0)]
+    file = written(tmp_path, table(columns, ("time_s", "axis_error_arcsec", "axis_correction_arcsec"), decimal="."))
+    read = read_recording(file, worm=EQ6)
+    assert read.te_rad is not None and read.driven_correction_rad is not None
+    np.testing.assert_allclose(read.te_rad, 180.0 * columns[1] * ARCSEC, atol=180.0 * 1e-5 * ARCSEC)
+    np.testing.assert_allclose(read.driven_correction_rad, 180.0 * columns[2] * ARCSEC, rtol=1e-9)
+    names = ("time_s", "driving_angle_deg", "driven_angle_deg", "axis_correction_arcsec")
+    file = written(tmp_path, table([time, 50.0 * time, 36.0 * time, columns[2]], names, decimal="."))
+    assert read_recording(file).driven_correction_rad is None
 
 
 def test_the_longest_section_is_read_and_the_others_told(tmp_path: Path) -> None:

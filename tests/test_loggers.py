@@ -267,6 +267,17 @@ def test_what_a_counter_goes_round_at_is_found_where_nobody_says_so(tmp_path: Pa
     assert any(f"state driving_count_modulus = {modulus} to be sure" in one for one in read.remarks)
 
 
+@pytest.mark.parametrize("bits", [18, 24, 32])
+def test_the_number_that_is_told_is_the_one_to_state(tmp_path: Path, bits: int) -> None:
+    """The line of the remark, stated as it is told, gives the counts: of 24 bits 16777216, and no 1.67772e+07."""
+    count = turned()
+    around = np.mod(count - 5_000.0, 2.0**bits)
+    told = next(one for one in counted(tmp_path, around, {}).remarks if "goes round" in one)
+    assert f"goes round at {2**bits}, " in told
+    assert f"state driving_count_modulus = {2**bits} to be sure" in told
+    check_turns(counted(tmp_path, around, {"driving_count_modulus": int(told.split(" = ")[1].split()[0])}), count)
+
+
 def test_a_counter_that_the_index_sets_back_may_have_lost_counts(tmp_path: Path) -> None:
     """Three counts are lost within the second turn; from the next index on the reading is right again."""
     count = turned()

@@ -22,7 +22,9 @@ from tests.made_texts import DEGREE, OWN, chart, own, run, same, table, written
     [
         ("Winkel Antrieb [°]", "driving"), ("Abtriebswinkel [°]", "driven"), ("input angle [deg]", "driving"),
         ("Ausgangswelle Winkel [°]", "driven"), ("Angle entrée [°]", "driving"), ("ángulo salida [°]", "driven"),
+        ("Kanal 1 Drehwinkel Antrieb [°]", "driving"), ("channel 2 driven angle [deg]", "driven"),
         # Names that are no shaft, or of both.
+        ("Kanal 1 Eingang Winkel [°]", ""), ("channel 1 output angle [deg]", ""),
         ("Analog input 1 angle [deg]", ""), ("Eingang 3 Winkel [°]", ""), ("Winkel Ritzel [°]", ""),
         ("angle 1 [deg]", ""),
         ("Winkel Antrieb/Abtrieb [°]", ""), ("Non-drive side angle [deg]", ""), ("angle_in [deg]", ""),

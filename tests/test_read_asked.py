@@ -29,12 +29,19 @@ def made(tmp_path: Path, names: tuple[str, ...], *columns: np.ndarray, digits: i
     return written(tmp_path, table(columns, names, separator=",", decimal=".", digits=digits))
 
 
-def cure(file: Path, tmp_path: Path) -> list[str]:
-    """The lines that a refusal names, which have to be taken as they stand."""
+def cure(file: Path, tmp_path: Path, *filled: tuple[str, str]) -> list[str]:
+    """The lines that a refusal names, which have to be taken as they stand, or with what is ``filled`` in: without it
+    they are refused."""
     with pytest.raises(InputFileError) as caught:
         read_recording(file)
     lines = LINE.findall(caught.value.wish)
-    read_recording(file, chart=chart(tmp_path, "\n".join(lines)))
+    text = "\n".join(lines)
+    for blank, number in filled:
+        assert blank in text
+        with pytest.raises(InputFileError):
+            chart(tmp_path, text)
+        text = text.replace(blank, number)
+    read_recording(file, chart=chart(tmp_path, text))
     return lines
 
 
@@ -213,8 +220,9 @@ def test_a_comment_that_says_a_double_flank_test_is_told(tmp_path: Path, own: bo
 def test_counts_of_a_controller_are_offered_as_counts(tmp_path: Path) -> None:
     turned = np.arange(1200) * 1.8
     counts = [np.floor(one / 360.0 * 2400.0) for one in (turned, 0.72 * turned)]
-    lines = cure(made(tmp_path, ("ms", "E1", "E2"), TIME_S * 1e3, *counts, digits=0), tmp_path)
-    assert lines[:2] == ['columns.driving_count = { from = "E1" }', "keys.driving_lines = 1000"]
+    file = made(tmp_path, ("ms", "E1", "E2"), TIME_S * 1e3, *counts, digits=0)
+    lines = cure(file, tmp_path, ('"those on its label"', "600"))
+    assert lines[:2] == ['columns.driving_count = { from = "E1" }', 'keys.driving_lines = "those on its label"']
 
 
 def test_levels_of_an_oscilloscope_are_offered_as_pulses(tmp_path: Path) -> None:
@@ -225,7 +233,7 @@ def test_levels_of_an_oscilloscope_are_offered_as_pulses(tmp_path: Path) -> None
         read_recording(file)
     lines = LINE.findall(caught.value.wish)
     assert lines[0] == 'columns.driving_a = { from = "CH1 [V]" }'
-    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines).replace("= 1000", "= 60")))
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines).replace('"those on its label"', "60")))
     assert read.driving_angle_rad is not None
     assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 5.0) < 0.1
 
@@ -267,3 +275,73 @@ def test_dates_of_spreadsheets_have_their_rate(tmp_path: Path) -> None:
     file = made(tmp_path, ("Datum", *ANGLES), 46_000.0 + TIME_S / 86_400.0, DRIVING, DRIVEN, digits=(9, 5, 5))
     clock = survey(file)[0].clock
     assert clock is not None and abs(clock.seconds - TIME_S[-1]) < 1e-3
+
+
+@pytest.mark.parametrize("names", [("Counter {}",), ("Encoder {} [counts]",), ("Zähler {}",)])
+def test_a_blank_of_a_line_is_no_number_that_might_be_right(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """Counters of 16 bits on encoders of 14 400 counts: any number of lines, the same for both, would fit the pair. The
+    line holds words, a map with it is refused, and the 3600 of the label give the turns."""
+    turned = (TIME_S * 0.5, TIME_S * 0.36)
+    counts = [np.mod(np.floor(one * 14_400.0), 65_536.0) for one in turned]
+    columns = [names[0].format(one) for one in ("input", "output")]
+    file = made(tmp_path, ("Time [s]", *columns), TIME_S, *counts, digits=(4, 0, 0))
+    lines = cure(file, tmp_path, ('"those on its label"', "3600"))
+    text = "\n".join(lines)
+    with pytest.raises(InputFileError, match="as on its label or data sheet"):
+        chart(tmp_path, text)
+    read = read_recording(file, chart=chart(tmp_path, text.replace('"those on its label"', "3600")))
+    for angle, turn in zip((read.driving_angle_rad, read.driven_angle_rad), turned, strict=True):
+        assert angle is not None
+        assert np.max(np.abs(angle / (2.0 * np.pi) - turn)) <= 1.01 / 14_400
+
+
+def test_counts_that_the_index_sets_back_are_turns_of_what_they_begin_again_at(tmp_path: Path) -> None:
+    """1000 lines were named for counts that begin again after 14 400, and refused in their turn."""
+    turned = (TIME_S * 0.5, TIME_S * 0.36)
+    counts = [np.mod(np.floor(one * 14_400.0), 14_400.0) for one in turned]
+    names = ("Time [s]", "Encoder input [counts]", "Encoder output [counts]")
+    file = made(tmp_path, names, TIME_S, *counts, digits=(4, 0, 0))
+    lines = cure(file, tmp_path)
+    assert all("wraps = 14400 }" in line for line in lines) and len(lines) == 2
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines)))
+    assert read.driven_angle_rad is not None
+    assert np.max(np.abs(read.driven_angle_rad / (2.0 * np.pi) - turned[1])) <= 1.01 / 14_400
+
+
+def test_a_torque_of_the_driving_shaft_is_scaled_by_the_teeth(tmp_path: Path) -> None:
+    """10 N.m on 18 teeth are 13.889 on 25; a line without the scale read them as 10."""
+    names = ("Zeit [s]", "Winkel Antrieb [deg]", "Winkel Abtrieb [deg]", "Drehmoment Antrieb [Nm]")
+    file = made(tmp_path, names, TIME_S, DRIVING, DRIVEN, np.full(TIME_S.size, 10.0))
+    (line,) = cure(file, tmp_path, ('"z_2/z_1"', "1.388889"))
+    with pytest.raises(InputFileError, match=r"torque_nm.scale: .*the driven teeth by the driving ones"):
+        chart(tmp_path, line)
+    read = read_recording(file, chart=chart(tmp_path, line.replace('"z_2/z_1"', "1.388889")))
+    assert read.torque_samples_nm is not None
+    np.testing.assert_allclose(read.torque_samples_nm, 13.88889, rtol=1e-6)
+
+
+@pytest.mark.parametrize("unit", ["U", "Umdr.", "tr"])
+def test_letters_that_may_be_turns_are_offered_as_turns(tmp_path: Path, unit: str) -> None:
+    names = ("Zeit [s]", f"Winkel Antrieb [{unit}]", f"Winkel Abtrieb [{unit}]")
+    file = made(tmp_path, names, TIME_S, TIME_S * 0.5, TIME_S * 0.36, digits=7)
+    lines = cure(file, tmp_path)
+    assert [line.partition("unit = ")[2] for line in lines] == ['"rev" }', '"rev" }']
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines)))
+    assert read.driven_angle_rad is not None
+    np.testing.assert_allclose(read.driven_angle_rad, 2.0 * np.pi * 0.36 * TIME_S, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["torque_nm", "Drehmoment Abtrieb [mN.m]"])
+def test_a_torque_that_points_back_is_turned_round_by_the_line_that_is_named(tmp_path: Path, name: str) -> None:
+    own = name == "torque_nm"
+    names = ("time_s", "driving_angle_deg", "driven_angle_deg") if own else ("Zeit [s]", *ANGLES)
+    file = made(tmp_path, (*names, name), TIME_S, DRIVING, DRIVEN, -TORQUE)
+    (line,) = cure(file, tmp_path)
+    assert line == f'columns.torque_nm = {{ from = "{name}", unit = "{"N.m" if own else "mN.m"}", sign = -1 }}'
+    read = read_recording(file, chart=chart(tmp_path, line))
+    assert read.torque_samples_nm is not None
+    np.testing.assert_allclose(read.torque_samples_nm, TORQUE * (1.0 if own else 1e-3), atol=1e-5)
+    forward = made(tmp_path, (*names, name), TIME_S, DRIVING, DRIVEN, TORQUE)
+    with pytest.raises(InputFileError, match=r"if it counts backwards: columns\.torque_nm = \{[^}]*\}$") as caught:
+        read_recording(forward, chart=chart(tmp_path, line))
+    assert "sign" not in caught.value.wish

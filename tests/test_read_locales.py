@@ -308,3 +308,51 @@ def test_a_bad_line_is_named(tmp_path: Path, change: object, where: str, found: 
 def test_text_below_the_rows_and_empty_columns_are_passed_over(tmp_path: Path) -> None:
     text = table(list(RUN.values()), GERMAN).replace("\n", ";\n") + "\nEnde der Messung\n"
     check(read_recording(written(tmp_path, text)))
+
+
+@pytest.mark.parametrize(
+    "below",
+    [
+        "Ende der Messung;;;\nMittelwert;;;25,0",
+        "Mittelwert;180,00;129,60;25,00\nMinimum;0,00;0,00;24,80",
+        "Max;360,00;360,00;25,20",
+        "Datei;Messung;von;gestern",
+        "Ende;;;",
+    ],
+)
+def test_what_closes_a_table_is_no_row_of_it(tmp_path: Path, below: str) -> None:
+    """A remark or what a spreadsheet makes of the columns, in as many cells as the rows have: the readings are those of
+    the rows alone. A word that says neither, beside readings, is a cell at fault."""
+    text = table(list(RUN.values()), GERMAN)
+    read = read_recording(written(tmp_path, text + below + "\n"))
+    check(read)
+    assert read.size == RUN["time_s"].size
+    with pytest.raises(InputFileError, match=r'"Kanalfehler"; want a finite number.*text\.missing = \["Kanalfehler"\]'):
+        read_recording(written(tmp_path, text + "Kanalfehler;180,00;129,60;25,00\n"))
+
+
+def test_what_closes_the_contract_s_own_table_is_to_be_deleted(tmp_path: Path) -> None:
+    """A map that calls the word missing would make a reading of a mean."""
+    text = table(list(RUN.values()), OWN, separator=",", decimal=".")
+    for below in ("Mittelwert,180.0,129.6,25.0\n", "Ende der Messung,,,\n"):
+        with pytest.raises(InputFileError, match=r"line 1502.*delete the line if it is no row"):
+            read_recording(written(tmp_path, text + below))
+    check(read_recording(written(tmp_path, text)))
+
+
+def test_settings_of_channels_below_the_names_are_no_names(tmp_path: Path) -> None:
+    """Two lines as HBM's catman writes them between the names and the rows."""
+    lines = table(list(RUN.values()), GERMAN, separator="\t").splitlines()
+    lines[1:1] = ["T0 = 12.03.2024 14:05:33" + "\tSR = 100 Hz" * 3, "\t".join(["dt = 10 ms"] * 4)]
+    check(read_recording(written(tmp_path, "\n".join(lines) + "\n", name="log.asc")))
+
+
+def test_a_file_of_two_decimal_marks_is_told_what_to_write(tmp_path: Path) -> None:
+    """Points in the time and commas in the angles: no map reads both, so it is said what to write, and that is read."""
+    lines = table(list(RUN.values()), GERMAN).splitlines()
+    mixed = [lines[0], *(row.replace(",", ".", 1) for row in lines[1:])]
+    with pytest.raises(InputFileError, match=r"line 2, column Zeit.*write one decimal mark in all columns") as caught:
+        read_recording(written(tmp_path, "\n".join(mixed) + "\n"))
+    assert "text.missing" not in str(caught.value)
+    cured = [lines[0], *(row.replace(".", ",", 1) for row in mixed[1:])]
+    check(read_recording(written(tmp_path, "\n".join(cured) + "\n")))

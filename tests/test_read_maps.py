@@ -362,6 +362,26 @@ def test_counts_that_begin_again_are_offered_as_turns(tmp_path: Path) -> None:
         assert np.max(np.abs(off)) <= 1.01 * math.pi / 4096.0
 
 
+@pytest.mark.parametrize("per_turn", [16_384, 14_400, 30_000, 2**22])
+@pytest.mark.parametrize("name", ["Encoder {}", "Winkel {}", "Winkel {} [counts]"])
+def test_the_number_at_which_counts_begin_again_is_told_in_full(tmp_path: Path, name: str, per_turn: int) -> None:
+    """Of 16 384 counts a turn 16 400 were told under the name of an angle, and of 30 000 the power of two above. The
+    lines as they stand give the turns that were counted, to half a count."""
+    turns = [RUN["time_s"] * 0.5 + 2e-3 * np.sin(3.0 * RUN["time_s"])]
+    turns.append(0.72 * turns[0])
+    counts = [np.mod(np.rint(one * per_turn), per_turn) for one in turns]
+    names = ("time_s", name.format("Antrieb"), name.format("Abtrieb"))
+    file = written(tmp_path, table([RUN["time_s"], *counts], names, digits=(5, 0, 0)))
+    with pytest.raises(InputFileError) as caught:
+        read_recording(file)
+    lines = re.findall(r"columns\.\S+ = \{[^}]*\}", str(caught.value))
+    assert all(f"wraps = {per_turn} }}" in line for line in lines) and len(lines) == 2
+    read = read_recording(file, chart=chart(tmp_path, "\n".join(lines)))
+    for angle, turn in ((read.driving_angle_rad, turns[0]), (read.driven_angle_rad, turns[1])):
+        assert angle is not None
+        assert np.max(np.abs(angle / (2.0 * math.pi) - turn)) <= 0.51 / per_turn
+
+
 def in_groups(*, apart: float = 0.0) -> Table:
     """What a reader of a format with groups hands over: channels by path, each with its unit and its own times."""
     late = RUN["time_s"][RUN["time_s"] >= apart]

@@ -141,8 +141,11 @@ def test_a_trace_with_a_time_for_each_channel_and_counts(tmp_path: Path) -> None
         for shaft in ("driving", "driven")
         for kind, key in (("columns", "count"), ("keys", "lines"), ("keys", "counts_per_line"))
     ]
-    text = "\n".join(lines).replace("driving_lines = 1000", f"driving_lines = {2**18}")
-    found = read_recording(file, chart=chart(tmp_path, text.replace("driven_lines = 1000", f"driven_lines = {2**21}")))
+    text = "\n".join(lines).replace('driving_lines = "those on its label"', f"driving_lines = {2**18}")
+    with pytest.raises(InputFileError, match=r"keys\.driven_lines: .*as on its label or data sheet"):
+        chart(tmp_path, text)
+    text = text.replace('driven_lines = "those on its label"', f"driven_lines = {2**21}")
+    found = read_recording(file, chart=chart(tmp_path, text))
     for read, wanted, per in ((found.driving_angle_rad, DRIVING, 2**20), (found.driven_angle_rad, DRIVEN, 2**23)):
         assert read is not None
         turned = np.unwrap(wanted, period=360.0)

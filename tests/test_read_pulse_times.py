@@ -18,7 +18,7 @@ from tests.made_texts import RATIO, chart, written
 
 LINES = 250
 AMPLITUDE = 2e-3
-LINE = re.compile(r"(?:columns|keys)\.\w+ = (?:\{[^}]*\}|[\d.]+)")
+LINE = re.compile(r'(?:columns|keys)\.\w+ = (?:\{[^}]*\}|"[^"]*"|[\d.]+)')
 
 
 def shafts(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -61,7 +61,7 @@ def cured(file: Path, tmp_path: Path, *, lines: int = LINES) -> Recording:
     """The file by the lines that its refusal names, with the pulses of a turn filled in."""
     with pytest.raises(InputFileError, match="and no angles") as caught:
         read_recording(file)
-    told = "\n".join(LINE.findall(caught.value.wish)).replace("lines = 100", f"lines = {lines}")
+    told = "\n".join(LINE.findall(caught.value.wish)).replace('lines = "those on its label"', f"lines = {lines}")
     return read_recording(file, chart=chart(tmp_path, told))
 
 
@@ -118,7 +118,9 @@ def test_the_map_that_read_writes_settles_it(tmp_path: Path) -> None:
     file = written(tmp_path, in_columns())
     (found,) = survey(file)
     assert len(found.doubts) == 1
-    settled = re.sub(r"(?m)^# (?=columns|keys)", "", map_text(found)).replace("lines = 100", f"lines = {LINES}")
+    settled = re.sub(r"(?m)^# (?=columns|keys)", "", map_text(found)).replace(
+        'lines = "those on its label"', f"lines = {LINES}"
+    )
     (again,) = survey(file, chart(tmp_path, settled))
     assert not again.doubts and not again.refusal
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -9,13 +10,14 @@ import numpy as np
 import pytest
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
 from tests.made_texts import DEGREE, RATIO, chart, same, table, written
 
 N = 4000
 SIZES = {"deg": 1.0, "rad": 180.0 / np.pi, "rev": 360.0, "gon": 0.9}
-LINE = re.compile(r"(?:columns|keys)\.\w+ = (?:\{[^}]*\}|[\d.]+)")
+LINE = re.compile(r'(?:columns|keys)\.\w+ = (?:\{[^}]*\}|"[^"]*"|[\d.]+)')
 
 
 def turned(turns: float, *, mesh: int = 18, lines: float = 1.0, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -46,8 +48,8 @@ def test_another_unit_than_stated_is_told_by_what_repeats(tmp_path: Path, stated
     read = read_recording(file, chart=chart(tmp_path, "\n".join(doubt.ask)))
     same(read.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
     assert not any("comes back" in one for one in read.remarks)
-    # As of more than half a turn from sample to sample they are nothing at all.
-    if SIZES[stated] / SIZES[true] * 360.0 * 60.0 / N > 180.0:
+    # As of more than half a turn from sample to sample they are nothing at all, and deg and rad are told for sure.
+    if SIZES[stated] / SIZES[true] * 360.0 * 60.0 / N > 180.0 or {stated, true} == {"deg", "rad"}:
         with pytest.raises(InputFileError, match=f"as of {true}"):
             read_recording(file)
     else:
@@ -57,9 +59,33 @@ def test_another_unit_than_stated_is_told_by_what_repeats(tmp_path: Path, stated
 def test_radians_under_the_own_name_of_degrees(tmp_path: Path) -> None:
     angles = turned(60.0)
     file = file_of(tmp_path, angles, stated="deg", true="rad", own=True)
-    (said,) = [one for one in read_recording(file).remarks if "comes back" in one]
-    read = read_recording(file, chart=chart(tmp_path, "\n".join(LINE.findall(said))))
+    with pytest.raises(InputFileError, match=r"comes back after 6.28319") as caught:
+        read_recording(file)
+    lines = "\n".join(LINE.findall(caught.value.wish))
+    read = read_recording(file, chart=chart(tmp_path, lines))
     same(read.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
+
+
+@pytest.mark.parametrize(("stated", "true", "turns"), [("deg", "rad", 25.0), ("rad", "deg", 5.0)])
+def test_degrees_and_radians_that_run_on_are_refused_under_the_other_name(
+    tmp_path: Path, stated: str, true: str, turns: float
+) -> None:
+    """Twelve turns were taken for 688, at 1719 rpm. Two lines cure it: those that are named, and those with the unit
+    that the file states, which are believed."""
+    angles = turned(turns)
+    file = file_of(tmp_path, angles, stated=stated, true=true)
+    with pytest.raises(InputFileError, match=f"stated in {stated}.*as of {true}.*or the same with unit =") as caught:
+        read_recording(file)
+    lines = "\n".join(LINE.findall(caught.value.wish))
+    same(read_recording(file, chart=chart(tmp_path, lines)).driven_angle_rad, angles[1] * DEGREE, half=1e-6)
+    kept = read_recording(file, chart=chart(tmp_path, lines.replace(f'"{true}"', f'"{stated}"')))
+    same(kept.driven_angle_rad, angles[1] * DEGREE * SIZES[stated] / SIZES[true], half=1e-4)
+
+
+def test_few_turns_that_look_like_radians_are_told_and_read(tmp_path: Path) -> None:
+    """57 teeth in so few are as like it: told, in a remark."""
+    file = file_of(tmp_path, turned(12.0), stated="deg", true="rad")
+    assert any("comes back after 6.28319" in one for one in read_recording(file).remarks)
 
 
 @pytest.mark.parametrize("turns", [1.05, 1.5, 3.0, 7.3, 60.0])
@@ -107,7 +133,19 @@ def test_counts_that_never_begin_again(tmp_path: Path, per: int, says: str) -> N
         file = written(tmp_path, text)
         (doubt,) = survey(file)[0].doubts
         assert doubt.says.endswith(wanted)
-        lines = "\n".join(doubt.ask).replace("lines = 1000", f"lines = {per // 4}")
+        lines = "\n".join(doubt.ask).replace('lines = "those on its label"', f"lines = {per // 4}")
         read = read_recording(file, chart=chart(tmp_path, lines))
         assert read.driving_angle_rad is not None
         assert abs(np.ptp(read.driving_angle_rad) / (2.0 * np.pi) - 50.0) < 2.0 / per
+
+
+@pytest.mark.parametrize("written", ["1/3600 deg", "1/7 deg", "0.001234567 rad", "1/10 deg", "1e-5 rev"])
+def test_a_unit_in_a_map_is_the_one_that_was_read(written: str) -> None:
+    """The name that a map states again means the same size to the last digit."""
+    unit = unit_written(written, ANGLE)
+    assert unit is not None
+    assert unit_written(unit.name, ANGLE) == unit
+    number, base = written.split()
+    size = {"deg": 1.0, "rad": 180.0 / math.pi, "rev": 360.0}[base]
+    above, _, below = number.partition("/")
+    assert unit.size == pytest.approx(float(above) / float(below or 1.0) * size, rel=1e-15)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
-from gearpoly.units import FloatArray
+from gearpoly.units import BoolArray, FloatArray
 
 SERIAL_DAYS = (20_000.0, 80_000.0)
 """Days by which spreadsheets count dates, from 1954 to 2119."""
@@ -108,15 +110,35 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
 
 
 def begins_again_at(values: FloatArray) -> float | None:
-    """The number at which readings (n,) of any unit begin again, to three digits, by jumps that agree; or ``None``."""
+    """The number at which readings (n,) of any unit begin again, by jumps that agree, or ``None``: to three digits, and
+    of whole numbers to as many as the jumps tell."""
     held = values[np.isfinite(values)][:ENOUGH]
     steps = np.diff(held)
     span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
-    jumps = np.abs(steps[np.abs(steps) > 0.5 * span])
+    large = np.abs(steps) > 0.5 * span
+    jumps = np.abs(steps[large])
     if span == 0.0 or not 3 <= jumps.size <= held.size // 8 or np.ptp(jumps) > WRAP_TOLERANCE * 5.0 * span:
         return None
     modulus = float(f"{np.median(jumps) + np.median(np.abs(steps)):.3g}")
+    if not np.any(held != np.rint(held)):
+        modulus = _whole_modulus(steps, large, float(held.max()) + 1.0)
     return modulus if 0.95 * modulus < span < 1.01 * modulus else None
+
+
+DIGITS = range(1, 11)
+"""Digits that a number of counts is rounded to, the fewest that the jumps allow."""
+
+
+def _whole_modulus(steps: FloatArray, jumps: BoolArray, least: float) -> float:
+    """What counts go round at, some of whose ``steps`` (n,) are ``jumps``: the roundest number from ``least`` on that
+    these and the steps beside them tell, within three of their standard errors and a half."""
+    inner = np.flatnonzero(jumps[1:-1]) + 1
+    beside = 0.5 * (np.abs(steps[inner - 1]) + np.abs(steps[inner + 1]))
+    told = np.abs(steps[inner]) + beside
+    middle = float(np.median(told))
+    error = 0.5 + 3.0 * float(np.std(told)) / math.sqrt(max(1, told.size))
+    round_ones = (float(f"{middle:.{digits}g}") for digits in DIGITS)
+    return next((one for one in round_ones if abs(one - middle) <= error and one >= least), max(middle, least))
 
 
 COUNTERS = range(8, 33)
@@ -138,11 +160,15 @@ def counter_modulus(values: FloatArray) -> int | None:
     if held.size < 8 or held.min() < 0.0 or np.any(held != np.rint(held)):
         return None
     top, steps = float(held.max()), np.abs(np.diff(held))
+    usual = float(np.median(steps))
     power = next((1 << bits for bits in COUNTERS if top < 2**bits), None)
     tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if top < one]
     for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
         jumps = steps > 0.5 * modulus
-        if top >= share * modulus and 1 <= np.sum(jumps) <= held.size // 4:
+        if top < share * modulus or not 1 <= np.sum(jumps) <= held.size // 4:
+            continue
+        # What a jump and the step that it took the place of make together; 30 000 counts nearly fill 32 768 too.
+        if abs(float(np.median(steps[jumps])) + usual - modulus) <= max(1.0, float(np.max(steps[~jumps]))):
             return modulus
     return None
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from gearpoly.physics.parts import EncoderErrors
+from gearpoly.recording.by_travel import check_units_by_travel
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.travel import whole_angles
 from gearpoly.units import DEG, FloatArray
@@ -54,7 +55,9 @@ def corrected(
     """The recording as true encoders would have made it; ``ratio`` z_1/z_2, ``r_b2`` in mm.
 
     Where the rig computed the transmission error itself, only the shaft whose angle was recorded can be put right.
+    Raises ``InputFileError`` where the travel of both shafts says that one was read in another unit than its own.
     """
+    check_units_by_travel(recording, ratio)
     if driving.none and driven.none:
         return recording
     changes: dict[str, Any] = {}

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import InputFileError, told_at_most, told_beside
+from gearpoly.recording.by_travel import check_units_by_travel
 from gearpoly.recording.deeds import Deed, note, so_many
 from gearpoly.recording.looks_like import COMES_BACK
 from gearpoly.recording.recording import Recording
@@ -313,6 +314,7 @@ def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: In
 def _check_pair(recording: Recording, ratio: float, measured: float) -> None:
     if abs(measured / ratio - 1.0) <= RATIO_LIMIT:
         return
+    check_units_by_travel(recording, ratio)
     teeth = nearest_teeth(measured, 10.0 * TEETH_TOLERANCE)
     found = (
         f"a ratio of {measured:.6g} (driven to driving travel), {measured / ratio - 1.0:+.1%} off "

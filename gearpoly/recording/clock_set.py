@@ -15,6 +15,7 @@ import numpy as np
 
 from gearpoly.recording.finite import all_finite
 from gearpoly.recording.from_time import is_from_time
+from gearpoly.recording.map_lines import entry, with_more
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS
 from gearpoly.recording.table import Doubt, Table
 from gearpoly.recording.unwrapping import GAP_STEPS, WRAPPED_SPAN, thinned
@@ -219,7 +220,7 @@ def on_one_clock(table: Table) -> list[Doubt]:
         why = "as the map says" if table.jumps else 'which jumps = "kept" for time_s in a map undoes'
         summer = " (summer time?)" if all(one.by % HALF_HOUR_S == 0.0 for one in sure) else ""
         table.remarks.append(f"{_says(sure)}: the clock was set{summer}, and that is taken out, {why}")
-    out = table.time_entry or f'columns.time_s = {{ from = "time_s", unit = "s", {JUMPS_OUT} }}'
+    out = with_more(table.entries.get("time_s") or entry("time_s", "time_s", None), JUMPS_OUT)
     asked = (out, f"or {out.replace(JUMPS_OUT, JUMPS_OUT.replace(TAKEN_OUT, KEPT))}")
     doubts = []
     if leaps:

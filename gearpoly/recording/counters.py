@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.pulses import unwrap_counter
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
@@ -64,8 +65,8 @@ def counted(counter: Counter, raw: FloatArray, remarks: list[str]) -> FloatArray
         count = unwrap_counter(raw, counter.modulus)
         usual = float(np.median(np.abs(np.diff(count[good]))))
         if usual > QUARTER * counter.modulus:
-            wish = f"want at most a quarter of its {counter.modulus:g}; check where it wraps, or sample faster"
-            found = f"{usual:g} counts from sample to sample"
+            wish = f"want at most a quarter of its {in_full(counter.modulus)}; check where it wraps, or sample faster"
+            found = f"{in_full(usual)} counts from sample to sample"
             raise InputFileError(counter.file, where=f"column {counter.name}", found=found, wish=wish)
         return count
     jumps = _jumps(steps, np.diff(np.flatnonzero(good)), counter.per_turn)
@@ -79,13 +80,13 @@ def counted(counter: Counter, raw: FloatArray, remarks: list[str]) -> FloatArray
             f"want {counter.name}_modulus, about {guess:.0f}, if the counter goes round there, or a recording without "
             "a reset"
         )
-        found = f"a jump by {steps[int(np.argmax(jumps))]:g}"
+        found = f"a jump by {in_full(steps[int(np.argmax(jumps))])}"
         raise InputFileError(counter.file, where=f"column {counter.name}, row {row}", found=found, wish=wish)
     count = unwrap_counter(raw, modulus)
-    what = "once a turn, or is set back by the index" if modulus == counter.per_turn else f"at {modulus:g}"
+    what = "once a turn, or is set back by the index" if modulus == counter.per_turn else f"at {in_full(modulus)}"
     remarks.append(
         f"{counter.name} goes round {what}, as its {int(np.sum(jumps))} jumps tell (first in row {row}); state "
-        f"{counter.name}_modulus = {modulus:g} to be sure"
+        f"{counter.name}_modulus = {in_full(modulus)} to be sure"
     )
     return count
 

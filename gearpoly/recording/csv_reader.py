@@ -42,7 +42,7 @@ from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.encoding import shown
 from gearpoly.recording.text.foreign import read_foreign
-from gearpoly.recording.text.missing import no_reading
+from gearpoly.recording.text.missing import closes, no_reading
 from gearpoly.recording.text.parsed import parsed
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -262,7 +262,8 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
     for name, cell in zip(names, cells, strict=True):
         value = parse_number(cell) if cell else math.nan
         if value is None or math.isinf(value):
-            wish = f"want a finite number (an empty cell or nan for a drop-out){no_reading(cell)}{cut}"
+            cure = "; delete the line if it is no row" if closes(cells) else no_reading(cell)
+            wish = f"want a finite number (an empty cell or nan for a drop-out){cure}{cut}"
             raise InputFileError(file, where=f"{where}, column {name}", found=f'"{shorten(cell)}"', wish=wish)
         row.append(value)
     return row

@@ -20,6 +20,11 @@ def so_many(count: int, things: str) -> str:
     return f"{count} {first.removesuffix('s') if count == 1 else first}{space}{rest}"
 
 
+def in_full(number: float) -> str:
+    """A ``number`` that may be stated again as it is told: 16777216 and 0.25, with no digit rounded away."""
+    return str(int(number)) if float(number).is_integer() and abs(number) < 1e15 else repr(float(number))
+
+
 def note(done: list[Deed], what: str, count: int, says: str) -> None:
     """Add a deed whose sentence begins with its ``count``, where that is not 0."""
     if count:

@@ -13,6 +13,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.hdf5_columns import Series, above, few, kept_elsewhere, one_text, text_of
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import TIME, unit_written
@@ -95,7 +96,7 @@ def _take_step(found: Stated, held: Sequence[Any], size: int) -> None:
             first = next((v for k, v in _numbers(attributes) if _bare(k)[0] in BEGINS), 0.0)
             found.begun = _first([attributes], BEGINS)
             found.time = first + step * np.arange(size, dtype=np.float64)
-            found.said = f"{shorten(key)} = {value:g}{'' if unit else ', in Hz' if bare in RATES else ', in s'}"
+            found.said = f"{shorten(key)} = {in_full(value)}{'' if unit else ', in Hz' if bare in RATES else ', in s'}"
             return
 
 

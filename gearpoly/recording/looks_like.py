@@ -7,7 +7,7 @@ of the numbers and not after 360 these are rad, whatever their header says.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,13 @@ LOOKED_AT = 4000
 
 TURNS_LEAST = 4.0
 """Turns in the other unit from which it is told: fewer waves are like any slow course."""
+
+TURNS_SURE = 20.0
+"""The same from which rad under the name of deg are beyond doubt: 57 teeth mesh every 6.316 deg, and are ``OFF_PEAK``
+off 6.283 in so many. Deg under the name of rad are as soon as they are told: no gear's wave takes 57 turns."""
+
+RATIO_MOST = 10.0
+"""Ratio of the travels of both shafts from which they are likelier in two units, 57.3 apart, than in another one."""
 
 STEP_MOST = 0.25
 """Part of a turn from sample to sample up to which two waves of it are seen."""
@@ -53,17 +60,24 @@ STATED_IN = ("deg", "rad", "rev", "gon")
 
 @dataclass(frozen=True, kw_only=True)
 class _Like:
-    """What numbers look like: the ``turn`` of a shaft in them, and how it is called."""
+    """What numbers look like: the ``turn`` of a shaft in them, and how it is called; ``sure`` where nothing else that
+    gears make comes back so."""
 
     turn: float
     name: str
     counts: int = 0
+    sure: bool = False
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def unit_doubts(table: Table) -> list[Doubt]:
     """The doubt that a ``table``'s angles are in another unit than stated, by what repeats in them; none where they
     begin again."""
+    return [doubt for doubt, _ in _doubts(table)]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
+def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
+    """The same, and whether the numbers are sure of it."""
     held = [name for name in ANGLE_COLUMNS if name in table.columns]
     errors = [name for name in TE_COLUMNS if name in table.columns]
     if not held or (len(held) == 1 and not errors):
@@ -81,12 +95,12 @@ def unit_doubts(table: Table) -> list[Doubt]:
             return []
         says = f"the angles are stated in {units[0].name}, and are whole numbers that never begin again, as counts are"
         ask = [line for name in held for line in counts_entries(name.partition("_")[0], called[name], stated=True)]
-        return [Doubt(says=says, ask=tuple(ask))]
+        return [(Doubt(says=says, ask=tuple(ask)), False)]
     says = f"the angles are stated in {units[0].name}, and their error {COMES_BACK} {like.turn:.6g} of the numbers, "
     says += f"as of {like.name}"
     more = [f"scale = {1.0 / like.counts!r}"] if like.counts else []
     unit = UNITS[ANGLE]["rev" if like.counts else like.name]
-    return [Doubt(says=says, ask=tuple(entry(name, called[name], unit, *more) for name in held))]
+    return [(Doubt(says=says, ask=tuple(entry(name, called[name], unit, *more) for name in held)), like.sure)]
 
 
 COMES_BACK = "comes back after"
@@ -96,14 +110,14 @@ HALF_TURN_DEG = 180.0
 
 
 def check_units(file: Path, table: Table) -> None:
-    """Say in a remark that a ``table``'s angles look like those of another unit; raise ``InputFileError`` where they
-    would turn by more than half a turn from sample to sample in the stated one."""
-    for doubt in unit_doubts(table):
+    """Say in a remark that a ``table``'s angles look like those of another unit; raise ``InputFileError`` where that is
+    sure, or they would turn by more than half a turn from sample to sample in the stated one."""
+    for doubt, sure in _doubts(table):
         asks = f"in a map, if so: {' '.join(doubt.ask)}"
         held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
         quick = max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
-        if quick and COMES_BACK in doubt.says and not table.mapped & set(ANGLE_COLUMNS):
-            raise InputFileError(file, found=doubt.says, wish=f"want {asks}")
+        if (sure or (quick and COMES_BACK in doubt.says)) and not table.mapped & set(ANGLE_COLUMNS):
+            raise InputFileError(file, found=doubt.says, wish=f"want {asks}{_or_as_stated(table)}")
         table.remarks.append(f"{doubt.says}; {asks}")
 
 
@@ -147,7 +161,16 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
         return None  # a wave of one shaft is one of the other with as many counts less as their ratio
     if share < EXPLAINED or (known is not None and known > AGAINST * share) or not _at_peak(first, off, best.turn):
         return None
-    return best
+    other = {"deg": "rad", "rad": "deg"}.get(stated.name)
+    travel = [abs(float(one[-1] - one[0])) for one in first]
+    sure = best.name == other and (best.turn > own or travel[0] / best.turn >= TURNS_SURE)
+    return replace(best, sure=sure and max(travel) < RATIO_MOST * min(travel))
+
+
+def _or_as_stated(table: Table) -> str:
+    """What is said of the other way out: a map that states the unit once more is believed."""
+    name = next(name for name in ANGLE_COLUMNS if name in table.columns)
+    return f'; or the same with unit = "{table.units.get(name, UNITS[ANGLE]["deg"]).name}", if that is the unit'
 
 
 def _explained(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, *, waves: int = 2) -> float | None:

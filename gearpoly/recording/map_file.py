@@ -14,6 +14,7 @@ from typing import Any
 from gearpoly.errors import InputFileError, shown_value
 from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text, shorten
+from gearpoly.recording.map_lines import TEETH_RATIO
 from gearpoly.recording.quantities import DOUBTFUL, Unit, column_unit, known_units, unit_written, units_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key
 from gearpoly.recording.table import MAPPED_AXIS, PULSE_TIMES
@@ -241,6 +242,10 @@ def _table(file: Path, where: str, value: object) -> Mapping[str, object]:
 
 def _number(file: Path, where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
+        if value == TEETH_RATIO:
+            raise _fault(
+                file, where, value, "that as a number: the driven teeth by the driving ones, 25 / 18 is 1.3889"
+            )
         raise _fault(file, where, value, "a finite number with a decimal point")
     return float(value)
 

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 
 import numpy as np
 
 from gearpoly.recording.by_readings import are_counts, are_levels, begins_again_at, counter_modulus, wrapped_unit
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
 
 LEFT = "leave_out = "
 """How the line begins that leaves channels out."""
+
+
+TEETH_RATIO = "z_2/z_1"
+"""Stands in a line of a map for a number that only the pair tells: such a map is refused, so that it is filled in."""
 
 
 def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
@@ -21,6 +27,21 @@ def entry(column: str, channel: str, unit: Unit | None, *more: str) -> str:
     if column_unit(column).dimension != COUNT:
         held.append(f"unit = {quoted((unit or column_unit(column)).name)}")
     return f"columns.{column} = {{ {', '.join([*held, *more])} }}"
+
+
+def with_more(line: str, more: str) -> str:
+    """The ``line`` of a map that gives a column, with one thing more."""
+    return f"{line.removesuffix(' }')}, {more} }}"
+
+
+def with_unit(line: str, unit: str) -> str:
+    """The ``line`` of a map that gives a column, with another ``unit``."""
+    return re.sub(r'unit = "[^"]*"(?=[^"]*\}$)', f'unit = "{unit}"', line)
+
+
+def turned_round(line: str) -> str:
+    """The ``line`` of a map that gives a column, with the other sign."""
+    return line.replace(", sign = -1", "") if ", sign = -1" in line else with_more(line, "sign = -1")
 
 
 def quoted(text: str) -> str:
@@ -52,21 +73,31 @@ def angle_entries(column: str, channel: str, values: FloatArray) -> tuple[str, .
     shaft = column.partition("_")[0]
     modulus = counter_modulus(values)
     if are_levels(values):
-        return (entry(f"{shaft}_a", channel, None), f"keys.{shaft}_lines = 1000")
+        return (entry(f"{shaft}_a", channel, None), lines_entry(shaft))
     if modulus is not None:
         return (counter_entry(column, channel, modulus),)
     if are_counts(values):
         return counts_entries(shaft, channel)
-    return (entry(column, channel, wrapped_unit(values)),)
+    unit = wrapped_unit(values)
+    return (entry(column, channel, unit) if unit is not None else analog_entry(column, channel, values),)
 
 
-def analog_entry(column: str, channel: str, values: FloatArray, *, stated: bool) -> str:
+TURN_UNITS = ("u", "umdr", "r", "t", "tr", "cyc", "cycle", "cycles", "vuelta", "vueltas")
+"""Units of an angle that are likelier turns than anything else, and may be a letter of the owner's own."""
+
+
+def analog_entry(column: str, channel: str, values: FloatArray, *, stated: str = "") -> str:
     """The line that gives an angle's ``column`` to readings (n,) of no unit, or of another one that is ``stated``, such
     as volts: as turns of what they begin again at, where they do, and else with a scale to be filled in."""
+    if stated.strip(" .").lower() in TURN_UNITS:
+        return entry(column, channel, UNITS[ANGLE]["rev"])
+    whole = counter_modulus(values)
+    if whole is not None:
+        return counter_entry(column, channel, whole)
     modulus = begins_again_at(values)
     if modulus is None:
         return entry(column, channel, None, *(["scale = 1.0"] if stated else []))
-    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus!r}")
+    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {in_full(modulus)}")
 
 
 def counter_entry(column: str, channel: str, modulus: int) -> str:
@@ -74,12 +105,30 @@ def counter_entry(column: str, channel: str, modulus: int) -> str:
     return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
 
 
+def lines_entry(shaft: str) -> str:
+    """The line of a map for the lines of a ``shaft``'s encoder, which no file tells. It holds words, so that a map that
+    is not filled in is refused: the same number of both shafts would fit any pair."""
+    return f'keys.{shaft}_lines = "those on its label"'
+
+
+def turn_of_counts(values: FloatArray) -> int | None:
+    """The number at which counts (n,) begin again, if it may be a turn: none at which the counter itself goes round."""
+    modulus: float | None = counter_modulus(values)
+    if modulus is None and not np.any(values != np.rint(values), where=np.isfinite(values)):
+        modulus = begins_again_at(values)
+    return None if modulus is None or modulus in OF_COUNTERS else int(modulus)
+
+
+OF_COUNTERS = (2**16, 2**24, 2**32)
+"""What counters of a whole number of bytes go round at, whatever the encoder has."""
+
+
 def counts_entries(shaft: str, channel: str, *, stated: bool = False) -> tuple[str, ...]:
     """The lines that give a channel's counts to a ``shaft``, with the lines of the encoder to be filled in; ``stated``:
     the channel states a unit of its own."""
     return (
         entry(f"{shaft}_count", channel, None, *(['unit = "1"'] if stated else [])),
-        f"keys.{shaft}_lines = 1000",
+        lines_entry(shaft),
         f"keys.{shaft}_counts_per_line = 4",
     )
 

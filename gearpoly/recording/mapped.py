@@ -151,9 +151,10 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
     if values is one.values:  # which may be read again: a recording takes over the numbers it gets, unless sealed
         values.setflags(write=False)
     if column == "time_s":
-        more = [f"scale = {source.scale!r}"] * (source.scale != 1.0) + [f"zero = {source.zero!r}"] * bool(source.zero)
         out.jumps = source.jumps
-        out.time_entry = entry(column, source.channel, unit, *more, 'jumps = "taken out"')
+    more = {"scale": (source.scale, 1.0), "zero": (source.zero, None), "wraps": (source.wraps, None)}
+    said = [f"{key} = {held!r}" for key, (held, default) in more.items() if held != default]
+    out.entries[column] = entry(column, source.channel, unit, *said, *(["sign = -1"] if source.sign < 0 else []))
     out.units[column] = unit
     out.columns[column] = values
     out.taken_from[column] = source.channel

@@ -27,6 +27,7 @@ from gearpoly.recording.by_readings import (
 )
 from gearpoly.recording.header import COUNTED, header_unit, is_clock
 from gearpoly.recording.map_lines import (
+    TEETH_RATIO,
     analog_entry,
     counter_entry,
     counts_entries,
@@ -34,6 +35,7 @@ from gearpoly.recording.map_lines import (
     likely_time,
     quoted,
     scaled,
+    turn_of_counts,
 )
 from gearpoly.recording.quantities import (
     ANGLE,
@@ -111,7 +113,7 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     counts = [one for one in found if one.dimension == COUNT and one.doubt and not shafts[one.channel]]
     free = [shaft for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True) if angle not in taken]
     for one, shaft in zip(counts, (s for s in free if s not in shafts.values()), strict=False):
-        found[found.index(one)] = _counted(one, shaft)
+        found[found.index(one)] = _counted(one, shaft, channels[one.channel].values)
     found = _without_twins(channels, found)
     found = _called_twice(channels, found)
     for column in {one.column for one in found if one.column and not one.doubt}:
@@ -256,7 +258,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     if quantity == COUNT:
         doubt = "counts of an encoder whose lines are not stated"
         found = Meaning(channel=channel, dimension=COUNT, why=f'"{name}"', doubt=doubt)
-        return _counted(found, shaft or "driving")
+        return _counted(found, shaft or "driving", held.values)
     if quantity == TE:
         unit = unit_written(stated, ANGLE) or unit_written(stated, LENGTH)
         column = "te_um" if unit is not None and unit.dimension == LENGTH else "te_arcsec"
@@ -290,21 +292,29 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         doubt = f"the unit {stated}, and its readings are counts that begin again after {modulus}"
         ask = (counter_entry(columns[ANGLE], channel, modulus),)
         return Meaning(channel=channel, column=columns[ANGLE], dimension=ANGLE, why=f'"{name}"', doubt=doubt, ask=ask)
+    of_other = (quantity, shaft) in ((TORQUE, "driving"), (SPEED, "driven"))
     if quantity == TORQUE and shaft == "driving":
-        doubts.append("a torque of the driving shaft (torque_nm is of the driven one: scale = z_2/z_1)")
+        doubts.append(f"a torque of the driving shaft (torque_nm is of the driven one: scale is {TEETH_RATIO})")
     elif quantity == SPEED and shaft == "driven":
-        doubts.append("a speed of the driven shaft (speed_rpm is of the driving one: scale = z_2/z_1)")
+        doubts.append(f"a speed of the driven shaft (speed_rpm is of the driving one: scale is {TEETH_RATIO})")
     elif not shaft:
         doubts.append(f"no word says of which shaft the {quantity} is")
     settled = _settled(channel, name, columns[quantity], unit, stated, quantity, ", ".join(doubts))
+    if unit is not None and of_other:
+        settled = replace(settled, ask=(entry(columns[quantity], channel, unit, f'scale = "{TEETH_RATIO}"'),))
     if quantity == ANGLE and unit is None:
-        settled = replace(settled, ask=(analog_entry(columns[ANGLE], channel, held.values, stated=bool(stated)),))
+        settled = replace(settled, ask=(analog_entry(columns[ANGLE], channel, held.values, stated=stated),))
     return replace(settled, named=not doubt)
 
 
-def _counted(one: Meaning, shaft: str) -> Meaning:
-    """Counts as those of a ``shaft``, with the lines of a map that say so."""
-    return replace(one, column=f"{shaft}_count", ask=counts_entries(shaft, one.channel))
+def _counted(one: Meaning, shaft: str, values: FloatArray) -> Meaning:
+    """Counts (n,) as those of a ``shaft``, with the lines of a map that say so, as turns where they begin again."""
+    modulus = turn_of_counts(values)
+    if modulus is None:
+        return replace(one, column=f"{shaft}_count", ask=counts_entries(shaft, one.channel))
+    doubt = f"counts of an encoder that begin again after {modulus}, which may be one turn"
+    ask = (counter_entry(f"{shaft}_angle_deg", one.channel, modulus),)
+    return replace(one, column=f"{shaft}_count", doubt=doubt, ask=ask)
 
 
 def _by_own_name(channel: str, column: str, stated: str) -> Meaning:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
+from gearpoly.recording.deeds import in_full
 
 LINE_LIMIT = 10_000
 """Characters of a line; rows have fewer than 300."""
@@ -179,21 +180,21 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: G
             return
     time, pulse = values["Time"], values["RADuration"]
     if not (math.isfinite(time) and math.isfinite(pulse)) or any(map(math.isinf, values.values())):
-        found = ", ".join(f"{name} = {value:g}" for name, value in values.items())
+        found = ", ".join(f"{name} = {in_full(value)}" for name, value in values.items())
         section.fault = _fault(file, number, found, "want finite numbers")
         return
     if section.frames and time == section.frames[-1].time:
         return  # a row that was written twice
     if section.frames and time < section.frames[-1].time:
         wish = "want times that rise; the clock was set while it guided: cut the log there, and begin it with a header"
-        section.fault = _fault(file, number, f"Time = {time:g} after {section.frames[-1].time:g}", wish)
+        section.fault = _fault(file, number, f"Time = {in_full(time)} after {in_full(section.frames[-1].time)}", wish)
         return
     seen = cells["mount"] != "DROP" and cells.get("ErrorCode", "0").strip() in ("", *map(str, SEEN))
     x, y, offset = (values[name] if seen else math.nan for name in ("dx", "dy", "RARawDistance"))
     way = cells["RADirection"].strip()
     sense = SENSES.get(way.upper(), 0.0)
     if pulse < 0.0 or (pulse > 0.0 and not sense):  # left out, a pulse would be read as motion of the axis
-        found = f"RADuration = {pulse:g} with RADirection = {shorten(way) or 'nothing'}"
+        found = f"RADuration = {in_full(pulse)} with RADirection = {shorten(way) or 'nothing'}"
         wish = "want durations of 0 ms or more, with W or E; write them so, or delete the line if it is torn"
         section.fault = _fault(file, number, found, wish)
         return

@@ -14,7 +14,8 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.by_readings import rises, runs_evenly
-from gearpoly.recording.map_lines import entry
+from gearpoly.recording.deeds import in_full
+from gearpoly.recording.map_lines import entry, lines_entry
 from gearpoly.recording.meaning import Meaning
 from gearpoly.recording.pulses import Edges, pulses
 from gearpoly.recording.quantities import TIME, UNITS, Unit
@@ -78,7 +79,7 @@ def _by_channel(file: Path, given: dict[str, FloatArray]) -> list[FloatArray]:
     first, other = read & (channel == 0.0), read & (channel != 0.0)
     held = np.unique(channel[read])
     if held.size != 2 or not first.any():
-        found = f"channels {', '.join(f'{one:g}' for one in held[:4])}, counted from that of the driving shaft"
+        found = f"channels {', '.join(in_full(one) for one in held[:4])}, counted from that of the driving shaft"
         wish = f"want two, one of them 0: zero of columns.{PULSE_CHANNEL} is the number of the driving shaft's channel"
         raise InputFileError(file, where=f"column {PULSE_CHANNEL}", found=found, wish=wish)
     return [_rising(file, PULSE_TIME, time[rows]) for rows in (first, other)]
@@ -117,7 +118,7 @@ def asked_of_pulses(meant: Sequence[Meaning], channels: dict[str, Channel]) -> t
     ``None`` where they are something else."""
     timed = [one for one in meant if one.dimension == TIME and one.column == "time_s"]
     rest = [one for one in meant if one not in timed]
-    lines = tuple(f"keys.{shaft}_lines = 100" for shaft in SHAFTS)
+    lines = tuple(lines_entry(shaft) for shaft in SHAFTS)
     between = [one for one in meant if tokens(one.channel) & set(INTERVALS) and not rises(channels[one.channel].values)]
     if len(between) == 2 and all(one in between or one.dimension == TIME for one in meant):
         first = _paired(between)
@@ -137,7 +138,7 @@ def asked_of_pulses(meant: Sequence[Meaning], channels: dict[str, Channel]) -> t
             unit: Unit | None = timed[0].unit
             ask = (
                 entry(PULSE_TIME, timed[0].channel, unit),
-                entry(PULSE_CHANNEL, rest[0].channel, None, f"zero = {numbers[0]:g}"),
+                entry(PULSE_CHANNEL, rest[0].channel, None, f"zero = {in_full(numbers[0])}"),
             )
             found = f"a row for each pulse with its channel ({_names([timed[0], rest[0]])}), and no angles"
             return found, (*ask, *lines)

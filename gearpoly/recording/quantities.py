@@ -136,8 +136,11 @@ def units_written(text: str) -> tuple[Unit, ...]:
     if number == 0.0:
         return ()
     factor = 1.0 / number if many[1] else number
+    called = f"{factor:.9g}"
+    if float(called) != factor:  # a map states the unit again: 1/3600 deg is no decimal number
+        called = f"{many[1] or ''}{number:.15g}"
     return tuple(
-        Unit(name=f"{factor:g} {one.name}", dimension=one.dimension, size=factor * one.size)
+        Unit(name=f"{called} {one.name}", dimension=one.dimension, size=factor * one.size)
         for one in units_written(many[3])
         if one.dimension != COUNT and not one.name[:1].isdigit()
     )

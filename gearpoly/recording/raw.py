@@ -17,7 +17,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.counters import Counter, counted
-from gearpoly.recording.deeds import so_many
+from gearpoly.recording.deeds import in_full, so_many
 from gearpoly.recording.pulses import (
     HYSTERESIS,
     Counts,
@@ -123,7 +123,7 @@ def _times(file: Path, table: Table, remarks: list[str]) -> tuple[FloatArray, bo
         if bad.any():
             row = int(np.argmax(bad)) + 1
             wish = "want a time that rises from sample to sample, since edges are placed by it"
-            raise InputFileError(file, where=f"column time_s, row {row}", found=f"{time[row - 1]:g}", wish=wish)
+            raise InputFileError(file, where=f"column time_s, row {row}", found=in_full(time[row - 1]), wish=wish)
         return time, True
     rate = table.keys.get("sample_rate_hz")
     if isinstance(rate, int | float):
@@ -271,9 +271,10 @@ def _indexed(
         return _from_first(counts.count)
     check = check_index(counts.time, counts.count, passed, per_turn)
     if check.always:
-        found = f"{per_turn + check.always:g} counts from index to index in most turns, {per_turn:g} by {shaft}_lines"
+        seen, stated = in_full(per_turn + check.always), in_full(per_turn)
+        found = f"{seen} counts from index to index in most turns, {stated} by {shaft}_lines"
         lines = _number(table, f"{shaft}_lines") * (1.0 + check.always / per_turn)
-        wish = f"want the line count of that encoder in {shaft}_lines (perhaps {lines:g})"
+        wish = f"want the line count of that encoder in {shaft}_lines (perhaps {in_full(lines)})"
         raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if check.turns:
         remarks.append(

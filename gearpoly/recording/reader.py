@@ -22,6 +22,7 @@ from gearpoly.files.toml import load
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import check_agreement, rounding
 from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus
+from gearpoly.recording.by_speed import check_speed
 from gearpoly.recording.by_turns import bring_together
 from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
@@ -141,6 +142,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         table = at_the_worm(file, table, worm)
     if any(name in PULSE_TIMES for name in table.columns):
         table = angles_from_pulse_times(file, table)
+    entries = table.entries
     check_complete(file, "", table.columns)
     lengths = {name: values.size for name, values in table.columns.items()}
     if len(set(lengths.values())) > 1:
@@ -154,6 +156,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
     for doubt in on_one_clock(table):
         table.remarks.append(f"{doubt.says}; in a map, if the clock was set: {' '.join(doubt.ask)}")
     bring_together(file, table)
+    check_speed(file, table)
     for name in ANGLE_COLUMNS:
         other = contradicting(table.columns[name], column_unit(name)) if name in table.columns else None
         if other is not None:
@@ -172,7 +175,7 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
         table = angles_from_raw(file, table)
     elif "time_s" not in table.columns and (rate := table.keys.get("sample_rate_hz")):
         table.columns["time_s"] = np.arange(next(iter(table.columns.values())).size) / float(str(rate))
-    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places)
+    return recording_from_columns(file, table.columns, table.keys, table.remarks, places=places, entries=entries)
 
 
 def _last_places(table: Table) -> dict[str, float]:

@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from gearpoly.errors import InputFileError, shown_value
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.run import Run
 from gearpoly.units import ARCSEC, DEG, UM, URAD, FloatArray, read_only
@@ -82,8 +83,8 @@ class Recording:
     their angle is nothing but time at one rate, beside a transmission error. ``last_places`` holds, by column of the
     file, half of the last place it was written to, in rad or mm, where columns follow from one another. ``own_zero``:
     a transmission error whose zero no recording shares but runs beside it in one file. ``run`` says
-    which part of its file it is, where the shafts turned forth and back there. ``remarks`` say what a reader found,
-    assumed or left out.
+    which part of its file it is, where the shafts turned forth and back there. ``entries`` are the lines of a map that
+    give columns as they were taken, by column. ``remarks`` say what a reader found, assumed or left out.
 
     Raises ``ValueError`` where the arrays are not of one length or the angles do not suffice.
     """
@@ -110,6 +111,7 @@ class Recording:
     last_places: Mapping[str, float] = field(default_factory=dict)
     own_zero: bool = False
     run: Run | None = None
+    entries: Mapping[str, str] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -226,7 +228,10 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     elif key == "torque_nm":
         good, want = 0.0 <= number < math.inf, "a torque in N.m, 0 or more (the flank says which way it acts)"
     elif key.endswith("_lines"):
-        good, want = number >= 1.0 and number.is_integer(), "the lines of the encoder's disc, a whole number from 1"
+        good, want = (
+            number >= 1.0 and number.is_integer(),
+            "the lines of the encoder's disc, a whole number as on its label or data sheet: 1024",
+        )
     elif key.endswith("_counts_per_line"):
         good, want = number in (1.0, 2.0, 4.0), "1, 2 or 4 counts per line, as the counter was set"
     elif key.endswith("_count_bits"):
@@ -252,7 +257,7 @@ def _check_angles(file: Path, name: str, values: FloatArray) -> None:
         return
     row = int(np.nanargmax(np.abs(values)))
     wish = f"want an angle of at most {ANGLE_LIMIT_DEG:g} deg; leave that reading out (an empty cell or nan)"
-    raise InputFileError(file, where=f"column {name}, row {row + 1}", found=f"{values[row]:g} deg", wish=wish)
+    raise InputFileError(file, where=f"column {name}, row {row + 1}", found=f"{in_full(values[row])} deg", wish=wish)
 
 
 def recording_from_columns(
@@ -262,12 +267,14 @@ def recording_from_columns(
     remarks: Iterable[str] = (),
     *,
     places: Mapping[str, float] | None = None,
+    entries: Mapping[str, str] | None = None,
 ) -> Recording:
     """The recording that a reader found under the contract's names and units.
 
     ``columns`` holds arrays (n,) by column name, complete as :func:`check_complete` wants, without raw channels; the
     arrays are taken over and may be written to. ``keys`` holds values that passed :func:`check_key`, ``places`` half of
-    the last place of columns that follow from others. Raises ``InputFileError`` where a column holds no number at all.
+    the last place of columns that follow from others, ``entries`` the lines of a map that give columns. Raises
+    ``InputFileError`` where a column holds no number at all.
     """
     for name, values in columns.items():
         if np.isnan(values[0]) and np.isnan(values).all():
@@ -312,5 +319,6 @@ def recording_from_columns(
         backward=bool(keys.get("reversed", False)),
         from_time=steady,
         last_places={name: half * units[name] for name, half in (places or {}).items()},
+        entries=dict(entries or {}),
         remarks=tuple(remarks),
     )

@@ -6,6 +6,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.clock_set import JUMPS_OUT
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray
 
@@ -25,12 +26,12 @@ def check_time(recording: Recording, keep: IntArray, position: FloatArray) -> No
     """Time must not run back: files that were strung together, or a clock that was set."""
     back = np.flatnonzero(np.diff(position) < 0.0)
     if 2 * back.size > position.size:
-        found = f"a time that falls from row to row, from {position[0]:g} to {position[-1]:g} s"
+        found = f"a time that falls from row to row, from {in_full(position[0])} to {in_full(position[-1])} s"
         wish = "want the oldest row first: sort the rows by their times"
         raise InputFileError(recording.source, where="column time_s", found=found, wish=wish)
     if back.size:
         sample = int(keep[back[0] + 1])
-        found = f"a time {position[back[0]] - position[back[0] + 1]:g} s before the row above"
+        found = f"a time {position[back[0]] - position[back[0] + 1]:.9g} s before the row above"
         wish = "want one recording in the order of time; cut it there"
         wish += next((f", or: {said}" for said in recording.remarks if JUMPS_OUT in said), "")
         raise InputFileError(recording.source, where=f"{row_of(recording, sample)}", found=found, wish=wish)

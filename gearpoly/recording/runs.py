@@ -19,6 +19,7 @@ import numpy as np
 from gearpoly.errors import InputFileError, told_beside
 from gearpoly.recording.clean import TURNS_LEAST
 from gearpoly.recording.lost_motion import LostMotion, between
+from gearpoly.recording.map_lines import entry, turned_round
 from gearpoly.recording.recording import SHAFTS, Flank, Recording
 from gearpoly.recording.reversals import (
     BACKWARD_LIMIT,
@@ -136,7 +137,10 @@ def check_torque(recording: Recording) -> None:
         return
     if np.fmin.reduce(torque) < 0.0 and float(np.nanmedian(torque)) < 0.0:
         found = f"a median of {float(np.nanmedian(torque)):g} N.m"
-        wish = "want a torque of 0 or more (the flank says which way it acts)"
+        line = turned_round(recording.entries.get("torque_nm") or entry("torque_nm", "torque_nm", None))
+        wish = (
+            f"want a torque of 0 or more (the flank says which way it acts); in a map, if it counts backwards: {line}"
+        )
         raise InputFileError(recording.source, where="column torque_nm", found=found, wish=wish)
 
 

@@ -14,8 +14,8 @@ AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE = "axis_error_arcsec", "axis_correction_
 pulses may have turned it by, and the angle of the worm. Only the pair file knows the worm between that axis and the
 pair."""
 
-MAPPED_AXIS = (AXIS_ERROR, WORM_ANGLE)
-"""Those of them that a table under names of its own may have."""
+MAPPED_AXIS = (AXIS_ERROR, AXIS_CORRECTION, WORM_ANGLE)
+"""All of them, as a map and a table under names of its own may give them."""
 
 
 PULSE_TIME, PULSE_CHANNEL = "pulse_time_s", "pulse_channel"
@@ -79,8 +79,8 @@ class Table:
     read, key by key of a map. ``places`` is half of the last place that a column was written to, where its numbers no
     longer show it. ``unread`` is what else the file holds and was not read, and the cure. ``worm_period_s`` is that of
     a telescope's worm, where the file states it, else 0. ``units`` are those that columns were in, ``mapped`` the
-    columns that a map gives. ``jumps`` is what a map says of jumps of the time, and ``time_entry`` the line of a map
-    that takes them out.
+    columns that a map gives. ``jumps`` is what a map says of jumps of the time, ``entries`` the lines of a map that
+    give columns as they were taken.
     """
 
     columns: dict[str, FloatArray]
@@ -96,4 +96,4 @@ class Table:
     units: dict[str, Unit] = field(default_factory=dict)
     mapped: set[str] = field(default_factory=set)
     jumps: str = ""
-    time_entry: str = ""
+    entries: dict[str, str] = field(default_factory=dict)

@@ -22,7 +22,7 @@ from gearpoly.recording.meaning import Meaning, meanings
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, TE_COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
-from gearpoly.recording.table import AXIS_ERROR, WORM_ANGLE, Channel, Table
+from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, WORM_ANGLE, Channel, Table
 from gearpoly.units import FloatArray
 
 SAME_SPEED = 0.01
@@ -76,7 +76,8 @@ def assigned(file: Path, table: Table, chart: RecordingMap | None = None) -> tup
         if channel in table.others and name in out.columns:
             check_finite(file, name, out.columns[name])
     if AXIS_ERROR not in out.columns:  # a worm in another machine
-        out.columns.pop(WORM_ANGLE, None)
+        for name in (WORM_ANGLE, AXIS_CORRECTION):
+            out.columns.pop(name, None)
     return out, found
 
 

@@ -240,7 +240,7 @@ def _take_times(file: Path, properties: Mapping[str, Mapping[str, Any]], table: 
     }
     if not apart and len(rates) == 1:
         table.columns["time_s"] = max(even.values(), key=lambda time: time.size)
-        table.remarks.append(f"time_s from the waveform properties: {1.0 / rates.pop():g} samples per second")
+        table.remarks.append(f"time_s from the waveform properties: {1.0 / rates.pop():.12g} samples per second")
         return
     put_on_one_axis(file, table, even)
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
+from gearpoly.recording.deeds import in_full
 from gearpoly.recording.reader import (
     RECORDING_LIMIT_BYTES,
     Reader,
@@ -156,7 +157,7 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
     if count < 0:
         raise InputFileError(file, where=where, found=f"{count} values", wish=_WHOLE)
     if even == 1 and not (math.isfinite(start) and math.isfinite(step)):
-        found = f"abscissas from {start:g} by {step:g}"
+        found = f"abscissas from {in_full(start)} by {in_full(step)}"
         raise InputFileError(file, where=where, found=found, wish="want finite numbers in line 7 of its header")
     ids = tuple(line.strip() for line in lines[1:6])
     return _Set(ids[0], ids[1:], at, count, kind == 2, even == 1, start, step, is_time, unit, binary)
@@ -253,7 +254,7 @@ def _add_time(file: Path, held: dict[str, tuple[FloatArray, FloatArray | None, _
         raise InputFileError(file, found="abscissas that differ from column to column", wish=wish)
     for name, axis in stated.items():
         if (back := np.flatnonzero(np.diff(axis) <= 0.0)).size:
-            found = f"value {back[0] + 2} at {axis[back[0] + 1]:g} s, not after the one before"
+            found = f"value {back[0] + 2} at {in_full(axis[back[0] + 1])} s, not after the one before"
             raise InputFileError(file, where=f"column {name}", found=found, wish="want times that rise")
     put_on_one_axis(file, table, stated)
 
@@ -268,7 +269,7 @@ def _axis(file: Path, name: str, abscissa: FloatArray | None, one: _Set) -> Floa
     bad = ~np.isfinite(abscissa)
     if bad.any():
         row = int(np.argmax(bad))
-        found = f"abscissa {abscissa[row]:g} of value {row + 1}"
+        found = f"abscissa {in_full(abscissa[row])} of value {row + 1}"
         raise InputFileError(file, where=f"column {name}", found=found, wish="want a finite number for each value")
     return abscissa
 

@@ -75,6 +75,9 @@ _NO_SHAFT = re.compile(
 )
 """Names of a logger's own inputs and outputs, which are no shafts."""
 
+_ALSO_LOGGERS = re.compile(r"\b(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita|ingresso|out)\w*")
+"""Words for shafts that loggers have for their own sockets."""
+
 NAME_LIMIT = 200
 """Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
@@ -144,8 +147,10 @@ def by_letter(name: str) -> bool:
 def shaft_of(name: str, *, outs: bool = False) -> str:
     """The shaft that a channel's name says, or nothing; ``outs``: another channel of the recording is called out."""
     words, whole_words = plain(name), tokens(name)
-    if _NO_SHAFT.search(words):
-        return ""
+    if _NO_SHAFT.search(words):  # a channel of the logger's, which may say its shaft in another word
+        words = _ALSO_LOGGERS.sub(" ", words)
+        whole_words = set(words.split())
+        outs = False
     if outs and "in" in whole_words:
         whole_words.add("input")
     found = [

@@ -27,6 +27,12 @@ def torque(name: str, says: str, bad: str, good: str) -> Cure:
 
 
 CURES = [
+    torque(
+        "ratio of teeth",
+        "the driven teeth by the driving ones",
+        'from = "M", unit = "N.m", scale = "z_2/z_1"',
+        'from = "M", unit = "N.m", scale = 1.3889',
+    ),
     line("unknown key", 'the nearest known key here is "section"', "sektion = 1\n", "section = 1\n"),
     line(
         "unknown column",

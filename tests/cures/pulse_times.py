@@ -34,7 +34,7 @@ def mapped(name: str, says: str, content: str, chart: str, cured: str, *, good: 
 
 
 CURES = [
-    text("pulse times", "keys.driving_lines = 100", columns(), file="log.txt", cured=GIVEN + LINES),
+    text("pulse times", 'keys.driving_lines = "those on its label"', columns(), file="log.txt", cured=GIVEN + LINES),
     mapped("pulses of a turn", "such as keys.driving_lines = 100 in a map", columns(), GIVEN, GIVEN + LINES),
     mapped(
         "one shaft's pulses",

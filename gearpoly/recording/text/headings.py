@@ -20,6 +20,7 @@ def heading(lines: Sequence[str], above: Sequence[int], separator: str, width: i
         k: cells
         for k in above
         if (cells := words_of_line(lines[k], separator, width)) and not part_read(cells) and not _is_rule(cells)
+        if not _are_settings(cells)
     }
     if not wide:
         return -1, -1
@@ -91,6 +92,16 @@ def _is_rule(cells: Sequence[str]) -> bool:
     """Whether a line above the rows is one that is drawn below names: ``---`` in each cell."""
     held = [cell for cell in cells if cell]
     return bool(held) and all(len(cell) > 2 and not cell.strip("-=:+_") for cell in held)
+
+
+_SETTING = re.compile(r"[^\W\d]\w{0,15} ?= ?[\d.,+-].*")
+"""One setting of a channel's, such as ``SR = 125 Hz`` or ``T0 = 12.03.2024``."""
+
+
+def _are_settings(cells: Sequence[str]) -> bool:
+    """Whether a line above the rows has a setting of each channel."""
+    held = [cell for cell in cells if cell]
+    return bool(held) and all(_SETTING.fullmatch(cell) for cell in held)
 
 
 def _are_units(cells: Sequence[str]) -> bool:

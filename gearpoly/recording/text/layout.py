@@ -19,7 +19,7 @@ from gearpoly.recording.text.cells import is_number
 from gearpoly.recording.text.cut import is_data, part_read, split
 from gearpoly.recording.text.headings import bare, completed, heading, words_of_line
 from gearpoly.recording.text.lines import LINES_AT_ONCE, TextLines, are_rows
-from gearpoly.recording.text.missing import holds_cells, no_reading
+from gearpoly.recording.text.missing import closes, holds_cells, no_reading
 from gearpoly.recording.text.stamps import is_stamp
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
@@ -164,8 +164,11 @@ def _runs(lines: TextLines, separator: str) -> list[tuple[int, int, int]]:
 
 
 def _is_row(cells: Sequence[str], width: int) -> bool:
-    """Whether a line below the rows was meant for one: it begins with a number, has as many cells, or no letters."""
-    if len(cells) == width or is_number(cells[0]) or is_stamp(cells[0]):
+    """Whether a line below the rows was meant for one: it begins with a number, has as many cells, or no letters; not
+    where it begins with a word that closes a table, or with one beside nothing but empty cells and other words."""
+    if is_number(cells[0]) or is_stamp(cells[0]):
+        return True
+    if len(cells) == width and not closes(cells):
         return True
     text = " ".join(cells)
     return any(c.isdigit() for c in text) and not any(c.isalpha() for c in text)

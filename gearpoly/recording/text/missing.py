@@ -6,7 +6,9 @@ import re
 from collections.abc import Sequence
 
 from gearpoly.recording.map_lines import quoted
+from gearpoly.recording.text.cells import is_number
 from gearpoly.recording.text.lines import TextLines
+from gearpoly.recording.words import tokens
 
 LONGEST_WORD = 40
 """Characters of a cell that a message shows whole; words for no reading are shorter."""
@@ -28,7 +30,37 @@ def no_reading(cell: str) -> str:
         )
     if _SEXAGESIMAL.fullmatch(cell):
         return "; degrees, minutes and seconds are read as 100\u00b048'00\", and decimal degrees"
+    if is_number(cell):
+        return "; write one decimal mark in all columns: replace the other one here, or export the file again"
     return f"; in a map, if it holds no reading: text.missing = [{quoted(cell)}]" if len(cell) < LONGEST_WORD else ""
+
+
+CLOSING = frozenset(
+    {
+        *(
+            "end",
+            "ende",
+            "fin",
+            "fine",
+            "mean",
+            "average",
+            "avg",
+            "mittelwert",
+            "mittel",
+            "moyenne",
+            "media",
+            "promedio",
+        ),
+        *("minimum", "min", "maximum", "max", "std", "stdev", "stddev", "standardabweichung", "rms", "effektivwert"),
+        *("sum", "summe", "total", "count", "anzahl", "median", "range", "spannweite", "spitze", "statistik"),
+    }
+)
+"""Words in the first cell of what stands below the rows: the end of the table, or what a spreadsheet makes of it."""
+
+
+def closes(cells: Sequence[str]) -> bool:
+    """Whether the cells of a line stand below a table and are no row of it: a word says so, or all are words."""
+    return bool(tokens(cells[0]) & CLOSING) or bool(cells[0] and not any(map(is_number, cells)))
 
 
 def holds_cells(line: str) -> bool:
