@@ -56,3 +56,4 @@ def test_teeth_far_softer_than_any_law_has_them_say_what_to_check(
     if says is not None:
         assert says in said[0]
         assert "check torque_nm" in said[0]
+        assert ("shafts that give" in said[0]) == (scale is not None and scale[0] > 1.0)  # they make nothing harder

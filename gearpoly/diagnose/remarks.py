@@ -49,10 +49,11 @@ def of_search(
 def of_compliance(scale: tuple[float, float] | None) -> Iterator[str]:
     """A word where teeth give far more or less than declared: no law of compliance is so far off."""
     if scale is not None and abs(scale[0] - 1.0) > SOFTER * SCALE_STD:
+        softer = "; shafts that give, and flanks that carry on a part of their width, look alike"
         yield (
             f"teeth give {scale[0]:.2f} times as much as declared, and laws of compliance are not so far off: check "
-            "torque_nm (is it that of the driving shaft?), face_width_mm and youngs_modulus_gpa; shafts that give, and "
-            "flanks that carry on a part of their width, look alike"
+            "torque_nm (is it that of the driving shaft?), face_width_mm and youngs_modulus_gpa"
+            + (softer if scale[0] > 1.0 else "")
         )
 
 
