@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -57,12 +56,12 @@ class Method:
         recording. Of a simulated recording, written without noise, 4 nm were left and an order of 17 um was made."""
         if not self.whiten:
             noise = replace(noise, ar=np.empty(0), innovation=noise.level)
-        more = math.hypot(1.0, FAINT / noise.innovation) if noise.innovation > 0.0 else math.inf
-        if math.isinf(more):
+        if noise.innovation >= FAINT:
+            return noise
+        if noise.innovation <= 0.0:
             return replace(noise, level=FAINT, ar=np.empty(0), innovation=FAINT)
-        return replace(
-            noise, level=more * noise.level, innovation=more * noise.innovation, density=more**2 * noise.density
-        )
+        more = FAINT / noise.innovation
+        return replace(noise, level=more * noise.level, innovation=FAINT, density=more**2 * noise.density)
 
     def assembled(self, file: PairFile, *, path: Path) -> Assembled:
         """The pair of ``file`` (read from ``path``), as fine as the noise asks. Raises what ``assemble`` does."""
