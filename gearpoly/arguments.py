@@ -53,9 +53,10 @@ class Number:
 
     def check(self, name: str, value: object) -> None:
         """Refuse a ``value`` of the argument ``name`` that is no such number: raises ``OutOfRangeError``."""
-        real = isinstance(value, Real) and not isinstance(value, bool)
-        if real and self.least <= float(value) <= self.most and (math.isfinite(value) or not self.finite):  # type: ignore[arg-type]
-            return
+        if isinstance(value, Real) and not isinstance(value, bool):
+            number = float(value)
+            if self.least <= number <= self.most and (math.isfinite(number) or not self.finite):
+                return
         kind = "a finite number" if self.finite and math.inf in (-self.least, self.most) else "a number"
         unit = f" in {self.unit}" if self.unit else ""
         raise OutOfRangeError(f"{name} {shown_value(value)}: want {kind}{unit}{_span(self.least, self.most)}")
@@ -70,11 +71,11 @@ class Count:
 
     def check(self, name: str, value: object) -> None:
         """Refuse a ``value`` of the argument ``name`` that is no such number: raises ``OutOfRangeError``."""
-        whole = isinstance(value, Integral) and not isinstance(value, bool)
-        if not whole or int(value) < self.least or (self.most is not None and int(value) > self.most):  # type: ignore[call-overload]
-            span = _span(self.least, math.inf if self.most is None else self.most)
-            wish = f"{self.least}" if self.least == self.most else f"a whole number{span}"
-            raise OutOfRangeError(f"{name} {shown_value(value)}: want {wish}")
+        most = math.inf if self.most is None else self.most
+        if isinstance(value, Integral) and not isinstance(value, bool) and self.least <= int(value) <= most:
+            return
+        wish = f"{self.least}" if self.least == self.most else f"a whole number{_span(self.least, most)}"
+        raise OutOfRangeError(f"{name} {shown_value(value)}: want {wish}")
 
 
 def _span(least: float, most: float) -> str:

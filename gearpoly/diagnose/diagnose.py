@@ -126,6 +126,7 @@ def diagnose(
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
     left = after.unseen / max(expected, 1e-12)
     sure = left <= LACK_OF_FIT
+    # Teeth give way to whatever is not understood, and so does how soft they are.
     scale = compliance_scale(search) if sure else None
     built = built_gears(search, file, left=left, unearned=unearned, of_this_pair=comparison.another is None)
     everything = list(range(found.start.system.size))

@@ -7,6 +7,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -106,9 +107,9 @@ class Fit:
         )
         return settled(fit, PASSES if trial is None else trial, fresh=True)
 
-    def believing(self, **changes: object) -> Fit:
+    def believing(self, **changes: Any) -> Fit:
         """The same with ``changes`` of what is believed, nothing simulated or fitted anew."""
-        return replace(self, model=replace(self.model, **changes))  # type: ignore[arg-type]
+        return replace(self, model=replace(self.model, **changes))
 
     @property
     def over(self) -> bool:
