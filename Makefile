@@ -41,7 +41,7 @@ test: $(VENV)/.test
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
 
-# What the rules of the diagnosis know, held against whole verdicts (docs/rules.md).
+# What the rules of the diagnosis know, held against whole verdicts (docs/reference/rules.md).
 knowledge: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) tests/knowledge tests/knowledge_compare
 

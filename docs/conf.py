@@ -84,7 +84,7 @@ def _block(visitor: HTML5Translator, node: nodes.math_block) -> None:
 
 def _made_by_the_package(app: Sphinx, page: str, source: list[str]) -> None:
     """Outputs of a notebook are made anew where any module of gearpoly is newer than they are."""
-    if page.startswith("notebooks/"):
+    if page.startswith("tutorial/python_"):
         for module in Path(gearpoly.__file__).parent.rglob("*.py"):
             app.env.note_dependency(str(module))
 

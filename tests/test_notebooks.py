@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.md"))
-SLOW = {"diagnose", "plan"}
+NOTEBOOKS = sorted((ROOT / "docs" / "tutorial").glob("python_*.md"))
+SLOW = {"python_diagnose", "python_plan"}
 """Half a minute, and ten seconds."""
 
 CELL = re.compile(r"^```\{code-cell\}\n((?::[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL)

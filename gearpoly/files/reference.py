@@ -29,7 +29,8 @@ module_mm = 2
 ```
 
 Unknown keys are refused. What `[driving]` says of its gear `[driven]` says of the other. Angles and signs:
-[nomenclature](nomenclature.md); what a diagnosis writes into which key: [diagnosis](../diagnose.md).
+[nomenclature](nomenclature.md); what a diagnosis writes into which key:
+[the catalogue](catalogue.md).
 
 `gearpoly pair --new pair.toml --sheet sheet.csv` writes a commented pair file, and an inspection sheet that it reads
 with `sheet_csv`. The sheet has a row per tooth, columns `gear`, `tooth` and keys of the inspection. Empty columns were

@@ -1,4 +1,4 @@
-"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page docs/diagnose.md`` writes it into the page
+"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page docs/reference/catalogue.md`` writes it into the page
 anew; a test compares."""
 
 from __future__ import annotations

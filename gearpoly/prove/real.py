@@ -167,7 +167,7 @@ def prove_real(
         raise InputFileError(folder, found="there is no such folder", wish="want a folder with judgements")
     paths = sorted(folder.glob(f"*{ENDING}"))
     if not paths:
-        wish = f"want NAME{ENDING} beside the recordings (docs/explanation/prove.md says what is in it)"
+        wish = f"want NAME{ENDING} beside the recordings (docs/reference/cases.md says what is in it)"
         raise InputFileError(folder, found="no judgement", wish=wish)
     wrong: list[str] = []
     judged: list[tuple[Judgement, PeriodsAt]] = []
