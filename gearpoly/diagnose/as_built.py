@@ -50,7 +50,8 @@ class GearPrior:
     crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
     ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action. ``form``:
     standard deviation in um of each half wave of every tooth's form, from two on; none where teeth are taken to have
-    one form. ``wave``: what that is where they are not; 0 where forms are known."""
+    one form. ``wave``: what that is where they are not; 0 where forms are known. ``slope_measured``: whether an
+    inspection holds the slopes."""
 
     z: int
     pitch: FloatArray
@@ -64,6 +65,7 @@ class GearPrior:
     single: float = 0.0
     form: tuple[float, ...] = ()
     wave: float = 0.0
+    slope_measured: bool = True
 
     @property
     def size(self) -> int:
@@ -292,11 +294,13 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
         # A tooth that stands ahead has more material on its drive flank and less on its coast flank.
         place, form = gear.shared
         own_place, own_form = gear.own
+        # Of what nobody measured of an inspected gear, half may be either flank's own, as of a graded one.
+        share, own_share = (form, own_form) if gear.graded or not gear.wave else (0.5, 0.0)
         for covariance, alike, own, coast in (
             (gear.pitch, -place, own_place, gear.thickness**2),
             (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, own_form, 0.0),
-            (np.array([[gear.crowning**2]]), form, own_form, 0.0),
-            *((on_its_own(gear.z, wave), form, own_form, 0.0) for wave in gear.form),
+            (np.array([[gear.crowning**2]]), share, own_share, 0.0),
+            *((on_its_own(gear.z, wave), share, own_share, 0.0) for wave in gear.form),
         ):
             n = len(covariance)
             each = {"drive": covariance, "coast": (1.0 + own) * covariance + coast}
