@@ -18,9 +18,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from gearpoly.compare.spectrum import Grid
 from gearpoly.recording.clean import Cleaned
-from gearpoly.units import FloatArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, FloatArray
 
 TEETH = (5, 400)
 """Teeth of gears that another pair may have."""

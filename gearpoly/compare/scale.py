@@ -22,9 +22,7 @@ from gearpoly.recording.clean import RATIO_LIMIT, TEETH_TOLERANCE, Cleaned, clea
 from gearpoly.recording.recording import SHAFTS, Recording
 from gearpoly.recording.rounding import reading_step
 from gearpoly.recording.travel import nearest_teeth, whole_angles
-from gearpoly.units import UM, FloatArray, IntArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, UM, FloatArray, IntArray
 
 SWAPPED = (
     "want each angle under its own name: the columns of the two shafts are swapped; exchange driving_angle_deg and "

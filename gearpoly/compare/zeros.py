@@ -15,9 +15,7 @@ from gearpoly.compare.place import Place
 from gearpoly.errors import InputFileError, told_beside
 from gearpoly.mesh.pair import Flank
 from gearpoly.recording.recording import Recording
-from gearpoly.units import DEG, FloatArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import DEG, TURN, FloatArray
 
 EVEN = 1.0 / math.sqrt(12.0)
 """Standard deviation of what lies anywhere within 1."""
