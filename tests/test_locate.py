@@ -11,12 +11,12 @@ import pytest
 
 from gearpoly.compare.entries import Entry, says
 from gearpoly.compare.families import SHARES, line_threshold, sigma_threshold
-from gearpoly.compare.lines import Peak
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.maps import tooth_maps
 from gearpoly.compare.masked import settle_waves
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import estimate_noise
+from gearpoly.compare.peak import Peak
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried, sharing_from_rows
 from tests.residuals import healthy, noise, residual, samples, tooth_signal
@@ -387,7 +387,7 @@ def test_waves_that_move_keep_their_own_size() -> None:
     waves = 2.0 * UM * np.cos(2 * np.pi * large * data.u) + 0.5 * UM * np.cos(2 * np.pi * small * data.u)
     search = JointModel([plus(data, waves)], inspected(18, 25), 0.0)
     state = search.states[0]
-    off = 0.05 / state.search.span
+    off = 0.05 / state.sampling.span
     for frequency in (large + off, small + off):
         state.orders.append(
             Peak(domain="order", frequency=frequency, std=off, gain=1.0, log_false=-9.0, known=False)

@@ -14,8 +14,10 @@ from gearpoly.compare.describe import label_of
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.lines import REPEATS, TIE, LineSearch, Peak
+from gearpoly.compare.lines import TIE, find_peaks
 from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.compare.peak import Peak
+from gearpoly.compare.sampling import REPEATS, Sampling, sampling_of
 from gearpoly.units import UM, FloatArray
 
 BELOW = 0.8
@@ -53,7 +55,7 @@ def without_fast_waves(
     shortened to samples ``spacing`` meshes apart; waves below ``floor`` in mm are left."""
     estimator = NoiseEstimator(u, z_1=z_1, z_2=z_2)
     kept = estimator.kept
-    lines = LineSearch(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
+    lines = sampling_of(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
     least = BELOW * 0.5 / spacing
     taken: list[tuple[Peak, FloatArray]] = []
     for turn in range(ROUNDS + 1):
@@ -66,7 +68,7 @@ def without_fast_waves(
         white = noise.whitened(rest)
         del rest  # the spectra need the room
         found = []
-        for peak in lines.peaks(white, noise, recordings=recordings, least=least):
+        for peak in find_peaks(lines, white, noise, recordings=recordings, least=least):
             places = lines.per_mesh(peak) * lines.period
             repeats_too = abs(places - round(places)) * lines.span / lines.period < REPEATS
             if not peak.known and lines.per_mesh(peak) >= least and (peak.domain == "time" or not repeats_too):
@@ -102,9 +104,7 @@ def _waves(peak: Peak, x: FloatArray) -> FloatArray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _entry(
-    peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: LineSearch, even: Even
-) -> Entry:
+def _entry(peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: Sampling, even: Even) -> Entry:
     amplitude = float(np.hypot(*ab))
     timed = peak.domain == "time"
     tie = lines.time_grid is not None and peak.gain - peak.rival <= TIE

@@ -121,7 +121,7 @@ def put_in_sudden(search: JointModel) -> None:
     for s in search.states:
         if s.data.u.size > DENSE_SAMPLES:
             continue
-        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.search.period)
+        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.sampling.period)
         if not found:
             continue
         rest = s.data.residual.copy()
@@ -159,7 +159,7 @@ def weigh_jump(
     """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
     place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
     s = search.states[k]
-    u, spacing = s.data.u, s.search.spacing
+    u, spacing = s.data.u, s.sampling.spacing
     if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
         return None
     turns = STAYS * max(search.z_1, search.z_2)
@@ -269,13 +269,13 @@ def lead_of(search: JointModel, find: Weighed) -> float:
 
 def a_turn(search: JointModel, k: int) -> int:
     """Samples that recording ``k`` holds for as long as a jump has to stay."""
-    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].search.spacing)
+    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].sampling.spacing)
 
 
 def _is_sharp(search: JointModel, find: Weighed, *, sure: bool) -> bool:
     """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
     that is sure."""
-    sure = sure or wanders(find.left.noise, span=search.states[find.k].search.span)
+    sure = sure or wanders(find.left.noise, span=search.states[find.k].sampling.span)
     return lead_of(search, find) > (SURELY if sure else -TIE)
 
 

@@ -25,7 +25,6 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_in
 from gearpoly.compare.fast import without_fast_waves
 from gearpoly.compare.few_turns import first_order, without_first
-from gearpoly.compare.lines import LineSearch
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.masked import strong_waves
@@ -33,6 +32,7 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sampling import sampling_of
 from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import UM, FloatArray, read_only
@@ -154,7 +154,7 @@ def _to_search(
         return _Searched(data=one, entries=entries)
     strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
     waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
-    first = first_order(LineSearch(u=one.u, time=None, z_1=z_1, z_2=z_2))
+    first = first_order(sampling_of(u=one.u, time=None, z_1=z_1, z_2=z_2))
     waves = residual - without_first(u, residual - waves, first)
     residual = residual - waves
     if cut.group == 1:
@@ -223,7 +223,7 @@ def _of_each(search: JointModel, solution: Solution) -> list[Entry]:
             if entry is not None:
                 entries.append(entry)
         entries += jump_entries(search, solution, k)
-        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.search.period)
+        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.sampling.period)
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)
