@@ -396,6 +396,6 @@ def test_waves_that_move_keep_their_own_size() -> None:
     assert settle_waves(search, search.fit(passes=1))
     moved = {round(18 * one.frequency, 2): one.gain for one in (*state.orders, *state.times) if one.domain == "order"}
     assert sorted(moved) == [4.41, 7.73]
-    level = state.search.rest_at("order", np.array([large, small]), state.noise)[0]
+    level = state.sampling.rest_at("order", np.array([large, small]), state.noise)[0]
     # The lesser wave stands 48 standard errors above noise: its square is known to 4 %; three times that is allowed.
     assert moved[4.41] * level[0] / (moved[7.73] * level[1]) == pytest.approx(16.0, rel=0.125)
