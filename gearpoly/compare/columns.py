@@ -64,7 +64,7 @@ class Dense:
         return np.asarray(np.any(self.columns != before.columns, axis=1))
 
 
-HELD = 2**23
+HELD_VALUES = 2**23
 """Values of cosines and sines that are held, 64 MB: the 40 waves at most of a search fit, over its 40960 samples, twice
 over. Of more samples they are made piece by piece at each use. A judgement."""
 
@@ -112,7 +112,7 @@ class Waves:
 def waves(x: FloatArray, frequency: FloatArray, *, before: Waves | None = None) -> Waves:
     """Waves of ``frequency`` (k,) over ``x`` (n,); columns that the waves ``before`` hold too are not made again, since
     a search fits the same waves many times."""
-    if 2 * frequency.size * x.size > HELD:
+    if 2 * frequency.size * x.size > HELD_VALUES:
         return Waves(x=x, frequency=frequency, held=None)
     if before is None or before.held is None or before.x is not x:
         return Waves(x=x, frequency=frequency, held=cosine_and_sine(x, frequency))

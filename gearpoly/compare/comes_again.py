@@ -26,7 +26,7 @@ OVERLAP = 0.9
 """Part of the longer of two recordings that both have to hold for their slow courses to be one: ends of runs, where
 speeds change, are cut by a few hundredths."""
 
-ALIKE = 0.9
+SAME_COURSE = 0.9
 """Correlation from which two slow courses are one; two drifts of three terms each reach it by chance one time in
 ten, and every further run has to reach it too."""
 
@@ -202,7 +202,7 @@ def _one_course(k: int, j: int, states: Sequence[State], courses: Sequence[Float
         return False
     at = np.linspace(low, high, COURSE)
     one, other = np.interp(at, a.u, courses[k]), np.interp(at - shift, b.u, courses[j])
-    return float(np.corrcoef(one, other)[0, 1]) > ALIKE
+    return float(np.corrcoef(one, other)[0, 1]) > SAME_COURSE
 
 
 def _joined(same: list[Entry]) -> Entry:

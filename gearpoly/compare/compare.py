@@ -14,7 +14,7 @@ from gearpoly.compare.align import lay
 from gearpoly.compare.among import means_compare, shared_counts
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
-from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
+from gearpoly.compare.curve import PITCH_WAVE, Cycle, RecordedCurve
 from gearpoly.compare.locate import locate
 from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
@@ -192,7 +192,10 @@ def _drifts(file: PairFile, recordings: int) -> tuple[tuple[float, ...], ...]:
 
 
 def _shafts(
-    recordings: Sequence[Recording], cleaned: Sequence[Cleaned], curves: Sequence[Curve], torques: Sequence[float]
+    recordings: Sequence[Recording],
+    cleaned: Sequence[Cleaned],
+    curves: Sequence[RecordedCurve],
+    torques: Sequence[float],
 ) -> Shafts:
     """What the zeros of the set are settled by: which shafts were read, how, on which flank and under which torque."""
     return Shafts(

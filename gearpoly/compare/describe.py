@@ -37,14 +37,14 @@ ECHO_GAIN = 0.02
 ECHO_WAVE = 0.1
 """The same beside the largest wave, which moves all contacts a little."""
 
-SEEN = 9.2
+PRESENT_CHI2 = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
 
 SLOW_LINES = 25
 """Turns of the record up to which the noise's wandering is read off for its power law."""
 
-STRETCHES = 4096
+FITTED_STRETCHES = 4096
 """Stretches of the record whose sums stand for it there."""
 
 
@@ -127,7 +127,7 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
             return None  # it has settled where a drift says as much: 4 um of three quarters of a wave were told
         amplitude, std, phase, square = _wave(search, solution, k, peak)
         # Of waves found together the strongest stands for all, and others where they stand out beside it.
-        if peak.faint and square < SEEN and not peak.leads:
+        if peak.faint and square < PRESENT_CHI2 and not peak.leads:
             return None
         per_hz = s.sampling.pace * search.z_1
         rivals: tuple[str, ...] = (
@@ -144,7 +144,7 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     best = max(found, key=lambda j: found[j][3])
     amplitude, std, phase, square = found[best]
     strange = s.sampling.strange(np.array([peak.frequency]))[0]
-    if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
+    if (amplitude < search.floor and not strange) or (square < PRESENT_CHI2 and not peak.leads):
         return None
     kind, gear, order, label, rivals = kind_of(search, peak.frequency)
     if peak.few:
@@ -169,7 +169,7 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         amplitude_um_by_recording=tuple(found[j][0] / UM for j in sorted(found)) if len(found) > 1 else None,
         phase_deg=math.degrees(phase),
         # A weak line of a train stands out in none by itself.
-        recordings=tuple(j for j in sorted(found) if found[j][3] > SEEN) or (k,),
+        recordings=tuple(j for j in sorted(found) if found[j][3] > PRESENT_CHI2) or (k,),
         p_value=p_value,
         label=label,
         rivals=rivals,
@@ -261,10 +261,10 @@ def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -
     repeats with the pair and is left out. What wanders rises, so the law never falls towards zero.
     """
     # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
-    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * STRETCHES).astype(np.int64), STRETCHES - 1)
-    total = np.bincount(stretch, weights=left, minlength=STRETCHES)
+    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
+    total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)
     turns = np.array([k for k in range(2, SLOW_LINES) if skip == 0 or k % skip])
-    angle = 2.0 * np.pi * np.outer(turns, (np.arange(STRETCHES) + 0.5) / STRETCHES)
+    angle = 2.0 * np.pi * np.outer(turns, (np.arange(FITTED_STRETCHES) + 0.5) / FITTED_STRETCHES)
     power = np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size
     design = np.stack([np.ones(turns.size), np.log(turns)], axis=1)
     y = np.log(np.maximum(power, 1e-300)) + np.euler_gamma

@@ -25,7 +25,7 @@ from gearpoly.units import BoolArray, FloatArray
 HARMONICS = (1, 2, 3, 4, 6, 8)
 """Numbers of harmonics that are added up: a pulse as long as a seventh of its period has about six."""
 
-PLACES = 21
+PLACES_IN_LINE = 21
 """Frequencies within a line of the last harmonic at which a train is placed."""
 
 
@@ -148,10 +148,10 @@ def _peaks(
     """The waves of a train, per recording: its fundamental where the lines hold most, of orders of the shafts none."""
     multiples: FloatArray = np.arange(1.0, train.count + 1.0)
     longest = max(searches[k].over(domain)[2] for k in train.recordings)
-    near = train.frequency + (1.0 if train.gain == 0.0 else 0.0) * np.linspace(-0.5, 0.5, PLACES) / (
+    near = train.frequency + (1.0 if train.gain == 0.0 else 0.0) * np.linspace(-0.5, 0.5, PLACES_IN_LINE) / (
         longest * train.count
     )
-    power = np.zeros((len(searches), PLACES, train.count))
+    power = np.zeros((len(searches), PLACES_IN_LINE, train.count))
     for k in train.recordings:
         x, _, _, per_mesh = searches[k].over(domain)
         for j, frequency in enumerate(near):

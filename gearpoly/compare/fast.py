@@ -24,7 +24,7 @@ BELOW = 0.8
 """Part of the shortened record's highest frequency from which on waves are looked for here; the search proper sees what
 is slower as well."""
 
-ROUNDS, TOGETHER = 8, 0.5
+FAST_ROUNDS, SAME_ROUND = 8, 0.5
 """Most rounds, and the part of the strongest wave's gain from which others are taken in its round."""
 
 
@@ -58,12 +58,12 @@ def without_fast_waves(
     lines = sampling_of(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
     least = BELOW * 0.5 / spacing
     taken: list[tuple[Peak, FloatArray]] = []
-    for turn in range(ROUNDS + 1):
+    for turn in range(FAST_ROUNDS + 1):
         rest, repeating = estimator.parted(residual)
         repeats = float(np.std(repeating))
         del repeating
         noise = estimator.noise_in(rest, repeats=repeats)
-        if turn == ROUNDS:
+        if turn == FAST_ROUNDS:
             break
         white = noise.whitened(rest)
         del rest  # the spectra need the room
@@ -78,7 +78,7 @@ def without_fast_waves(
             break
         rest, _ = estimator.parted(residual)
         # What is much weaker may be the strongest one's smear, over time or over angle.
-        for peak in [p for p in found if p.gain >= TOGETHER * found[0].gain]:
+        for peak in [p for p in found if p.gain >= SAME_ROUND * found[0].gain]:
             whole = time_s if peak.domain == "time" else u
             assert whole is not None  # no peaks over time without time
             waves = _waves(peak, whole)

@@ -34,18 +34,18 @@ STAYS = 1.0
 DRIFTS = float(chdtri(SLOW - 1, SHARES.drift))
 """Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
 
-FINE = 12
+FINE_TERMS = 12
 """Terms of the slow curves beside which a jump has to stand where there is any drift: warming up is no cubic, but five
 waves in a record it does not make. They leave a third of what is told from a cubic."""
 
 AS_MODELLED = 1e9
 """Lines that noise is known from where its model is taken at its word."""
 
-SURELY = 9.0
+SHARP_GAIN = 9.0
 """Gain by which a jump must be better than anything slower or shorter to be sharp beyond doubt, its place being chosen
 by what it explains in all: three standard deviations."""
 
-TRIALS = 4
+JUMP_TRIALS = 4
 """Most jumps that are tried before the search goes on without."""
 
 SETTLED = 3
@@ -80,14 +80,14 @@ def next_jump(search: JointModel, solution: Solution, *, least: float) -> tuple[
     first, noises = solution, [s.noise for s in search.states]
     before = [[(jump, jump.at) for jump in s.jumps] for s in search.states]
     waiting: list[tuple[State, Jump]] = []
-    for _ in range(TRIALS):
+    for _ in range(JUMP_TRIALS):
         best = _best_jump(search, solution)
         if best is None and least == 0.0 and _drifts(search, solution):
             solution = _quieted(search, solution)
             best = _best_jump(search, solution)
         if best is None or best.gain < least:
             break
-        if lead_of(search, best) < -SURELY:
+        if lead_of(search, best) < -SHARP_GAIN:
             # All that is fitted anew beside it turns no bump and no slow rise into a jump. In the tests of jumps
             # all that were kept led by 1 or more before they were fitted, too; of a printed eccentric pair
             # twelve trailed by 10 to 53 then, and by 8 to 24 afterwards.
@@ -172,13 +172,13 @@ def weigh_jump(
     others += [at for which, way, at in search.refused if (which, way) == (k, alone) and but is None]
     for at in others:
         barred |= np.abs(u - u[at]) < turns
-    curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE)
+    curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE_TERMS)
     rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
     steps = weigh_steps(rest, low=low, high=high, barred=barred)
     colour = (1.0, AS_MODELLED)
     if but is not None:
         steps = sharpened(rest, steps, barred=barred)
-        colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE], spacing=spacing)
+        colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE_TERMS], spacing=spacing)
     gain, amplitude, _ = steps.at(steps.best)
     more = float(left.gains(rise(u.size, steps.best, width=1, noise=left.noise)[:, None])[0])
     drift = left.explained(slow) + more - gain
@@ -227,7 +227,7 @@ def _quieted(search: JointModel, solution: Solution) -> Solution:
     """Fit everything again with the noise of such recordings beside fine slow curves."""
     for k in _drifts(search, solution):
         s = search.states[k]
-        curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE)
+        curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE_TERMS)
         left = solution.left[k]
         s.noise = s.estimator.estimate(left - curves @ np.linalg.lstsq(curves, left, rcond=None)[0])
     return search.fit(passes=1)
@@ -276,7 +276,7 @@ def _is_sharp(search: JointModel, find: Weighed, *, sure: bool) -> bool:
     """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
     that is sure."""
     sure = sure or wanders(find.left.noise, span=search.states[find.k].sampling.span)
-    return lead_of(search, find) > (SURELY if sure else -TIE)
+    return lead_of(search, find) > (SHARP_GAIN if sure else -TIE)
 
 
 def stretch_of(search: JointModel, k: int) -> FloatArray:

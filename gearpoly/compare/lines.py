@@ -28,11 +28,11 @@ SNAP = 0.15
 """Independent lines by which a peak may miss an integer order and still be it, beside three standard errors: what a
 neighbour's foot can push it."""
 
-STRETCHES = 2048
+PLACING_STRETCHES = 2048
 """Stretches of a record whose sums and moments stand for it where a wave is placed: over half of one a wave that is a
 line off turns by 0.0015 rad, whose third power is left out."""
 
-HALF_WAY = 2.0
+HALF_WAY_LINES = 2.0
 """Independent lines about half the sampling rate in which nothing is looked for over time."""
 
 TIE = 6.0
@@ -69,7 +69,7 @@ def _blind(
         seen = sampling.image(domain, frequency) > SLOWEST_BLIND / span
         if domain == "time":
             # Half way a wave and its image are one, and even samples see one of its two phases only.
-            seen &= np.abs(frequency - 0.5 * sampling.rate) > HALF_WAY / span
+            seen &= np.abs(frequency - 0.5 * sampling.rate) > HALF_WAY_LINES / span
         top = np.flatnonzero((log_false < 0.0) & seen)
         held.append(here.start + top)
         false.append(log_false[top])
@@ -177,7 +177,7 @@ def refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> 
     """
     # The frequency moves by less than a line, so neighbours stay nearly in step: sums over them and their first moments
     # stand for them.
-    group = max(1, x.size // STRETCHES)
+    group = max(1, x.size // PLACING_STRETCHES)
     middle = 0.5 * (x[0] + x[-1])
     held = []
     for here in pieces(x.size, size=group * max(1, PIECE // group)):

@@ -34,7 +34,7 @@ OF_WHOLE_ORDERS = 0.02
 what of other waves is not taken off yet puts either ahead. Three orders of a sensor were so by up to 0.009 and 0.012 of
 their gain of 10^5; a wave fixed in time gains as much where the shaft strays by 0.14 rad of it."""
 
-FARTHEST, STEPS = 0.25, 2
+FARTHEST, FREQUENCY_STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
 Newton steps: each squares what is left to go, and the first lands within a hundredth of a line."""
 
@@ -190,7 +190,7 @@ def _rows(x: FloatArray, frequency: float) -> FloatArray:
 
 
 def _settled(
-    s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float, *, steps: int = STEPS
+    s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float, *, steps: int = FREQUENCY_STEPS
 ) -> Peak:
     """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside the curves that span the orthonormal,
     white columns ``slow`` (n, q): to first order a frequency is one more column, x times the wave turned by a

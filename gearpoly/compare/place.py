@@ -25,7 +25,7 @@ FINEST = 1e-5
 TAKEN = 5
 """Freedoms of the teeth of one gear that its mean and its first two orders take."""
 
-BLOCKS = 24
+INDEPENDENT_BLOCKS = 24
 """Contiguous blocks of a recording whose scores are taken as independent: long against the correlation of noise, and
 enough to show a spread."""
 
@@ -218,4 +218,4 @@ def is_worse(one: Attempt, best: Attempt, cycle: Cycle, *, sigmas: float = RIVAL
 def _labels(fit: Misfit, one: Attempt, k: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     """Mesh, driving tooth, driven tooth and block (n,) of the samples of recording ``k``."""
     mesh, driving, driven = fit.labels(one.shift + float(one.turns[k]))
-    return mesh, driving, driven, k * BLOCKS + np.arange(mesh.size) * BLOCKS // mesh.size
+    return mesh, driving, driven, k * INDEPENDENT_BLOCKS + np.arange(mesh.size) * INDEPENDENT_BLOCKS // mesh.size

@@ -21,7 +21,7 @@ from gearpoly.compare.sampling import APART
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 from gearpoly.threads import each
 
-ROUNDS = 14
+MOST_ROUNDS = 14
 """Most rounds of find and refit."""
 
 ONE_BY_ONE = 5
@@ -31,10 +31,10 @@ FAINT = 0.005
 """Part of the largest find's gain below which later rounds are not worth their time: what so large a find leaves,
 once it is in the pair file, is looked at anew."""
 
-MOST = 40
+MOST_FINDS = 40
 """Finds after which the search stops: so many mean that the pair file or the alignment is wrong as a whole."""
 
-TOGETHER = 0.5
+TAKEN_TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
 
@@ -49,7 +49,7 @@ CALMER = 0.8
 found meanwhile leaves them as they were. Looked for after every find, jumps that never stood took 25 of 37 s with two
 recordings of worn teeth; the jumps of all tests are found with it."""
 
-OUTLYING, ALONE = 6.0, 4.0
+OUTLYING, ALONE_SIGMAS = 6.0, 4.0
 """Standard deviations of what was known of a tooth by which the fit may move it, and times what it moves the median
 tooth of its gear: a tooth 5 um proud of an inspection to 0.3 um was taken for as built, at 15 of these, and what it did
 to hand-overs was told as ten orders and its two neighbours. Of another gear's sheet all teeth are moved alike."""
@@ -202,7 +202,7 @@ def contradicted_teeth(search: JointModel) -> list[ToothFind]:
             pull = search.beta_built[start : start + z] / std
             tooth = int(np.argmax(np.abs(pull)))
             far = abs(float(pull[tooth]))
-            if far < max(OUTLYING, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
+            if far < max(OUTLYING, ALONE_SIGMAS * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
                 continue
             find = ToothFind(
                 gear=gear, tooth=tooth, phase=contact, amplitude=std * float(pull[tooth]),
@@ -222,13 +222,13 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
         solution = search.fit(passes=1)
     solution = standing_only(search, solution)
     largest, refused_at = 0.0, math.inf
-    for turn in range(ROUNDS):
+    for turn in range(MOST_ROUNDS):
         against = contradicted_teeth(search)
         if against:
             _take_tooth(search, against)
             solution = _settled_waves(search, search.fit(passes=3))
             continue
-        if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST:
+        if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST_FINDS:
             break
         if turn >= ONE_BY_ONE and over():
             break
@@ -344,7 +344,7 @@ def _take_tooth(search: JointModel, teeth: list[ToothFind]) -> None:
 def _take_waves(search: JointModel, waves: list[list[Peak]], best: float) -> None:
     for k, peaks in enumerate(waves):
         for peak in peaks:
-            if peak.gain < TOGETHER * best and not peak.faint:
+            if peak.gain < TAKEN_TOGETHER * best and not peak.faint:
                 continue
             if peak.domain == "time":
                 search.states[k].times.append(peak)

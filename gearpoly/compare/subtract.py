@@ -7,7 +7,7 @@ import numpy as np
 from gearpoly.assemble import Assembled
 from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned
-from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.compare.curve import Cycle, RecordedCurve
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.template import Template
@@ -19,7 +19,9 @@ from gearpoly.recording.rounding import reading_step
 from gearpoly.units import RPM, UM, FloatArray
 
 
-def curve_of(one: Cleaned, template: Template, drift: tuple[float, ...], count: int, base: Base, cycle: Cycle) -> Curve:
+def curve_of(
+    one: Cleaned, template: Template, drift: tuple[float, ...], count: int, base: Base, cycle: Cycle
+) -> RecordedCurve:
     """The recording by the set's base zeros instead of its own, a known ``drift`` (um, Legendre) taken off."""
     recording = one.recording
     further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
@@ -32,7 +34,7 @@ def curve_of(one: Cleaned, template: Template, drift: tuple[float, ...], count: 
         x = one.theta_2 if one.time_s is None else one.time_s
         x = -x if one.backward else x
         te = te - slow_curves(x, len(drift) + 1)[:, 1:] @ np.array(drift) * (UM / cycle.r_b2)
-    return Curve(
+    return RecordedCurve(
         theta_2=theta_2,
         te=te * cycle.r_b2,
         weight=np.ones(one.size),
@@ -67,7 +69,7 @@ def once_only(
 
 def subtracted(
     one: Cleaned,
-    curve: Curve,
+    curve: RecordedCurve,
     alignment: Alignment,
     k: int,
     torque: float,

@@ -24,7 +24,7 @@ BEYOND = 0.1
 CELL = 1.0 / 16.0
 """Pitches per cell: twenty to thirty over a contact, finer than any bench samples a tooth."""
 
-SAMPLES = 131072
+INFORMATION_SAMPLES = 131072
 """Samples from which information is taken (it depends on the sampling only); scores come from all."""
 
 KEPT = 0.05
@@ -53,7 +53,7 @@ class Cells:
     def information(self, noise: Noise) -> FloatArray:
         """Normal matrices (z, bins, bins) of each tooth's cells in this noise."""
         n = self.cell.shape[1]
-        part = min(n, SAMPLES)
+        part = min(n, INFORMATION_SAMPLES)
         taps = np.concatenate([[1.0], -noise.ar]) / noise.innovation
         memory = np.correlate(taps, taps, mode="full")[taps.size - 1 :]
         size = self.z * self.bins * self.bins

@@ -25,10 +25,10 @@ from gearpoly.mesh.transmission import FlankContacts, contacts
 from gearpoly.mesh.varied import Giving, giving
 from gearpoly.units import UM, FloatArray, read_only
 
-PER_MESH = 32
+EVEN_PER_MESH = 32
 """Even places per pitch: a hand-over then lies in every tenth interval, so that the others need no second look."""
 
-PLACES = 400_000
+MOST_EVEN_PLACES = 400_000
 """Most even places over a cycle; pairs of more than 12 500 meshes get fewer per pitch, down to ``LEAST_PER_MESH``."""
 
 LEAST_PER_MESH = 8
@@ -129,7 +129,7 @@ def make_template(
     mesh = assembled.under(condition)
     pair, flank, compliance = mesh.pair, condition.flank, mesh.compliance
     meshes = pair.meshes_per_cycle
-    per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
+    per_mesh = per_mesh or max(LEAST_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // meshes))
     near = 0.0 if compliance is None else mesh.near
 
     found = {} if found is None else found
