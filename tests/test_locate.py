@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.entries import Entry, says
-from gearpoly.compare.families import SHARES, line_threshold, sigma_threshold
+from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.maps import tooth_maps
 from gearpoly.compare.masked import settle_waves
@@ -363,8 +363,6 @@ def test_sharing_from_rows_knows_its_teeth() -> None:
 def test_thresholds_are_those_of_known_laws() -> None:
     # Many noise lines: the exponential law; z = ln(places/share).
     assert line_threshold(1e7, places=100, share=0.01) == pytest.approx(math.log(1e4), rel=1e-5)
-    # One place, 5 %: 1.96 sigma.
-    assert sigma_threshold(1, share=0.05) == pytest.approx(1.95996, abs=1e-4)
     assert SHARES.total <= 0.05
 
 

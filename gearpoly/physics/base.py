@@ -244,11 +244,6 @@ class Physics:
         return self.name
 
     @property
-    def softens(self) -> bool:
-        """Whether it is in how far teeth give, and not on their flanks."""
-        return self.law_doubt > 0.0 and not self.mean_tooth
-
-    @property
     def measures(self) -> bool:
         """Whether it is in the measuring chain: recordings show it, the gears do not."""
         return self.rank >= READ
