@@ -116,13 +116,7 @@ def contacts(
         progress(found.positions)
     rows = _joined(parts)
     first = rows.first()
-    held = rows.pose[first][rows.rotation[first] <= WIDE_SHARE * pair.driving.gear.tau]
-    if held.size != theta_2.size:
-        missing = np.setdiff1d(np.arange(theta_2.size), held)[0]
-        raise NoContactError(
-            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
-            "the gears do not reach each other there"
-        )
+    _refuse_apart(rows, pair, theta_2, flank)
     if fast:
         certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=certified)
     flip = np.array([1.0, sense])
@@ -146,6 +140,18 @@ def contacts(
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )
+
+
+def _refuse_apart(rows: Closings, pair: GearPair, theta_2: FloatArray, flank: Flank) -> None:
+    """Raise ``NoContactError`` at the first of the driven rotations ``theta_2`` (N,) at which nothing touches."""
+    first = rows.first()
+    held = rows.pose[first][rows.rotation[first] <= WIDE_SHARE * pair.driving.gear.tau]
+    if held.size != theta_2.size:
+        missing = np.setdiff1d(np.arange(theta_2.size), held)[0]
+        raise NoContactError(
+            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
+            "the gears do not reach each other there"
+        )
 
 
 def _fast_closings(

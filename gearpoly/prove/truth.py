@@ -186,12 +186,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
     except (ValueError, RecursionError) as error:
         wish = "want a truth file with kind, truth and noise_um"
         raise InputFileError(path, found=f"no truth ({error})", wish=wish) from None
-    if kind not in ("none", "missing", "unknown", WRONG_FILE):
-        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
-    for one in items:
-        if kind == "missing" and one.physics and one.physics not in SIZES:
-            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
-            raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+    _check_kind(path, kind, items)
     if kind == "missing":  # what has a shape only lies beside what has a name
         background += tuple(one for one in items if not one.physics)
         items = tuple(one for one in items if one.physics)
@@ -201,14 +196,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         if one.physics or (one.order is None and one.hz is None):
             wish = "want waves of no physics: order and gear, or hz"
             raise InputFileError(path, where="background", found=repr(one.label), wish=wish)
-    try:
-        declared = Fields(parse(pair, read_text(pair)))
-        called = called or declared.word("name", "")
-        z = (int(declared.inner("driving").needed("teeth")), int(declared.inner("driven").needed("teeth")))
-    except (ValueError, OverflowError) as error:
-        raise InputFileError(
-            pair, found=f"no pair file ({error})", wish="want a pair file with driving.teeth and driven.teeth"
-        ) from None
+    called, z = _declared(pair, called=called)
     return Truth(
         kind=kind,
         items=items,
@@ -226,6 +214,29 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         says=says,
         tempting=any(declared_um) and colour >= COLOURED,
     )
+
+
+def _check_kind(path: Path, kind: str, items: tuple[Item, ...]) -> None:
+    """Raise ``InputFileError`` for a kind of truth that there is not, or a physics that no bench hides."""
+    if kind not in ("none", "missing", "unknown", WRONG_FILE):
+        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
+    for one in items:
+        if kind == "missing" and one.physics and one.physics not in SIZES:
+            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
+            raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+
+
+def _declared(pair: Path, *, called: str) -> tuple[str, tuple[int, int]]:
+    """Name of a pair, its file's where it is not ``called`` anything, and tooth numbers. Raises ``InputFileError``."""
+    try:
+        declared = Fields(parse(pair, read_text(pair)))
+        name = called or declared.word("name", "")
+        z = (int(declared.inner("driving").needed("teeth")), int(declared.inner("driven").needed("teeth")))
+    except (ValueError, OverflowError) as error:
+        raise InputFileError(
+            pair, found=f"no pair file ({error})", wish="want a pair file with driving.teeth and driven.teeth"
+        ) from None
+    return name, z
 
 
 def _place(raw: Fields) -> Item:
