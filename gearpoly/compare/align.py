@@ -20,7 +20,7 @@ import numpy as np
 
 from gearpoly.compare.among import counted_with, further_on
 from gearpoly.compare.curve import MESH_ORDERS, Cycle, Misfit, RecordedCurve, folded, without_ramp
-from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
+from gearpoly.compare.place import Attempt, Laying, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
 CANDIDATES = 12
@@ -83,26 +83,26 @@ class Laid:
     ``numbered``: so does the tooth, given what is stated, and ``certain``: without anything stated.
     """
 
-    best: Place
+    best: Laying
     std: float
     offset_std: float
     spread: tuple[float, float]
-    rivals: tuple[Place, ...]
-    contradicted: Place | None
+    rivals: tuple[Laying, ...]
+    contradicted: Laying | None
     phased: bool
     numbered: bool
     certain: bool
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class StatedZeros:
     """Whether the present zeros of the driving and the driven shaft are right to half a tooth."""
 
     driving: bool
     driven: bool
 
 
-def lay(curves: tuple[RecordedCurve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
+def lay(curves: tuple[RecordedCurve, ...], cycle: Cycle, *, stated: StatedZeros) -> Laid:
     """Find the place of a set of recordings on the hunting cycle of their pair.
 
     All curves go by the same zeros of both shafts, which are right to half a tooth where ``stated`` says so.
@@ -305,7 +305,7 @@ def _zeros(shift: float | FloatArray, offset: float | FloatArray, cycle: Cycle) 
 
 
 def _reach(
-    shift: float | FloatArray, offset: float | FloatArray, curve: RecordedCurve, cycle: Cycle, stated: Stated
+    shift: float | FloatArray, offset: float | FloatArray, curve: RecordedCurve, cycle: Cycle, stated: StatedZeros
 ) -> FloatArray:
     """How far a place lies from the stated zeros, the larger of both shafts in pitches; 0 where none is stated."""
     driving, driven = _zeros(shift, offset, cycle)
@@ -321,7 +321,7 @@ def _reach(
     return far
 
 
-def _allowed(fit: Misfit, cycle: Cycle, stated: Stated) -> BoolArray:
+def _allowed(fit: Misfit, cycle: Cycle, stated: StatedZeros) -> BoolArray:
     """Which places (size,) agree with the stated zeros; the nearest ones where none does."""
     far = _reach(
         np.arange(cycle.size, dtype=np.float64) * cycle.step,
@@ -333,7 +333,7 @@ def _allowed(fit: Misfit, cycle: Cycle, stated: Stated) -> BoolArray:
     return far <= max(SLACK, float(np.min(far)) + SLACK - 0.5)
 
 
-def _off(one: Attempt, fit: Misfit, cycle: Cycle, stated: Stated) -> float:
+def _off(one: Attempt, fit: Misfit, cycle: Cycle, stated: StatedZeros) -> float:
     """How far a refined place lies from the stated zeros, in pitches."""
     return float(_reach(one.shift, fit.level - fit.curve.template.mean, fit.curve, cycle, stated))
 

@@ -30,7 +30,7 @@ from gearpoly.compare.subtract import curve_of, once_only, subtracted
 from gearpoly.compare.template import templates_of
 from gearpoly.compare.turned_over import parted
 from gearpoly.compare.turns import jam_remarks
-from gearpoly.compare.zeros import Alignment, Shafts, base_zeros, settle
+from gearpoly.compare.zeros import Alignment, ShaftsRead, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.nominal import nominal_gears
@@ -196,9 +196,9 @@ def _shafts(
     cleaned: Sequence[Cleaned],
     curves: Sequence[RecordedCurve],
     torques: Sequence[float],
-) -> Shafts:
+) -> ShaftsRead:
     """What the zeros of the set are settled by: which shafts were read, how, on which flank and under which torque."""
-    return Shafts(
+    return ShaftsRead(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
         driven=any(one.recording.driven_angle_rad is not None for one in cleaned),
         direction_1=recordings[0].driving_direction,

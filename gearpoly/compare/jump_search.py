@@ -53,7 +53,7 @@ SETTLED = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class WeighedJump:
     """The best jump of recording ``k``: at sample ``at``, with its ``gain`` beside slow curves. ``left``: the recording
     without it, ``alone`` or with fine slow curves fitted; ``steps`` all places in that and ``colour`` of the noise
     there (level, lines). ``open``: a drift would do nearly as well. ``log_false`` the log of the chance of any such
@@ -147,7 +147,7 @@ def standing_only(search: JointModel, solution: Solution) -> Solution:
     return solution
 
 
-def _best_jump(search: JointModel, solution: Solution) -> Weighed | None:
+def _best_jump(search: JointModel, solution: Solution) -> WeighedJump | None:
     ways = [(k, alone) for k in range(len(search.states)) for alone in (True, False)]
     found = [weigh_jump(search, k, solution, alone=alone) for k, alone in ways]
     return max((one for one in found if one is not None), key=lambda one: one.gain, default=None)
@@ -155,7 +155,7 @@ def _best_jump(search: JointModel, solution: Solution) -> Weighed | None:
 
 def weigh_jump(
     search: JointModel, k: int, solution: Solution, *, alone: bool, but: Jump | None = None
-) -> Weighed | None:
+) -> WeighedJump | None:
     """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
     place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
     s = search.states[k]
@@ -186,13 +186,13 @@ def weigh_jump(
     log_false = steps.log_false(gain, colour=colour, recordings=2 * len(search.states))
     if log_false > 0.0 or abs(amplitude) < search.floor or (alone and drift > min(more, DRIFTS)):
         return None
-    return Weighed(
+    return WeighedJump(
         k=k, at=steps.best, gain=more, alone=alone, open=alone and more - drift < TIE, left=rest, steps=steps,
         colour=colour, log_false=log_false,
     )  # fmt: skip
 
 
-def standing(search: JointModel, k: int, solution: Solution, jump: Jump) -> Weighed | None:
+def standing(search: JointModel, k: int, solution: Solution, jump: Jump) -> WeighedJump | None:
     """A jump that is fitted, as it stands beside all else: without slow curves, where these are not needed."""
     alone = weigh_jump(search, k, solution, alone=True, but=jump)
     return alone if alone is not None else weigh_jump(search, k, solution, alone=False, but=jump)
@@ -261,7 +261,7 @@ def _moved(search: JointModel, k: int, better: Sequence[int]) -> None:
             jump.at = at
 
 
-def lead_of(search: JointModel, find: Weighed) -> float:
+def lead_of(search: JointModel, find: WeighedJump) -> float:
     """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
     than any bump that is over within one."""
     return sharpness(find.left, find.at, turn=a_turn(search, find.k))
@@ -272,7 +272,7 @@ def a_turn(search: JointModel, k: int) -> int:
     return int(STAYS * max(search.z_1, search.z_2) / search.states[k].sampling.spacing)
 
 
-def _is_sharp(search: JointModel, find: Weighed, *, sure: bool) -> bool:
+def _is_sharp(search: JointModel, find: WeighedJump, *, sure: bool) -> bool:
     """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
     that is sure."""
     sure = sure or wanders(find.left.noise, span=search.states[find.k].sampling.span)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.compare.columns import (
     Dense,
-    Part,
+    SomeColumns,
     Waves,
     as_built_part,
     pair_deviation,
@@ -195,11 +195,11 @@ class JointModel:
             for z, columns in ends.items():
                 ends[z] = columns * (-1.0 if s.coast else 1.0)
                 values = values + ends[z] @ s.wander[z].heights
-            parts: list[tuple[Part, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
+            parts: list[tuple[SomeColumns, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
             places: dict[str, IntArray] = {}
 
             u, t = s.data.u, s.data.time_s
-            own_parts: list[tuple[str, Part, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
+            own_parts: list[tuple[str, SomeColumns, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
             if s.data.nuisance is not None:
                 own_parts.append(("nuisance", Dense(columns=s.data.nuisance), np.ones(s.data.nuisance.shape[1])))
             for z, columns in ends.items():

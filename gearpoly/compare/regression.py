@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from gearpoly.compare.columns import Part
+from gearpoly.compare.columns import SomeColumns
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import ComplexArray, Grid
@@ -48,7 +48,7 @@ class Stack:
 
     values: FloatArray
     noise: Noise
-    parts: list[tuple[Part, IntArray]] = field(default_factory=list)
+    parts: list[tuple[SomeColumns, IntArray]] = field(default_factory=list)
     white: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     square: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
 

@@ -9,8 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from gearpoly.gear.deviations import Chip as MissingTip
-from gearpoly.gear.deviations import Deviations
+from gearpoly.gear.deviations import Deviations, MissingTip
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.root import form_point
 from gearpoly.keys.edit import gear_section, on_gear

@@ -35,7 +35,7 @@ FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival:
+class MistakenFor:
     """What an effect may be mistaken for: ``separability`` is how far it is left over the effect's size (of small
     signals the sine of the angle between them), ``apart`` what they differ by in um rms (None: not known)."""
 
@@ -46,7 +46,7 @@ class Rival:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class NoCause:
     """What has no cause, as a rival at an effect's place: ``separability`` by the odds that so many standard deviations
     correspond to, ``left`` by distance alone, with the unknown's freedoms at no cost."""
 
@@ -77,8 +77,8 @@ class Item:
     aliases: tuple[float, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
-    rivals: tuple[Rival, ...] = ()
-    unknown: Unknown | None = None
+    rivals: tuple[MistakenFor, ...] = ()
+    unknown: NoCause | None = None
     kind: str = ""
 
     @property
@@ -93,11 +93,11 @@ class Item:
             words.append(f"order {self.order:g}")
         return " ".join(words)
 
-    def separation(self, rival: Rival) -> float:
+    def separation(self, rival: MistakenFor) -> float:
         """Standard deviations by which the recordings tell a rival from this."""
         return rival.separability * self.over_limit if rival.separability else 0.0
 
-    def acceptable(self, limits: Thresholds) -> tuple[Rival, ...]:
+    def acceptable(self, limits: Thresholds) -> tuple[MistakenFor, ...]:
         """Rivals within the evidence: those that the recordings do not tell from this, or that no model would."""
         return tuple(
             rival for rival in self.rivals
@@ -269,7 +269,7 @@ def _item(raw: Fields) -> Item:
         parameters={name: value for name in names if (value := raw.number(name)) is not None},
         over_limit=math.inf if limit is None else limit,
         rivals=tuple(
-            Rival(
+            MistakenFor(
                 physics=one.word("physics"),
                 gear=one.gear(),
                 separability=one.needed("separability"),
@@ -281,7 +281,7 @@ def _item(raw: Fields) -> Item:
     )
 
 
-def _unknown(raw: Fields) -> Unknown | None:
+def _unknown(raw: Fields) -> NoCause | None:
     """None where an older truth has it by odds alone."""
     left = raw.number("left")
-    return None if left is None else Unknown(separability=raw.needed("separability"), left=left)
+    return None if left is None else NoCause(separability=raw.needed("separability"), left=left)
