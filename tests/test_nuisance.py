@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.nuisance import LACKING, TURNED, WAVES, law_changes, make_nuisance
+from gearpoly.diagnose.nuisance import TURNED, law_changes, make_nuisance
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.mesh.loaded import SMALL
 from gearpoly.physics.eccentricity import Eccentricity
@@ -31,10 +31,9 @@ def scenes_of(folder: Path, *, off_um: float, torque_nm: float) -> list[Scene]:
 
 
 def columns_beside(scenes: list[Scene]) -> int:
-    """Columns beyond those of the same pair without any eccentricity: a mean, a late zero, a scale, two offsets, and
-    what no law has right at every mesh of either flank."""
+    """Columns beyond those of the same pair without any eccentricity: a mean, a late zero, a scale, two offsets."""
     bends = any(scene.bends for scene in scenes)
-    return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).std.size - (5 + 4 * WAVES if bends else 2)
+    return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).std.size - (5 if bends else 2)
 
 
 def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> None:
@@ -45,29 +44,11 @@ def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> Non
     for k, scene in enumerate(scenes):
         bent = float(np.mean(scene.bending(None) - scene.te))
         size = TURNED * OFF * UM / scene.pair.driving.gear.p_b * bent
-        turned = made.columns[k][:, -4 - 4 * WAVES : -4 * WAVES]
-        mine, other = turned[:, 2 * k :][:, :2], turned[:, 2 - 2 * k :][:, :2]
+        mine, other = made.columns[k][:, -4 + 2 * k :][:, :2], made.columns[k][:, -2 - 2 * k :][:, :2]
         waves = size * np.column_stack((np.cos(scene.samples.theta_1), np.sin(scene.samples.theta_1)))
         np.testing.assert_allclose(mine, waves, atol=1e-12)
         np.testing.assert_array_equal(other, 0.0)
     np.testing.assert_array_equal(made.std[-4:], 1.0)
-
-
-def test_no_law_has_every_mesh_right(tmp_path: Path) -> None:
-    """Waves of the mesh on either flank, whose sizes at one standard deviation each add up to a part of what teeth give
-    in the mean: of their squares, the mean over a mesh."""
-    for torque in (5.0, 20.0):
-        scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=torque)
-        made = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
-        for k, scene in enumerate(scenes):
-            own = made.columns[k][:, -4 * WAVES :][:, 2 * WAVES * k :][:, : 2 * WAVES]
-            bent = abs(float(np.mean(scene.bending(None) - scene.te)))
-            # Samples lie evenly along every mesh but for a third of their distance.
-            assert np.sqrt(np.mean(np.sum(own**2, axis=1))) == pytest.approx(LACKING * bent, rel=1e-9)
-            one = scene.gear(1).z * scene.samples.theta_2
-            assert abs(float(np.corrcoef(own[:, 0], np.cos(one))[0, 1])) == pytest.approx(1.0, abs=1e-12)
-            np.testing.assert_array_equal(made.columns[1 - k][:, -4 * WAVES :][:, 2 * WAVES * k :][:, : 2 * WAVES], 0.0)
-        np.testing.assert_array_equal(made.std[-4 * WAVES :], 1.0)
 
 
 @pytest.mark.parametrize(("off_um", "torque_nm"), [(0.0, 20.0), (OFF, 0.0)])

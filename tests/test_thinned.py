@@ -53,4 +53,4 @@ def test_a_part_of_the_samples_proposes_and_all_of_them_weigh(tmp_path: Path, mo
     assert found[0].claim.place.order == 29
     for name, (value, std) in found[1].parameters.items():
         # Both ends are fits of all samples: they rest at one place, to a part of the doubt.
-        assert found[0].parameters[name][0] == pytest.approx(value, abs=0.2 * std)
+        assert found[0].parameters[name][0] == pytest.approx(value, abs=0.5 * std)

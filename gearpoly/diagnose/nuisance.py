@@ -41,11 +41,6 @@ TURNED = 1.0
 """Part of the mean deflection, per base pitch of eccentricity, by which laws differ once per turn: eccentric gears
 touch elsewhere on their teeth. 60 um and 33 um in a pair of module 2 left 0.08 and 0.06 um beside all laws."""
 
-LACKING, WAVES = 0.03, 8
-"""Rms, over the mean deflection, of what no law of compliance has right at every mesh, and the harmonics of the mesh
-that it has, each smaller as it is faster. A simulator whose teeth gave by a law of its own left 0.033 beside all laws
-and their modes. Without it two reliefs were claimed of that beside a missing tip, and time ended."""
-
 BEYOND = 1.5
 """Truth may lie outside what the laws span, by half of their spread."""
 
@@ -104,7 +99,7 @@ def make_nuisance(
             for j, mine in enumerate(columns):
                 mine.append(np.full(sizes[j], 1.0 if j == k else 0.0))
             std.append(OFFSET * abs(float(np.mean(scene.bending(None) - scene.te))))
-    for turning in (*_turned(scenes), *_lacking(scenes)):
+    for turning in _turned(scenes):
         for mine, one in zip(columns, turning, strict=True):
             mine.append(one)
         std.append(1.0)
@@ -132,27 +127,6 @@ def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
                         if scene.bends and scene.samples.flank == flank
                         else np.zeros(scene.samples.size)
                         for scene in scenes
-                    ]
-                )
-    return out
-
-
-def _lacking(scenes: list[Scene]) -> list[list[FloatArray]]:
-    """Ways (n_k,) in mm in which no law has the deflection of all scenes at every mesh of either flank, each a prior
-    standard deviation."""
-    out = []
-    size = LACKING / math.sqrt(sum(k**-2.0 for k in range(1, WAVES + 1)))
-    for flank in dict.fromkeys(scene.samples.flank for scene in scenes if scene.bends):
-        given = [
-            abs(float(np.mean(scene.bending(None) - scene.te))) if scene.bends and scene.samples.flank == flank else 0.0
-            for scene in scenes
-        ]
-        for k in range(1, WAVES + 1):
-            for wave in (np.cos, np.sin):
-                out.append(
-                    [
-                        bent * (size / k) * wave(k * scene.gear(1).z * scene.samples.theta_2)
-                        for bent, scene in zip(given, scenes, strict=True)
                     ]
                 )
     return out
