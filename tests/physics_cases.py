@@ -63,7 +63,7 @@ def sized(claim: Claim, part: float) -> Values:
 
 
 def rough(z: tuple[int, int] = (12, 16), *, bends: bool = True, points: int = 800, seed: int = 5) -> PairFile:
-    """An inspected pair whose teeth are apart by microns, so that one or two of them touch, not all, and bulge nowhere."""
+    """An inspected pair whose teeth are apart by microns, so that one or two of them touch, and bulge nowhere."""
     rng = np.random.default_rng(seed)
 
     def sheet(teeth: int) -> dict[str, object]:
