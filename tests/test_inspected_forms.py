@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.as_built import IDEAL, make_as_built
-from gearpoly.diagnose.prepare import BASE, gear_priors
+from gearpoly.diagnose.as_built import IDEAL
+from gearpoly.diagnose.prepare import BASE, form_of, gear_priors
 from gearpoly.files.models import GearSection, Inspection
 from gearpoly.gear.tolerances import tolerances
 from gearpoly.keys.edit import changed
@@ -41,7 +41,9 @@ def test_a_sheet_of_pitch_and_slope_leaves_forms_to_the_grade() -> None:
     one = prior(section)
     assert not one.graded
     assert one.slope == 0.5 and one.slope_measured
-    assert one.crowning == pytest.approx(form_limit(section, 6) / 2.0 / np.sqrt(2.0), rel=1e-6)
+    assert one.bulge == pytest.approx(form_limit(section, 6) / 2.0 / np.sqrt(2.0), rel=1e-6)
+    assert one.crowning == IDEAL  # no parameter
+    assert form_of(one) == 0.5 * one.bulge
     assert one.wave == pytest.approx(0.113 * form_limit(section, 6), rel=1e-6)
 
 
@@ -54,7 +56,7 @@ def test_slopes_that_nobody_measured_are_not_taken_for_none() -> None:
 
 def test_what_a_sheet_holds_it_holds() -> None:
     crowned = prior(driving(grade=6, profile_slope_um=(0.0,) * Z, profile_crowning_um=2.0))
-    assert crowned.crowning == IDEAL
+    assert crowned.bulge == 0.0
     assert crowned.wave > 0.0
     traced = prior(driving(grade=6, profile_slope_um=(0.0,) * Z, profile_form_um=((0.1, 0.0),) * Z))
     assert traced.wave == 0.0
@@ -85,14 +87,3 @@ def test_without_slopes_the_steps_of_the_pitches_tell_it() -> None:
 def test_a_sheet_of_teeth_that_do_not_differ_tells_no_grade() -> None:
     section = changed(driving(), inspection=Inspection(profile_slope_um=(1.0,) * Z))
     assert prior(section).wave == 0.0
-
-
-def test_a_coast_flank_has_half_of_an_unmeasured_form_for_itself() -> None:
-    """As of graded gears; what was measured of the drive flank holds for the coast flank but for a twentieth."""
-    priors = gear_priors(changed(rough(z=(Z, 16)), driving=driving(grade=6, profile_slope_um=(0.0,) * Z)))[1]
-    made = make_as_built(priors, ["drive", "coast"])
-    covariance = np.linalg.inv(made.precision)
-    drive, coast = made.start("drive", 0), made.start("coast", 0)
-    bulge, slope = 2 * Z, Z
-    assert covariance[drive + bulge, coast + bulge] == pytest.approx(0.5 * covariance[drive + bulge, drive + bulge])
-    assert covariance[drive + slope, coast + slope] == pytest.approx(covariance[drive + slope, drive + slope])

@@ -51,7 +51,9 @@ class GearPrior:
     ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action. ``form``:
     standard deviation in um of each half wave of every tooth's form, from two on; none where teeth are taken to have
     one form. ``wave``: what that is where they are not; 0 where forms are known. ``slope_measured``: whether an
-    inspection holds the slopes."""
+    inspection holds the slopes; ``bulge``: standard deviation in um of what all teeth of an inspected gear may bulge
+    where its inspection does not say. It is no parameter: beside pitches that are known well, bending and reliefs that
+    nobody declared looked like one."""
 
     z: int
     pitch: FloatArray
@@ -66,6 +68,7 @@ class GearPrior:
     form: tuple[float, ...] = ()
     wave: float = 0.0
     slope_measured: bool = True
+    bulge: float = 0.0
 
     @property
     def size(self) -> int:
@@ -294,13 +297,11 @@ def make_as_built(gears: tuple[GearPrior, GearPrior], flanks: Sequence[Flank]) -
         # A tooth that stands ahead has more material on its drive flank and less on its coast flank.
         place, form = gear.shared
         own_place, own_form = gear.own
-        # Of what nobody measured of an inspected gear, half may be either flank's own, as of a graded one.
-        share, own_share = (form, own_form) if gear.graded or not gear.wave else (0.5, 0.0)
         for covariance, alike, own, coast in (
             (gear.pitch, -place, own_place, gear.thickness**2),
             (on_its_own(gear.z, gear.slope) + gear.mean_slope**2, form, own_form, 0.0),
-            (np.array([[gear.crowning**2]]), share, own_share, 0.0),
-            *((on_its_own(gear.z, wave), share, own_share, 0.0) for wave in gear.form),
+            (np.array([[gear.crowning**2]]), form, own_form, 0.0),
+            *((on_its_own(gear.z, wave), form, own_form, 0.0) for wave in gear.form),
         ):
             n = len(covariance)
             each = {"drive": covariance, "coast": (1.0 + own) * covariance + coast}

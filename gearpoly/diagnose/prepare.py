@@ -125,7 +125,7 @@ def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driv
 def form_of(prior: GearPrior) -> float:
     """Half the standard deviation of the form of a gear whose form nobody measured: what is smaller on all its teeth is
     as it was built."""
-    return 0.5 * prior.crowning if prior.crowning > IDEAL else 0.0
+    return 0.5 * (prior.crowning if prior.graded else prior.bulge)
 
 
 def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -170,7 +170,7 @@ def _unmeasured(known: GearPrior, section: GearSection, gears: tuple[Gear, Gear]
     if sheet.profile_slope_um is None:
         known = replace(known, slope=like.slope, mean_slope=like.mean_slope, slope_measured=False)
     if sheet.profile_crowning_um is None:
-        known = replace(known, crowning=like.crowning)
+        known = replace(known, bulge=like.crowning)
     return known if sheet.profile_form_um is not None else replace(known, wave=like.wave)
 
 

@@ -57,7 +57,7 @@ def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
     by_pitch[np.arange(z), place[start : start + z]] = 1.0
     by_slope[np.arange(z), place[start + z : start + 2 * z]] = 1.0
     doubt = np.zeros((z, z))
-    if prior.graded or not prior.slope_measured:
+    if prior.graded:
         doubt += (SLOPE_BY_FORM * prior.crowning) ** 2 * np.eye(z)
     if all(one.graded for one in model.as_built.gears):
         slope = slope - common_lean(search, flank)
@@ -72,7 +72,7 @@ def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
             pitch, slope = pitch + more_pitch @ claim.values, slope + more_slope @ claim.values
             doubted = more_slope @ (claim.physics.law_doubt * np.array(claim.values))
             doubt += np.outer(doubted, doubted)
-    form = PITCH_BY_FORM * prior.crowning if prior.graded or not prior.slope_measured else 0.0
+    form = PITCH_BY_FORM * prior.crowning if prior.graded else 0.0
     return Running(
         flank=flank,
         pitch=pitch,
