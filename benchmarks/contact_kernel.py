@@ -20,7 +20,6 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.paper_stepping import ARCSEC, DEPTH, START, _candidates, _chords, step_until_contact
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
@@ -31,6 +30,7 @@ from gearpoly.mesh.contact import closing_rotations
 from gearpoly.mesh.pair import GearPair, active_start, mount
 from gearpoly.mesh.transmission import NEAR
 from gearpoly.units import FloatArray
+from tests.oracles.paper_stepping import ARCSEC, DEPTH, START, candidates, chords, step_until_contact
 from tests.oracles.radial_gap import closing_rotations as radial_gap
 
 COUNTS = (361, 3600, 36_000)
@@ -85,7 +85,7 @@ def all_quadrants(turning: FloatArray, fixed: FloatArray, pairs: list[tuple[int,
     for i, j in pairs:
         points = turning[i]
         p = np.stack((c * points[:, 0] - s * points[:, 1] - a, s * points[:, 0] + c * points[:, 1]))
-        radius2, x, y, normal_x, normal_y = _chords(fixed[j], pose)
+        radius2, x, y, normal_x, normal_y = chords(fixed[j], pose)
         along_x, along_y = -normal_y, normal_x
         length = np.sqrt(np.diff(radius2) ** 2 / np.maximum(1e-300, 4.0 * (x * along_x + y * along_y) ** 2))
         for part in np.array_split(np.arange(x.size), 16):  # blocks that stay in the cache
@@ -163,14 +163,14 @@ def main() -> None:
     def literal() -> float:
         """us per position of 920 steps, from two steps at one place."""
         pose, start = -float(few[1]), float(starts[1])
-        pairs = _candidates(turning, fixed, pair.a, pose, start)
+        pairs = candidates(turning, fixed, pair.a, pose, start)
         run = [clock(partial(all_quadrants, turning, fixed, pairs, pair.a, pose, start + k * ARCSEC)) for k in (0, 1)]
         return statistics.mean(run) * STEPS * 1e6
 
     def every_tooth() -> float:
         """us per position of 920 steps, from three steps at one place."""
         pose, start = -float(few[1]), float(starts[1])
-        flanks = [_chords(face, pose) for face in fixed]
+        flanks = [chords(face, pose) for face in fixed]
         run = [clock(partial(all_teeth, turning, flanks, pair.a, start + k * ARCSEC)) for k in range(3)]
         return statistics.mean(run) * STEPS * 1e6
 

@@ -138,10 +138,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float 
     gears that cannot reach each other.
     """
     sections = (file.driving, file.driven)
-    gears: list[Gear] = []
-    for name, section, other in zip(NAMES, sections, sections[::-1], strict=True):
-        with blamed(path, name):
-            gears.append(nominal_gear(section, other))
+    gears = _nominal(sections, path)
     with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
     flanks, origins, limits, made_of = [], [], [], []
@@ -193,6 +190,15 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float 
         encoders=parts.encoders,
         support=parts.support,
     )
+
+
+def _nominal(sections: tuple[GearSection, GearSection], path: Path | str) -> list[Gear]:
+    """Both deviation-free gears. Raises ``InputFileError`` naming the section of one that cannot be cut."""
+    gears: list[Gear] = []
+    for name, section, other in zip(NAMES, sections, sections[::-1], strict=True):
+        with blamed(path, name):
+            gears.append(nominal_gear(section, other))
+    return gears
 
 
 def brought_shapes(section: GearSection, gear: Gear, which: int) -> Deviations:

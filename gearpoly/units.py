@@ -28,7 +28,9 @@ NM = 1e3
 """N.mm per N.m."""
 GPA = 1e3
 """MPa (N/mm^2) per GPa."""
-RPM = 2.0 * math.pi / 60.0
+TURN = 2.0 * math.pi
+"""rad per revolution."""
+RPM = TURN / 60.0
 """rad/s per revolution per minute."""
 
 

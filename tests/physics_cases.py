@@ -63,12 +63,13 @@ def sized(claim: Claim, part: float) -> Values:
 
 
 def rough(z: tuple[int, int] = (12, 16), *, bends: bool = True, points: int = 800, seed: int = 5) -> PairFile:
-    """An inspected pair whose teeth are apart by microns, so that one or two of them touch, not all."""
+    """An inspected pair whose teeth are apart by microns, so that one or two of them touch, and bulge nowhere."""
     rng = np.random.default_rng(seed)
 
     def sheet(teeth: int) -> dict[str, object]:
         pitch, slope = rng.normal(0.0, 3.0, teeth), rng.normal(0.0, 1.0, teeth)
-        return {"inspection": {"pitch_um": pitch.round(3).tolist(), "profile_slope_um": slope.round(3).tolist()}}
+        held = {"pitch_um": pitch.round(3).tolist(), "profile_slope_um": slope.round(3).tolist()}
+        return {"inspection": {**held, "profile_crowning_um": 0.0}}
 
     gears = sheet(z[0]), sheet(z[1])
     model = {"tooth_deflection": bends}

@@ -87,6 +87,18 @@ def plain(sheet: dict[str, object] | None) -> PairFile:
     return on_gear(file, 0, inspection=None) if sheet is None else file
 
 
+@pytest.mark.parametrize("measured", [True, False])
+def test_slopes_that_nobody_measured_contradict_no_inspection(measured: bool) -> None:
+    """A slope of 4 um at a standard deviation of 0.5 um."""
+    prior = SimpleNamespace(graded=False, pitch=np.array([[1.0]]), slope=0.5, slope_measured=measured)
+    as_built = SimpleNamespace(
+        gears=[prior] * 2, flanks=("drive",), pitch=lambda built, flank, gear: np.zeros(Z[gear]),
+        slope=lambda built, flank, gear: 4.0 * (np.arange(Z[gear]) == 3),
+    )  # fmt: skip
+    model = SimpleNamespace(as_built=as_built, declared=plain({}), built=None)
+    assert len(contradicted(cast(Any, SimpleNamespace(model=model)))) == (2 if measured else 0)
+
+
 def test_a_candidate_far_beyond_its_bounds_is_none() -> None:
     """To first order a candidate may be half as large again as the physics can be, not more."""
     claim = Claim(physics=catalogue()["friction"], place=Place(), values=(0.0,))
@@ -97,7 +109,7 @@ def test_a_candidate_far_beyond_its_bounds_is_none() -> None:
 @pytest.mark.parametrize(("sheet", "says"), [(None, "from the ideal gear"), ({}, "from the inspection")])
 def test_a_gear_that_nobody_inspected_contradicts_no_inspection(sheet: dict[str, object] | None, says: str) -> None:
     """Driving tooth 2 stands 3 um off what is known to 0.01."""
-    prior = SimpleNamespace(graded=False, pitch=np.array([[1e-4]]), slope=0.01)
+    prior = SimpleNamespace(graded=False, pitch=np.array([[1e-4]]), slope=0.01, slope_measured=True)
     pitch = [3.0 * (np.arange(12) == 2), np.zeros(16)]
     as_built = SimpleNamespace(
         gears=[prior] * 2, flanks=("drive",), pitch=lambda built, flank, gear: pitch[gear],

@@ -11,10 +11,10 @@ import pytest
 from gearpoly.compare.bumps import _filtered, find_bumps, followed
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.faint import _both_ways, _heard, find_train
-from gearpoly.compare.lines import APART, LineSearch
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.noise_spectrum import windows
+from gearpoly.compare.sampling import APART, sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.trains import Lines, Train, lines_of
 from tests.residuals import healthy
@@ -61,7 +61,7 @@ def test_bumps_and_dips_are_found_that_sums_of_powers_do_not_show(seed: int, gai
     power of ten lines it shares the chance with 20 numbers."""
     data = made(seed)
     there = struck(data, data.theta_1 / (2.0 * math.pi) * ORDER + 0.3, gain=gain)
-    search = LineSearch(u=there.u, time=None, z_1=18, z_2=25)
+    search = sampling_of(u=there.u, time=None, z_1=18, z_2=25)
     noise = estimate_noise(there.u, there.residual, z_1=18, z_2=25)
     step = search.order_grid.step
     lines = lines_of(search, "order", noise.whitened(there.residual), noise, step=step)
@@ -104,7 +104,7 @@ def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
     data = made(8)
     even = replace(data, time_s=0.01 * data.u)
     assert even.time_s is not None
-    search = LineSearch(u=even.u, time=even.time_s, z_1=18, z_2=25)
+    search = sampling_of(u=even.u, time=even.time_s, z_1=18, z_2=25)
     harmonics, edge = np.arange(1.0, 11.0), APART / search.span  # in cycles per mesh
     # The fourth harmonic lies hardly beside what may be an order of the driving shaft, and a little off within it.
     true, off = ((3.0 / 18.0 + beside * edge) / 4.0 for beside in (1.25, 0.97))

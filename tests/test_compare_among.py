@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.among import further_on, turns_between
-from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.compare.curve import Cycle, RecordedCurve
 
 Z = 18, 25
 MESHES, PER_MESH = 450, 8
 CYCLE = cast(Cycle, SimpleNamespace(meshes=MESHES, pitch=2.0 * np.pi / Z[1], per_mesh=PER_MESH))
 
 
-def seen(turns: int, *, turn: int, deflection: float, rng: np.random.Generator, meshes: int = MESHES) -> Curve:
+def seen(turns: int, *, turn: int, deflection: float, rng: np.random.Generator, meshes: int = MESHES) -> RecordedCurve:
     """A curve whose zero is so many turns of its encoder's shaft late: pitch errors of both gears, a ripple at every
     mesh, an offset by load, noise."""
     pitch = np.random.default_rng(3).normal(0.0, 3.0, Z[0]), np.random.default_rng(4).normal(0.0, 3.0, Z[1])
@@ -25,7 +25,9 @@ def seen(turns: int, *, turn: int, deflection: float, rng: np.random.Generator, 
     te = pitch[0][mesh % Z[0]] + pitch[1][mesh % Z[1]] - deflection + 0.2 * deflection * np.sin(Z[1] * theta_2)
     te = 1e-3 * (te + rng.normal(0.0, 1.0, te.size))
     template = SimpleNamespace(flank="drive")
-    return cast(Curve, SimpleNamespace(theta_2=theta_2, te=te, weight=np.ones(te.size), turn=turn, template=template))
+    return cast(
+        RecordedCurve, SimpleNamespace(theta_2=theta_2, te=te, weight=np.ones(te.size), turn=turn, template=template)
+    )
 
 
 def test_flanks_are_not_laid_on_one_another() -> None:
@@ -34,7 +36,7 @@ def test_flanks_are_not_laid_on_one_another() -> None:
     one = seen(0, turn=25, deflection=0.0, rng=rng)
     other = SimpleNamespace(**{**vars(seen(3, turn=25, deflection=0.0, rng=rng)), "template": None})
     other.template = SimpleNamespace(flank="coast")
-    assert turns_between(one, cast(Curve, other), CYCLE) is None
+    assert turns_between(one, cast(RecordedCurve, other), CYCLE) is None
 
 
 @pytest.mark.parametrize("turns", [0, 1, 7, 17])
@@ -77,6 +79,6 @@ def test_what_is_too_short_or_all_alike_tells_nothing() -> None:
     rng = np.random.default_rng(1)
     whole = seen(0, turn=25, deflection=0.0, rng=rng)
     assert turns_between(whole, seen(3, turn=25, deflection=0.0, rng=rng, meshes=150), CYCLE) is None
-    noise = cast(Curve, SimpleNamespace(**{**vars(whole), "te": rng.normal(0.0, 1e-3, whole.te.size)}))
+    noise = cast(RecordedCurve, SimpleNamespace(**{**vars(whole), "te": rng.normal(0.0, 1e-3, whole.te.size)}))
     assert turns_between(noise, noise, CYCLE) == (0, True)  # the very same samples are as alike as can be
     assert turns_between(whole, noise, CYCLE) is None

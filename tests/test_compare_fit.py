@@ -93,7 +93,7 @@ def test_waves_are_the_same_held_or_made_piece_by_piece(monkeypatch: pytest.Monk
     u, values, beta = rng.uniform(0.0, 90.0, 40_000), rng.normal(size=40_000), rng.normal(size=6)
     first = waves(u, np.array([0.1, 0.7, 1.3]))
     held = waves(u, np.array([1.3, 0.2, 0.1]), before=first)
-    monkeypatch.setattr("gearpoly.compare.columns.HELD", 0)
+    monkeypatch.setattr("gearpoly.compare.columns.HELD_VALUES", 0)
     piecewise = waves(u, np.array([1.3, 0.2, 0.1]))
     assert held.held is not None and piecewise.held is None
     np.testing.assert_allclose(held.apply(beta), piecewise.apply(beta), atol=1e-12)

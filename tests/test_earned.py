@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.earned import _with_both
-from gearpoly.diagnose.scan import Candidate
+from gearpoly.diagnose.earned import _with_both, earned
+from gearpoly.diagnose.judge import Judged
+from gearpoly.diagnose.scan import Candidate, Looked
+from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import (
     LINE_COUNTS,
     ONCE_PER_TURN,
@@ -85,6 +88,33 @@ def test_what_lost_its_place_to_another_is_tried_beside_it(monkeypatch: pytest.M
     assert asked == [tooth]
     assert _with_both(search, tooth, claim("tooth_spall", gear=1, tooth=4), gain=120.0) is None
     assert asked == [tooth]
+
+
+@pytest.mark.parametrize(("unknown", "named"), [(0.02, ["undulation"]), (0.9, [])])
+def test_where_time_is_over_waves_alone_are_named(
+    unknown: float, named: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing has to be fitted to its end to weigh a wave of a whole order; what turns once with a shaft, a tooth and
+    what all teeth have is told as a place."""
+    claims = (
+        claim("undulation", gear=1, order=40, flank="drive"),
+        claim("eccentricity", gear=0),
+        claim("tooth_pitch", gear=0, tooth=3),
+        claim("wear", gear=0),
+    )
+    model = SimpleNamespace(claims=claims, unnamed=(), rms_of=lambda scenes, one: 1e-4)
+    search: Any = MadeFit(model=model, over=True, looked=Looked())
+
+    def judge(model: Any, scenes: Any, linear: Any, k: int, **_: Any) -> Judged:
+        own = ((claims[k], 1.0 - unknown),)
+        return Judged(gain=900.0, posterior=Posterior(claims=own, unknown=unknown, nothing=0.0))
+
+    monkeypatch.setattr("gearpoly.diagnose.earned.judge", judge)
+    _, judged, gone = earned(search, {})
+    assert [key[0] for key in judged] == named
+    places = {one.claim.physics.name: one.posterior for one in gone}
+    assert set(places) == {one.physics.name for one in claims} - set(named)
+    assert places["wear"] is None and places["tooth_pitch"] is None
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.few_turns import beside_order, first_order
-from gearpoly.compare.lines import SLOWEST, LineSearch
 from gearpoly.compare.locate import Located
+from gearpoly.compare.sampling import SLOWEST, sampling_of
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
@@ -137,7 +137,7 @@ def test_the_other_shaft_is_a_rival_where_both_turned_nearly_as_often() -> None:
         ((12, 16), 1.2, ("order 1 of the driven shaft", "a slow drift")),
         ((12, 47), 1.5, ("a slow drift",)),
     ):
-        search = LineSearch(u=np.linspace(0.0, turns * z[1], 600), time=None, z_1=z[0], z_2=z[1])
+        search = sampling_of(u=np.linspace(0.0, turns * z[1], 600), time=None, z_1=z[0], z_2=z[1])
         assert beside_order(search, "driving" if z[1] == 16 else "driven", 1) == rivals
 
 
@@ -157,7 +157,7 @@ def test_of_white_noise_nothing_is_told(mount: tuple[PairFile, Path]) -> None:
 )
 def test_it_is_asked_of_the_fastest(turns: float, z: tuple[int, int], place: tuple[int, int] | None) -> None:
     u = np.linspace(0.0, turns * z[1], 600)
-    one = first_order(LineSearch(u=u, time=None, z_1=z[0], z_2=z[1]))
+    one = first_order(sampling_of(u=u, time=None, z_1=z[0], z_2=z[1]))
     if place is None:
         assert one is None
     else:

@@ -28,7 +28,8 @@ ORDER = (
     "files",
     "recording inspected",
     "assemble positions",
-    "simulate scene",
+    "simulate touching",
+    "scene",
     "infer",
     "export compare",
     "diagnose view",
@@ -162,6 +163,38 @@ def test_the_proof_shares_no_code_with_what_it_proves() -> None:
             assert others <= {"proving"}, name
         elif part(name) != "prove" and name != "gearpoly.commands.prove":
             assert "proving" not in others, name
+
+
+# Each folder of the repository imports only from those before it; examples show the package, and nothing else.
+FOLDERS = ("gearpoly", "tests", "benchmarks")
+
+
+@pytest.mark.parametrize("folder", [*FOLDERS, "examples"])
+def test_folders_import_one_way(folder: str) -> None:
+    allowed = {"gearpoly"} if folder == "examples" else set(FOLDERS[: FOLDERS.index(folder) + 1])
+    files = sorted((ROOT / folder).rglob("*.py"))
+    assert files
+    for file in files:
+        own = {*FOLDERS, "examples"} & {name.split(".")[0] for name in named(ast.parse(file.read_text("utf-8")))}
+        assert own <= allowed, f"{file.relative_to(ROOT)} imports {sorted(own - allowed)}"
+
+
+def test_no_two_benchmarks_import_each_other() -> None:
+    files = {f"benchmarks.{file.stem}": file for file in (ROOT / "benchmarks").glob("*.py")}
+    trees = {name: ast.parse(file.read_text("utf-8")) for name, file in files.items()}
+    list(TopologicalSorter({name: named(tree) & files.keys() for name, tree in trees.items()}).static_order())
+
+
+def named(tree: ast.Module) -> set[str]:
+    """Modules that a file names in its imports."""
+    out = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            out |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            out.add(node.module)
+            out |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return out
 
 
 def test_modules_are_small_and_say_what_they_are() -> None:

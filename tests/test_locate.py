@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.entries import Entry, says
-from gearpoly.compare.families import SHARES, line_threshold, sigma_threshold
-from gearpoly.compare.lines import Peak
+from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.maps import tooth_maps
 from gearpoly.compare.masked import settle_waves
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import estimate_noise
+from gearpoly.compare.peak import Peak
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried, sharing_from_rows
 from tests.residuals import healthy, noise, residual, samples, tooth_signal
@@ -363,8 +363,6 @@ def test_sharing_from_rows_knows_its_teeth() -> None:
 def test_thresholds_are_those_of_known_laws() -> None:
     # Many noise lines: the exponential law; z = ln(places/share).
     assert line_threshold(1e7, places=100, share=0.01) == pytest.approx(math.log(1e4), rel=1e-5)
-    # One place, 5 %: 1.96 sigma.
-    assert sigma_threshold(1, share=0.05) == pytest.approx(1.95996, abs=1e-4)
     assert SHARES.total <= 0.05
 
 
@@ -387,7 +385,7 @@ def test_waves_that_move_keep_their_own_size() -> None:
     waves = 2.0 * UM * np.cos(2 * np.pi * large * data.u) + 0.5 * UM * np.cos(2 * np.pi * small * data.u)
     search = JointModel([plus(data, waves)], inspected(18, 25), 0.0)
     state = search.states[0]
-    off = 0.05 / state.search.span
+    off = 0.05 / state.sampling.span
     for frequency in (large + off, small + off):
         state.orders.append(
             Peak(domain="order", frequency=frequency, std=off, gain=1.0, log_false=-9.0, known=False)
@@ -396,6 +394,6 @@ def test_waves_that_move_keep_their_own_size() -> None:
     assert settle_waves(search, search.fit(passes=1))
     moved = {round(18 * one.frequency, 2): one.gain for one in (*state.orders, *state.times) if one.domain == "order"}
     assert sorted(moved) == [4.41, 7.73]
-    level = state.search.rest_at("order", np.array([large, small]), state.noise)[0]
+    level = state.sampling.rest_at("order", np.array([large, small]), state.noise)[0]
     # The lesser wave stands 48 standard errors above noise: its square is known to 4 %; three times that is allowed.
     assert moved[4.41] * level[0] / (moved[7.73] * level[1]) == pytest.approx(16.0, rel=0.125)

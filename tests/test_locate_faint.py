@@ -10,9 +10,10 @@ import pytest
 
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.faint import Train, faint_waves, find_train
-from gearpoly.compare.lines import TIE, LineSearch
+from gearpoly.compare.lines import TIE
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
+from gearpoly.compare.sampling import sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from tests.residuals import healthy, noise, residual, samples
 
@@ -167,7 +168,7 @@ def test_a_train_that_chance_might_make_still_decides_with_one_that_it_would_not
 
     monkeypatch.setattr("gearpoly.compare.faint.find_train", found)
     data = made(1)
-    search = LineSearch(u=data.u, time=data.time_s, z_1=18, z_2=25)
+    search = sampling_of(u=data.u, time=data.time_s, z_1=18, z_2=25)
     noise = estimate_noise(data.u, data.residual, z_1=18, z_2=25)
     (peaks,) = faint_waves([search], [noise.whitened(data.residual)], [noise])
     assert {peak.domain for peak in peaks} == ({named} if named else set())
@@ -176,7 +177,7 @@ def test_a_train_that_chance_might_make_still_decides_with_one_that_it_would_not
 
 def test_trains_of_different_waves_decide_each_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     data = made(1)
-    search = LineSearch(u=data.u, time=data.time_s, z_1=18, z_2=25)
+    search = sampling_of(u=data.u, time=data.time_s, z_1=18, z_2=25)
     noise = estimate_noise(data.u, data.residual, z_1=18, z_2=25)
     found = ((0.0831, 0.5), (0.1173 / search.pace, -1.0))
     trains = (Train(frequency=f, count=3, recordings=(0,), log_false=p - 0.5 * TIE) for f, p in found)

@@ -12,8 +12,8 @@ import numpy.typing as npt
 import pytest
 import shapely
 
-from benchmarks.paper_stepping import ARCSEC, step_until_contact
 from tests.oracles.involute_pair import InvolutePair, analytic_te, conjugate_rotation, pair_faces
+from tests.oracles.paper_stepping import ARCSEC, step_until_contact
 from tests.oracles.radial_gap import (
     BACK,
     closing_rotation,

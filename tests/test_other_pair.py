@@ -12,7 +12,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.other_pair import OtherPair, other_pair
-from gearpoly.compare.ratio import Lines
+from gearpoly.compare.ratio import OrderPower
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.keys.also_turns import Part
 from gearpoly.recording.recording import Recording
@@ -24,7 +24,7 @@ TURN = 2.0 * math.pi
 TURNS, SAMPLES = 40.0, 12_000
 
 
-def lines(turns_of: dict[float, int], *, seed: int = 2, noise: float = 1.0) -> Lines:
+def lines(turns_of: dict[float, int], *, seed: int = 2, noise: float = 1.0) -> OrderPower:
     """Waves of half the noise at the first so many multiples of each order of the shaft that was read."""
     rng = np.random.default_rng(seed)
     turns = np.cumsum(rng.uniform(0.5, 1.5, SAMPLES)) * (TURNS / SAMPLES)
@@ -32,7 +32,7 @@ def lines(turns_of: dict[float, int], *, seed: int = 2, noise: float = 1.0) -> L
     for first, many in turns_of.items():
         for k in range(1, many + 1):
             te += 0.5 * np.cos(TURN * (k * first * turns + rng.uniform()))
-    return Lines(turns, te)
+    return OrderPower(turns, te)
 
 
 def found(turns_of: dict[float, int], *, read: int = 1, parts: tuple[Part, ...] = ()) -> OtherPair | None:

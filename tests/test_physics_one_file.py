@@ -136,8 +136,9 @@ def test_a_new_file_is_all_it_takes(newcomer: Physics) -> None:
 
 
 def test_the_pages_say_what_the_files_of_the_catalogue_do() -> None:
-    page = (ROOT / "docs" / "reference" / "catalogue.md").read_text(encoding="utf-8")
-    assert table(catalogue().values()) in page, "write it anew: python -m gearpoly.physics.page docs/reference/catalogue.md"
+    path = "docs/reference/catalogue.md"
+    page = (ROOT / path).read_text(encoding="utf-8")
+    assert table(catalogue().values()) in page, f"write it anew: python -m gearpoly.physics.page {path}"
     assert written(page, catalogue().values()) == page
     fewer = written(page, [catalogue()["wear"]])
     assert "| `friction` |" in page and "| `friction` |" not in fewer

@@ -19,7 +19,8 @@ from gearpoly.recording.reversals import BACKWARD_LIMIT, reversals, turned_back
 from gearpoly.recording.sense import pauses_between, turns_one_way, without_wraps
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.text import parsed
-from gearpoly.recording.unwrapping import TURN, continuous
+from gearpoly.recording.unwrapping import continuous
+from gearpoly.units import TURN
 from tests.made_readings import needs
 from tests.made_texts import GERMAN, own, run, table, written
 

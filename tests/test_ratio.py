@@ -166,7 +166,7 @@ def test_travels_that_fit_are_not_asked(rig: Rig) -> None:
 
 def test_without_the_orders_of_shafts_nothing_is_decided(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted fault: lines are looked for where noise is."""
-    monkeypatch.setattr(ratio_module.Lines, "evidence", lambda *_: 0.0)
+    monkeypatch.setattr(ratio_module.OrderPower, "evidence", lambda *_: 0.0)
     assert put_right([scaled(rig.recording, "driving", 1.02)], rig.made.pair, TRUE)[1] is None
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from gearpoly.compare.ratio import Lines
+from gearpoly.compare.ratio import OrderPower
 from gearpoly.compare.same_ratio import other_teeth_of_ratio, same_ratio
 from gearpoly.keys.also_turns import Part
 
@@ -21,14 +21,14 @@ OWN = {20: 0.09, 40: 0.04, 60: 0.08}
 """Side bands of it where 20 teeth were declared."""
 
 
-def lines(*waves: dict[float, float] | dict[int, float], noise: float = 0.3) -> list[Lines]:
+def lines(*waves: dict[float, float] | dict[int, float], noise: float = 0.3) -> list[OrderPower]:
     """A recording of 8 turns in white noise of so many um."""
     turns = np.linspace(0.0, 8.0, 8 * 500)
     te = np.random.default_rng(3).normal(0.0, noise, turns.size)
     for each in waves:
         for order, um in each.items():
             te += um * np.cos(2.0 * math.pi * order * turns + order)
-    return [Lines(turns, te)]
+    return [OrderPower(turns, te)]
 
 
 def test_a_line_s_power_is_that_of_its_amplitude() -> None:

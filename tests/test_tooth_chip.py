@@ -26,7 +26,7 @@ from gearpoly.files.gde_read import read_gde
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.files.traces import read_traces
-from gearpoly.gear.deviations import Chip, Deviations
+from gearpoly.gear.deviations import Deviations, MissingTip
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
@@ -125,8 +125,9 @@ def test_what_is_missing_of_the_outline_is_the_area_between_both_tip_circles(gea
     exported, chord = [], 1e-5
     for one in (plain, cut):
         drawn = draw_outline(
-            ideal, Deviations(chips=(Chip(TOOTH, height),) if one is cut else ()), l_start=one.flanks.span.l_start,
-            centre_lines=one.centre_lines, centre=one.centre, detail=Detail(chord=chord),
+            ideal, Deviations(chips=(MissingTip(TOOTH, height),) if one is cut else ()),
+            l_start=one.flanks.span.l_start, centre_lines=one.centre_lines, centre=one.centre,
+            detail=Detail(chord=chord),
         )  # fmt: skip
         exported.append(shapely.Polygon(drawn.ring).area)
     assert exported[0] - exported[1] == pytest.approx(lost, abs=6.0 * chord)  # both flanks too, over 0.6 mm each
@@ -306,7 +307,7 @@ def spoilt(seed: int) -> GearPair:
         ).deviations
         room = gear.r_a - math.hypot(gear.r_b, l_form)
         teeth = rng.choice(gear.z, gear.z // 3, replace=False).tolist()
-        chips = tuple(Chip(tooth, float(rng.uniform(0.0, 0.95)) * room) for tooth in teeth)
+        chips = tuple(MissingTip(tooth, float(rng.uniform(0.0, 0.95)) * room) for tooth in teeth)
         flanks.append(draw_flanks(gear, shapes + Deviations(chips=chips), l_start=l_start, points=points))
     return mount(
         *flanks, a=a + float(rng.uniform(0.0, 0.3)), eccentricity_1=(float(rng.uniform(0.0, 0.04)), 0.7),

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearpoly.diagnose.at_place import Weighed
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.unnamed import waves_unnamed
+from gearpoly.diagnose.unnamed import left_unnamed, waves_unnamed
+from gearpoly.infer.posterior import Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -62,3 +64,16 @@ def test_waves_that_may_be_any_are_fitted_once_and_never_named(monkeypatch: pyte
     assert one.model.strangers == ((0, 1),)
     none = fit(monkeypatch, coincidental=set(), clear={28})
     assert waves_unnamed(none, found) is none
+
+
+@pytest.mark.parametrize(("order", "left"), [(42, False), (40, True)])
+def test_no_wave_of_no_cause_stands_beside_a_claim_of_its_order(order: int, left: bool) -> None:
+    """It would take over what the claim does, and neither could be weighed."""
+    model = SimpleNamespace(
+        unnamed=(), strangers=(), slow_courses=0, claims=(wave(1, 42).claim,),
+        change=lambda scenes, claim, values: [np.full(N, 1e-3)],
+    )  # fmt: skip
+    one = MadeFit(model=model, foreign=[np.zeros((N, 0))], scenes=[None])
+    surely = Weighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
+    there = left_unnamed(one, wave(1, order).claim, surely)  # type: ignore[arg-type]
+    assert (there is not None) == left

@@ -20,13 +20,14 @@ from gearpoly.diagnose.leftovers import taken_back, with_causes
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unseen import ROSE, _idle, repeats
+from gearpoly.diagnose.unseen import ROSE, _idle, repeats, without_unfinished
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, FloatArray, IntArray
+from tests.made_fits import MadeFit
 from tests.made_recordings import te_of
 
 TURNS, PER_TURN = 10, 200
@@ -326,3 +327,41 @@ def test_what_was_not_weighed_to_its_end_has_no_probability() -> None:
     one = Unearned(claim=claim("tooth_thickness", 1, 9.0), rms=2e-3, posterior=None)
     (entry,) = with_causes(comparison, (), (one,), ((),), ())
     assert entry.kind == "condition" and entry.probability is None and entry.rms_um == 2.0
+
+
+@pytest.mark.parametrize(
+    ("unseen", "explains", "gone"),
+    [(1.02, 10.0, []), (1.18, 500.0, ["wear"]), (1.18, 100.0, ["wear", "tooth_chip"])],
+)
+def test_a_tooth_keeps_its_name_where_it_explains_more_than_is_left(
+    unseen: float, explains: float, gone: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a search that time has stopped: 200 in misfit are left beyond noise."""
+    module = "gearpoly.diagnose.unseen"
+    claims = tuple(
+        Claim(physics=catalogue()[name], place=place, values=())
+        for name, place in (
+            ("wear", Place(gear=0)),
+            ("tooth_chip", Place(gear=1, tooth=3)),
+            ("eccentricity", Place(gear=0)),
+        )
+    )
+    fit: Any = MadeFit(
+        model=SimpleNamespace(claims=claims), linear=SimpleNamespace(system=SimpleNamespace(beyond=200.0))
+    )
+
+    def without(fit: Any, these: Any) -> Any:
+        stay = tuple(one for k, one in enumerate(fit.model.claims) if k not in these)
+        return fit.believing(claims=stay), [(fit.model.claims[k], 1e-4) for k in these]
+
+    blocks = SimpleNamespace(unseen=lambda: SimpleNamespace(misfit=100.0 * unseen))
+    monkeypatch.setattr(f"{module}._numbers", lambda search: np.zeros(100))
+    monkeypatch.setattr(f"{module}._held", lambda search: None)
+    monkeypatch.setattr(f"{module}.Blocks", lambda system, number: blocks)
+    monkeypatch.setattr(f"{module}._without", without)
+    monkeypatch.setattr(f"{module}.gain_without", lambda search, k: explains)
+    there, left = without_unfinished(fit)
+    assert [one.physics.name for one, _ in left] == gone
+    assert [one.physics.name for one in there.model.claims] == [
+        one.physics.name for one in claims if one.physics.name not in gone
+    ]

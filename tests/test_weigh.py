@@ -16,7 +16,7 @@ from gearpoly.diagnose.fit import measured
 from gearpoly.diagnose.floors import changes_along, faint_floor, law_floor, part_recorded, size_of
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.sparse import full
-from gearpoly.diagnose.system import Sums, System
+from gearpoly.diagnose.system import Sums, System, gain_of
 from gearpoly.diagnose.weigh import as_sudden, by_coincidence, matters, pays, step_gain, within_grade
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -351,3 +351,11 @@ def test_a_thickness_under_load_has_to_beat_what_laws_leave_of_the_turns(monkeyp
     assert law_floor(weigh, plain) < size_of(weigh, plain)
     weigh.deflections = (0.0,)
     assert law_floor(weigh, faint) == 0.0
+
+
+def test_columns_of_which_others_took_all_gain_nothing() -> None:
+    """Of two columns 3 and 4 are told, each by itself: 9 + 16 in misfit. Of two more nothing is left but rounding."""
+    information = np.diag([1.0, 1.0, 0.0, 0.0, -1e-17, 0.0])
+    gains, amplitudes = gain_of(np.array([3.0, 4.0, 0.0, 0.0, 1e-12, 0.0]), information, np.arange(6).reshape(3, 2))
+    assert gains == pytest.approx([25.0, 0.0, 0.0], abs=1e-6)
+    assert amplitudes[0] == pytest.approx([3.0, 4.0], rel=1e-6)

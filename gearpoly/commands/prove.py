@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearpoly.arguments import WORKERS
+
+if TYPE_CHECKING:
+    from gearpoly.report.terminal import Terminal
 
 ORDER = 70
 
@@ -35,35 +39,20 @@ def prove(
     """Conceal effects, diagnose them, open the truths, and print the scoreboard."""
     import os
     import sys
-    from json import dumps
 
-    from gearpoly.errors import GearpolyError, OutOfRangeError
     from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.prove.board import board_json
     from gearpoly.prove.page import board_text
-    from gearpoly.prove.real import prove_real, real_json
     from gearpoly.prove.run import prove_folder, prove_ground
-    from gearpoly.prove.show import print_board, print_real
-    from gearpoly.proving.grounds import BENCH, GROUNDS
+    from gearpoly.prove.show import print_board
+    from gearpoly.proving.grounds import BENCH
     from gearpoly.report.terminal import Terminal
 
     if json is not None:
         check_target(json)
-    if real is not None and (on is not None or quick or seed is not None or ground is not None):
-        wish = "it goes without --on, --quick, --seed and --ground"
-        raise OutOfRangeError(f"--real scores a folder of judged recordings; {wish}")
-    if on is not None and quick:
-        raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
-    if on is not None and seed is not None:
-        raise OutOfRangeError("--seed is for the seeded ground; a folder given with --on is scored as it is")
-    if on is not None and ground is not None:
-        raise OutOfRangeError("--ground is for seeded cases; a folder given with --on is scored as it is")
+    _refuse_contradictions(quick=quick, ground=ground, seed=seed, on=on, real=real)
     ground = BENCH if ground is None else ground
-    if ground not in GROUNDS:
-        raise OutOfRangeError(f"--ground {ground}: want one of {', '.join(GROUNDS)}")
     seed = 1 if seed is None else seed
-    if seed < 0:
-        raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
     stream = sys.stderr if str(json) == "-" else sys.stdout
     console = Terminal(file=stream, width=None if stream.isatty() else 160)
 
@@ -72,18 +61,7 @@ def prove(
 
     count = workers or os.cpu_count() or 1
     if real is not None:
-        place = out or Path("out") / "prove" / f"real-{real.resolve().name}"
-        scores, wrong = prove_real(real, out=place, workers=count, say=say)
-        if json is not None:
-            write_text(json, dumps(real_json(scores), indent=1))
-        if str(json) != "-":
-            print_real(console, scores)
-        sys.stdout.flush()
-        say_written(place, "verdicts")
-        say_written(json, "the scores")
-        if wrong:
-            # The others are scored; what could not be read is said last, where it is seen.
-            raise GearpolyError("; ".join(wrong))
+        _prove_real(real, json=json, workers=count, out=out, console=console, say=say)
         return
     if on is not None:
         place = out or Path("out") / "prove" / f"on-{os.path.basename(os.path.abspath(on))}"
@@ -100,3 +78,51 @@ def prove(
     sys.stdout.flush()
     say_written(place, "cases and verdicts")
     say_written(json, "the scoreboard")
+
+
+def _refuse_contradictions(
+    *, quick: bool, ground: str | None, seed: int | None, on: Path | None, real: Path | None
+) -> None:
+    """Raise ``OutOfRangeError`` for options that do not go together, or a ground or seed that is none."""
+    from gearpoly.errors import OutOfRangeError
+    from gearpoly.proving.grounds import GROUNDS
+
+    if real is not None and (on is not None or quick or seed is not None or ground is not None):
+        wish = "it goes without --on, --quick, --seed and --ground"
+        raise OutOfRangeError(f"--real scores a folder of judged recordings; {wish}")
+    if on is not None and quick:
+        raise OutOfRangeError("--quick is for the seeded ground; a folder given with --on is scored as it is")
+    if on is not None and seed is not None:
+        raise OutOfRangeError("--seed is for the seeded ground; a folder given with --on is scored as it is")
+    if on is not None and ground is not None:
+        raise OutOfRangeError("--ground is for seeded cases; a folder given with --on is scored as it is")
+    if ground is not None and ground not in GROUNDS:
+        raise OutOfRangeError(f"--ground {ground}: want one of {', '.join(GROUNDS)}")
+    if seed is not None and seed < 0:
+        raise OutOfRangeError(f"--seed {seed}: want 0 or a positive whole number")
+
+
+def _prove_real(
+    real: Path, *, json: Path | None, workers: int, out: Path | None, console: Terminal, say: Callable[[str], None]
+) -> None:
+    """Score a folder of judged recordings. Raises ``GearpolyError`` for those that could not be read."""
+    import sys
+    from json import dumps
+
+    from gearpoly.errors import GearpolyError
+    from gearpoly.files.output import say_written, write_text
+    from gearpoly.prove.real import prove_real, real_json
+    from gearpoly.prove.show import print_real
+
+    place = out or Path("out") / "prove" / f"real-{real.resolve().name}"
+    scores, wrong = prove_real(real, out=place, workers=workers, say=say)
+    if json is not None:
+        write_text(json, dumps(real_json(scores), indent=1))
+    if str(json) != "-":
+        print_real(console, scores)
+    sys.stdout.flush()
+    say_written(place, "verdicts")
+    say_written(json, "the scores")
+    if wrong:
+        # The others are scored; what could not be read is said last, where it is seen.
+        raise GearpolyError("; ".join(wrong))

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearpoly.arguments import SEED
 from gearpoly.commands.simulate import FlankChoice
+
+if TYPE_CHECKING:
+    from gearpoly.files.models import PairFile
+    from gearpoly.view.scene import ViewScene
 
 ORDER = 40
 
@@ -33,17 +37,12 @@ def view(
     ] = None,
 ) -> None:
     """Write the contact debugger: gears, contacts, gaps and TE in one page that any browser opens from disk."""
-    from gearpoly.assemble import assemble
     from gearpoly.errors import OutOfRangeError
     from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.files.pairfile import read_pair
-    from gearpoly.mesh.condition import Condition
-    from gearpoly.report.progress import steps, watched
     from gearpoly.report.terminal import Terminal
-    from gearpoly.units import NM
     from gearpoly.view.document import document
     from gearpoly.view.html import page_text
-    from gearpoly.view.scene import positions, scene_beside, scene_of
 
     if not math.isfinite(at):
         raise OutOfRangeError(f"--at {at}: want a driven angle in deg, such as 12.5")
@@ -59,30 +58,9 @@ def view(
             raise OutOfRangeError(
                 "--recording brings its flank, and nothing is drawn by chance beside it; leave out --flank and --seed"
             )
-        from gearpoly.diagnose.compare_as_built import compare_as_built
-        from gearpoly.recording.map_file import read_map
-        from gearpoly.recording.read import read_recording
-
-        with steps() as step:
-            step("reading")
-            read = read_recording(recording, worm=file.worm, chart=None if map is None else read_map(map))
-            comparison = compare_as_built(file, [read], path=pair, step=step)
-        with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
-            scene = scene_beside(comparison, path=pair, at_deg=at, progress=progress)
+        scene = _beside_recording(file, pair, recording, map=map, at=at)
     else:
-        assembled = assemble(file, path=pair, seed=seed or 0)
-        with watched(2 * positions(assembled.pair), "turning the gears") as progress:
-            scene = scene_of(
-                assembled,
-                name=file.name,
-                path=pair,
-                condition=Condition(
-                    flank="coast" if flank == FlankChoice.coast else "drive", torque=file.torque_nm * NM
-                ),
-                at_deg=at,
-                seed=seed or 0,
-                progress=progress,
-            )
+        scene = _as_asked(file, pair, at=at, flank=flank, seed=seed or 0)
     text = page_text(document(scene))
     write_text(target, text)
     if str(target) != "-":
@@ -90,3 +68,40 @@ def view(
         for remark in scene.remarks:
             console.print(f"note: {remark}", style="yellow", highlight=False, soft_wrap=True)
     say_written(target, f"{len(text.encode()) / 1e6:.2f} MB, open it in a browser")
+
+
+def _beside_recording(file: PairFile, path: Path, recording: Path, *, map: Path | None, at: float) -> ViewScene:
+    """The pair of the ``file`` at ``path`` under the condition of a recording, with its mismatch."""
+    from gearpoly.diagnose.compare_as_built import compare_as_built
+    from gearpoly.recording.map_file import read_map
+    from gearpoly.recording.read import read_recording
+    from gearpoly.report.progress import steps, watched
+    from gearpoly.view.scene import positions, scene_beside
+
+    with steps() as step:
+        step("reading")
+        read = read_recording(recording, worm=file.worm, chart=None if map is None else read_map(map))
+        comparison = compare_as_built(file, [read], path=path, step=step)
+    with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
+        return scene_beside(comparison, path=path, at_deg=at, progress=progress)
+
+
+def _as_asked(file: PairFile, path: Path, *, at: float, flank: FlankChoice | None, seed: int) -> ViewScene:
+    """The pair of the ``file`` at ``path`` under its own torque, its chance decided by ``seed``."""
+    from gearpoly.assemble import assemble
+    from gearpoly.mesh.condition import Condition
+    from gearpoly.report.progress import watched
+    from gearpoly.units import NM
+    from gearpoly.view.scene import positions, scene_of
+
+    assembled = assemble(file, path=path, seed=seed)
+    with watched(2 * positions(assembled.pair), "turning the gears") as progress:
+        return scene_of(
+            assembled,
+            name=file.name,
+            path=path,
+            condition=Condition(flank="coast" if flank == FlankChoice.coast else "drive", torque=file.torque_nm * NM),
+            at_deg=at,
+            seed=seed,
+            progress=progress,
+        )

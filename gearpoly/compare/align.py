@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.among import counted_with, further_on
-from gearpoly.compare.curve import MESH_ORDERS, Curve, Cycle, Misfit, folded, without_ramp
-from gearpoly.compare.place import Attempt, Place, are_apart, is_worse
+from gearpoly.compare.curve import MESH_ORDERS, Cycle, Misfit, RecordedCurve, folded, without_ramp
+from gearpoly.compare.place import Attempt, Laying, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
 CANDIDATES = 12
@@ -30,7 +30,7 @@ first few."""
 OUTSIDE = 4
 """Places that are refined whatever is stated: they show whether the curves alone would have found the teeth."""
 
-COARSE = 40_000
+COARSE_PLACES = 40_000
 """Places of the hunting cycle while candidates are compared; the final fit sees up to ``curve.FOLDED``."""
 
 SLACK = 0.6
@@ -45,21 +45,21 @@ PHASED = 0.1
 DIPS = 16
 """Places within a pitch from which the best is refined; dips are a tenth of a pitch wide, as corners are."""
 
-TOLD = 1.0
+TOLD_CHI2 = 1.0
 """Sigmas squared by which some turns must fit worse than others for the simulation to tell them."""
 
 WARY = 12
 """Mesh orders in doubt where the standard error is asked for. Corners place the teeth, and where laws of compliance put
 them differs by as much as these orders can tell."""
 
-STRETCHES = 32
+STRETCHES_PER_MESH = 32
 """Of a mesh, within each of which the simulation misses the mean tooth alike: half a wave of what ``WARY`` leaves."""
 
 PROBES = (-0.25, 0.25, 0.5)
 """Pitches beside the place found at which the curves must fit worse; the standard error only knows how sharp the
 place itself is."""
 
-SURE = 2.5
+TURNS_SIGMAS = 2.5
 """Standard errors by which those must fit worse: they are few, and not chosen by their fit."""
 
 SHARP = 5.0
@@ -68,7 +68,7 @@ SHARP = 5.0
 GAUGE = 0.2 * UM
 """mm. No tooth is known better, whatever its file says: the uncertainty of a good gauge."""
 
-QUIET = 0.02 * UM
+LEAST_MISFIT = 0.02 * UM
 """mm. Misfit is never taken to be less than what the template itself misses; a perfect curve would have no scale."""
 
 
@@ -83,32 +83,32 @@ class Laid:
     ``numbered``: so does the tooth, given what is stated, and ``certain``: without anything stated.
     """
 
-    best: Place
+    best: Laying
     std: float
     offset_std: float
     spread: tuple[float, float]
-    rivals: tuple[Place, ...]
-    contradicted: Place | None
+    rivals: tuple[Laying, ...]
+    contradicted: Laying | None
     phased: bool
     numbered: bool
     certain: bool
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class StatedZeros:
     """Whether the present zeros of the driving and the driven shaft are right to half a tooth."""
 
     driving: bool
     driven: bool
 
 
-def lay(curves: tuple[Curve, ...], cycle: Cycle, *, stated: Stated) -> Laid:
+def lay(curves: tuple[RecordedCurve, ...], cycle: Cycle, *, stated: StatedZeros) -> Laid:
     """Find the place of a set of recordings on the hunting cycle of their pair.
 
     All curves go by the same zeros of both shafts, which are right to half a tooth where ``stated`` says so.
     """
     flat = [_level(curve) for curve in curves]
-    coarse = tuple(folded(curve, cycle, places=COARSE) for curve in flat)
+    coarse = tuple(folded(curve, cycle, places=COARSE_PLACES) for curve in flat)
     apart = _turns_apart(coarse, cycle)
     left = [_left(curve, cycle) for curve in coarse]
     # Which tooth is which is asked of the teeth, not of their samples.
@@ -169,27 +169,27 @@ def _chosen(tries: list[Attempt], cycle: Cycle, off: Callable[[Attempt], float])
     return best, [one for one in level if one is not best]
 
 
-def _level(curve: Curve) -> Curve:
+def _level(curve: RecordedCurve) -> RecordedCurve:
     """The curve without its ramp: what goes on for the whole recording cannot be folded."""
     te, _ = without_ramp(curve.theta_2, curve.te)
     return replace(curve, te=te)
 
 
-def _misfit(curve: Curve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
+def _misfit(curve: RecordedCurve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
     in_time = bool(np.all(curve.weight == 1.0))
     return Misfit(curve, cycle, sigma=sigma, in_time=in_time, mesh_orders=mesh_orders)
 
 
-def _left(curve: Curve, cycle: Cycle) -> tuple[float, float]:
+def _left(curve: RecordedCurve, cycle: Cycle) -> tuple[float, float]:
     """What the best place on the grid leaves of a curve in mm: rms by samples, and by teeth.
 
     Teeth that nobody inspected leave the same in every turn, and a thousand samples of one tooth are one. So the
     second is the variance of sums over a tooth, of both gears, per sample in them.
     """
-    fit = _misfit(curve, cycle, QUIET)
+    fit = _misfit(curve, cycle, LEAST_MISFIT)
     misfit = fit.over_all_shifts()
     best = int(np.argmin(misfit))
-    of_samples = max(float(misfit[best]) / fit.count, QUIET**2)
+    of_samples = max(float(misfit[best]) / fit.count, LEAST_MISFIT**2)
     r = fit.residual(best * cycle.step)
     left = curve.weight * (r - fit.drawn(fit.explained(r)))
     _, *teeth = fit.labels(best * cycle.step)
@@ -214,7 +214,7 @@ def _phase(one: Attempt, wary: list[Misfit]) -> tuple[float, float, bool]:
     scattered, offset_std = doubted.errors()
     std = math.hypot(scattered, _common(doubted))
     told = std < PHASED * one.cycle.pitch and all(
-        is_worse(one.moved(part * one.cycle.pitch), one, one.cycle, sigmas=SURE) for part in PROBES
+        is_worse(one.moved(part * one.cycle.pitch), one, one.cycle, sigmas=TURNS_SIGMAS) for part in PROBES
     )
     return std, offset_std, told
 
@@ -222,16 +222,16 @@ def _phase(one: Attempt, wary: list[Misfit]) -> tuple[float, float, bool]:
 def _common(one: Attempt) -> float:
     """Standard error of the shift in rad that no number of teeth averages out: what the simulation lacks of the mean
     tooth, independent from stretch to stretch of the mesh, beyond twice what scattered meshes would sum up to."""
-    curvature, places = 0.0, one.cycle.meshes * STRETCHES
+    curvature, places = 0.0, one.cycle.meshes * STRETCHES_PER_MESH
     cells = np.zeros(places)
     for fit, more in zip(one.fits, one.turns.tolist(), strict=True):
         r, t = fit.residual(one.shift + more), fit.slope(one.shift + more)
         left, rest = (x - fit.drawn(fit.explained(x)) for x in (r, t))
         score = fit.curve.weight * rest / fit.sigma**2
         curvature += float(score @ t)
-        place = np.floor((fit.curve.theta_2 - one.shift - more) * (STRETCHES / one.cycle.pitch))
+        place = np.floor((fit.curve.theta_2 - one.shift - more) * (STRETCHES_PER_MESH / one.cycle.pitch))
         cells += np.bincount(np.mod(place, places).astype(np.int64), score * left, places)
-    stretches = cells.reshape(-1, STRETCHES).sum(axis=0)
+    stretches = cells.reshape(-1, STRETCHES_PER_MESH).sum(axis=0)
     spread = max(float(stretches @ stretches - 2.0 * (cells @ cells)), 0.0)
     return math.sqrt(spread) / curvature if curvature > 0.0 else math.inf
 
@@ -248,7 +248,7 @@ def _spread(misfit: FloatArray, cycle: Cycle, best: float) -> tuple[float, float
     return out[0], out[1]
 
 
-def _turns_apart(curves: tuple[Curve, ...], cycle: Cycle) -> IntArray:
+def _turns_apart(curves: tuple[RecordedCurve, ...], cycle: Cycle) -> IntArray:
     """Whole driven turns (recordings,) by which each recording's count differs from the first counted one's, modulo the
     cycle; -1 where its transmission error does not tell.
 
@@ -289,7 +289,7 @@ def _total(fits: list[Misfit], cycle: Cycle, apart: IntArray) -> tuple[FloatArra
             turns[k] = turns[same]
         else:
             ways = [np.roll(misfit, -n * turn) for n in range(cycle.size // math.gcd(turn, cycle.size))]
-            blind = float(np.max(np.ptp(ways, axis=0))) < TOLD
+            blind = float(np.max(np.ptp(ways, axis=0))) < TOLD_CHI2
             known = further_on(fit.curve, [(turns[j], fits[j].curve) for j in range(k)], cycle, blind=blind)
             turns[k] = np.argmin(ways, axis=0) * turn if known is None else known
         total += misfit[(index + turns[k]) % cycle.size]
@@ -305,7 +305,7 @@ def _zeros(shift: float | FloatArray, offset: float | FloatArray, cycle: Cycle) 
 
 
 def _reach(
-    shift: float | FloatArray, offset: float | FloatArray, curve: Curve, cycle: Cycle, stated: Stated
+    shift: float | FloatArray, offset: float | FloatArray, curve: RecordedCurve, cycle: Cycle, stated: StatedZeros
 ) -> FloatArray:
     """How far a place lies from the stated zeros, the larger of both shafts in pitches; 0 where none is stated."""
     driving, driven = _zeros(shift, offset, cycle)
@@ -321,7 +321,7 @@ def _reach(
     return far
 
 
-def _allowed(fit: Misfit, cycle: Cycle, stated: Stated) -> BoolArray:
+def _allowed(fit: Misfit, cycle: Cycle, stated: StatedZeros) -> BoolArray:
     """Which places (size,) agree with the stated zeros; the nearest ones where none does."""
     far = _reach(
         np.arange(cycle.size, dtype=np.float64) * cycle.step,
@@ -333,7 +333,7 @@ def _allowed(fit: Misfit, cycle: Cycle, stated: Stated) -> BoolArray:
     return far <= max(SLACK, float(np.min(far)) + SLACK - 0.5)
 
 
-def _off(one: Attempt, fit: Misfit, cycle: Cycle, stated: Stated) -> float:
+def _off(one: Attempt, fit: Misfit, cycle: Cycle, stated: StatedZeros) -> float:
     """How far a refined place lies from the stated zeros, in pitches."""
     return float(_reach(one.shift, fit.level - fit.curve.template.mean, fit.curve, cycle, stated))
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from gearpoly.compare.entries import Entry
 from gearpoly.keys.also_turns import HALF_A_LINE, Part, lines_at
 
-SURE = 3.0
+SAME_ORDER_SIGMAS = 3.0
 """Standard errors of an order within which it may be a part's."""
 
 
@@ -36,7 +36,7 @@ def _with_parts(
     if order is None or longest is None or turns[longest] <= 0.0:
         return entry
     std = (entry.order_std or 0.0) / (entry.order or 1.0) + (entry.hz_std or 0.0) / (entry.hz or 1.0)
-    length = min(turns[longest], HALF_A_LINE / max(SURE * std * order, 1e-300))
+    length = min(turns[longest], HALF_A_LINE / max(SAME_ORDER_SIGMAS * std * order, 1e-300))
     return replace(entry, parts=lines_at(tuple(parts), order, turns=length))
 
 

@@ -8,26 +8,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gearpoly.compare.curve import Curve, Cycle
+from gearpoly.compare.curve import Cycle, RecordedCurve
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray
 
-ALIKE = 0.5
+LEAST_CORRELATION = 0.5
 """Least correlation of the two recordings, mesh by mesh, at the place taken."""
 
-CLEARLY = 4.0
+MORE_ALIKE_SIGMAS = 4.0
 """Standard errors by which the place taken must be more alike than any other."""
 
 PERFECT = 1.0 - 1e-12
 """Correlation of a recording with itself, short of what has no transformation."""
 
-LEAST = 8
+LEAST_MESHES = 8
 """Least meshes from which a correlation means anything."""
 
 COVERED = 0.5
 """Part of the hunting cycle's meshes that both recordings must hold."""
 
-REPEATED = 2
+REPEATED_TURNS = 2
 """Turns from which on what a tooth of the shaft that turned wholly makes in the mean is known apart from its mates."""
 
 
@@ -75,13 +75,15 @@ def _zeroed(recording: Recording) -> bool:
     return bool(known[0] == 0.0 or abs(float(np.mean(known))) < ZEROED * float(np.std(known)))
 
 
-def counted_with(curves: Sequence[Curve], k: int) -> int | None:
+def counted_with(curves: Sequence[RecordedCurve], k: int) -> int | None:
     """An earlier one of the ``curves`` whose count of turns is that of number ``k``; None where there is none."""
     count = curves[k].count
     return next((j for j in range(k) if curves[j].count == count), None) if count >= 0 else None
 
 
-def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cycle, *, blind: bool) -> IntArray | None:
+def further_on(
+    other: RecordedCurve, among: Sequence[tuple[IntArray, RecordedCurve]], cycle: Cycle, *, blind: bool
+) -> IntArray | None:
     """Steps (size,) of the cycle that ``other`` lies further on, told by the recordings ``among`` which it lies, each
     with its own steps; None where none tells it clearly. ``blind``: nothing else tells, so the most alike will do, or
     else the angles as they read."""
@@ -93,7 +95,7 @@ def further_on(other: Curve, among: Sequence[tuple[IntArray, Curve]], cycle: Cyc
     return among[0][0] if blind else None
 
 
-def turns_between(first: Curve, other: Curve, cycle: Cycle) -> Turns | None:
+def turns_between(first: RecordedCurve, other: RecordedCurve, cycle: Cycle) -> Turns | None:
     """How many turns of its encoder's shaft ``other`` lies further on than ``first``; None where they are alike
     nowhere. Both count from the same zero.
 
@@ -105,27 +107,27 @@ def turns_between(first: Curve, other: Curve, cycle: Cycle) -> Turns | None:
     if first.template.flank != other.template.flank:
         return None
     one, two = _by_mesh(first, cycle), _by_mesh(other, cycle)
-    if min(np.count_nonzero(np.isfinite(means)) for means in (one, two)) >= REPEATED * other.turn:
+    if min(np.count_nonzero(np.isfinite(means)) for means in (one, two)) >= REPEATED_TURNS * other.turn:
         one, two = _of_the_mate(one, other.turn), _of_the_mate(two, other.turn)
     ways = cycle.meshes // math.gcd(other.turn, cycle.meshes)
     alike, count = np.full(ways, -1.0), np.zeros(ways)
     for n in range(ways):
         there = np.roll(two, -n * other.turn)
         both = np.isfinite(one) & np.isfinite(there)
-        if np.count_nonzero(both) < max(COVERED * cycle.meshes, LEAST):
+        if np.count_nonzero(both) < max(COVERED * cycle.meshes, LEAST_MESHES):
             continue
         a, b = one[both] - one[both].mean(), there[both] - there[both].mean()
         size = math.sqrt(float(a @ a) * float(b @ b))
         alike[n], count[n] = float(a @ b) / size if size > 0.0 else -1.0, a.size
     order: list[int] = np.argsort(-alike, kind="stable").tolist()
     best, *others = order
-    if alike[best] <= ALIKE:
+    if alike[best] <= LEAST_CORRELATION:
         return None
     if not others:
         return Turns(best, clear=True)
     # Fisher (1921): the inverse hyperbolic tangent of a correlation is normal, its variance 1/(n - 3).
     sure, doubt = np.arctanh(np.clip(alike[[best, others[0]]], -PERFECT, PERFECT))
-    return Turns(best, clear=float(sure - doubt) / math.sqrt(2.0 / (count[best] - 3.0)) > CLEARLY)
+    return Turns(best, clear=float(sure - doubt) / math.sqrt(2.0 / (count[best] - 3.0)) > MORE_ALIKE_SIGMAS)
 
 
 def _of_the_mate(means: FloatArray, turn: int) -> FloatArray:
@@ -136,7 +138,7 @@ def _of_the_mate(means: FloatArray, turn: int) -> FloatArray:
     return np.asarray((turns - mean).ravel())
 
 
-def _by_mesh(curve: Curve, cycle: Cycle) -> FloatArray:
+def _by_mesh(curve: RecordedCurve, cycle: Cycle) -> FloatArray:
     """Mean transmission error (meshes,) in mm of every mesh of the hunting cycle; nan where none was recorded."""
     mesh = np.mod(np.floor(curve.theta_2 / cycle.pitch), cycle.meshes).astype(np.int64)
     weight = np.bincount(mesh, weights=curve.weight, minlength=cycle.meshes)

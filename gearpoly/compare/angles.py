@@ -22,7 +22,7 @@ off teeth that lean by 30 um that the fit ends elsewhere (`tests/test_contest.py
 TELLS = 100_000
 """Samples, the first ones, from which the shares of noise are taken."""
 
-SURE = 3.0
+NOISIER_SIGMAS = 3.0
 """Standard errors by which one shaft's reading has to be the noisier; else each is taken to have half of the noise."""
 
 
@@ -44,6 +44,6 @@ def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> f
     a, b = np.diff(theta_2[:TELLS], 2), ratio * np.diff(theta_1[:TELLS], 2)
     noise, motion = a - b, 0.5 * (a + b)
     product, power = float(noise @ motion), float(noise @ noise)
-    if power == 0.0 or abs(product) < SURE * math.sqrt(power * float(motion @ motion) / max(a.size, 1)):
+    if power == 0.0 or abs(product) < NOISIER_SIGMAS * math.sqrt(power * float(motion @ motion) / max(a.size, 1)):
         return 0.5
     return min(max(0.5 + product / power, 0.0), 1.0)

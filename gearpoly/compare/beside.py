@@ -26,7 +26,7 @@ from gearpoly.mesh.pair import Flank
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import FloatArray
 
-COARSE = 0.1
+ROUNDING_TOLD = 0.1
 """Part of what a recording differs by, rms, from which the rounding of its readings is worth a word: it then holds a
 hundredth of the mean square."""
 
@@ -138,7 +138,7 @@ class Aligned:
     def stepped(self) -> bool:
         """Whether the readings' rounding may make waves of any order: it is a good part of the mismatch, and samples
         come so evenly that it follows a pattern."""
-        if self.rounding < COARSE * self.rms:
+        if self.rounding < ROUNDING_TOLD * self.rms:
             return False
         angles = zip((self.theta_1, self.theta_2), self.steps, strict=True)
         return any(even_rate(angle, rounding=(step or 0.0) / math.sqrt(12.0)) is not None for angle, step in angles)

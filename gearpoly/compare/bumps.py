@@ -28,10 +28,10 @@ REACH = 2.0
 PER_HARMONIC = 4
 """Moments of the round at which a bump is tried, per harmonic."""
 
-NEAR = 4
+FEET_PLACES = 4
 """Places, half a line each or less, within which a stronger train may have its feet."""
 
-PLACES, PLACED = 41, 1.5
+TRAIN_PLACES, PLACED = 41, 1.5
 """Frequencies at which a train is placed, and the lines of the last harmonic within which they lie: where the first few
 harmonics hold most, the last says little."""
 
@@ -68,7 +68,7 @@ def find_bumps(lines: list[Lines], *, step: float, share: float) -> Train | None
                 others = _log_sum(parts, 1)
                 own = np.all([part[2] for part in parts], axis=0)
                 # Beside a train that repeats with the pair stand its feet.
-                beaten = minimum_filter1d(np.where(own, log_false, 0.0), 2 * NEAR + 1) < log_false
+                beaten = minimum_filter1d(np.where(own, log_false, 0.0), 2 * FEET_PLACES + 1) < log_false
                 log_false[(others > math.log(OTHERS)) | own | beaten] = 0.0
                 best = likelier(best, log_false, last, step=step, count=most, recordings=recordings)
     return best
@@ -134,7 +134,7 @@ def followed(train: Train, heard: list[Heard]) -> Train | None:
     """The train with its frequency as the bumps of all recordings tell it; ``None`` where they do not come all along
     any record."""
     most = max(float(np.ptp(one.x)) for one in heard) * train.count
-    near = train.frequency + np.linspace(-PLACED, PLACED, PLACES) / most
+    near = train.frequency + np.linspace(-PLACED, PLACED, TRAIN_PLACES) / most
     gains = [sum(float(np.max(np.sum(_struck(f, one), axis=0) ** 2)) / one.x.size for one in heard) for f in near]
     frequency = float(near[int(np.argmax(gains))])
     if not any(_lasts(_struck(frequency, one)) for one in heard):

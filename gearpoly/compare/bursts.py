@@ -13,11 +13,11 @@ from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.infer.chance import log_tail
 from gearpoly.units import UM, FloatArray
 
-SHORTEST, LONGEST = 32, 16
+SHORTEST_BURST, LONGEST_BURST = 32, 16
 """Samples of the shortest stretch that is looked at, and the part of a recording of the longest: what shakes longer is
 noise of this recording."""
 
-STEPS = 4
+STARTS_PER_LENGTH = 4
 """Places within its length at which a stretch begins."""
 
 LOUDER, OUTSTANDING = 1.3, 8.0
@@ -27,15 +27,15 @@ their own spread: noise that wanders has many such stretches, a burst is one of 
 MEDIAN_OF_SQUARE = 0.455
 """Median of the square of a standard normal number."""
 
-MOST = 3
+MOST_BURSTS = 3
 """Bursts of a recording beyond which its noise wanders, and none is told."""
 
-SURELY = math.log(1e-6)
+BURST_LOG_FALSE = math.log(1e-6)
 """Log of the expected number of as loud stretches in a recording of noise, at most: tails of real noise are heavier
 than those of normal numbers, and of 53 healthy recordings of a bench three had a stretch of one in 1e5 to 1e12 that
 corners make as teeth meet."""
 
-SEEN = 3.0
+BURST_SIGMAS = 3.0
 """Standard errors that a burst's amplitude has to be: where noise is coloured, stretches are loud once white whose own
 mean square is no more than usual."""
 
@@ -70,26 +70,26 @@ def burst_entries(k: int, data: AlignedResidual, left: FloatArray, noise: Noise,
         free[max(0, one.first - around) : one.last + around] = False
         if _comes_again(data.u, square, one, period=period):
             continue
-        if len(found) == MOST:
+        if len(found) == MOST_BURSTS:
             return []
         found.append(one)
     entries = [
         replace(_entry(k, data, left, white, noise, one), rivals=_meeting(data.u, one, period=period)) for one in found
     ]
-    return [e for e in entries if (e.amplitude_um or 0.0) > SEEN * (e.std_um or 0.0)]
+    return [e for e in entries if (e.amplitude_um or 0.0) > BURST_SIGMAS * (e.std_um or 0.0)]
 
 
 def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> _Stretch | None:
     """The stretch of ``free`` samples that chance makes least likely, if it is hardly chance."""
     sums = np.concatenate(([0.0], np.cumsum(np.where(free, square, 0.0))))
     kept = np.concatenate(([0], np.cumsum(free)))
-    lengths = [SHORTEST * 2**i for i in range(64) if SHORTEST * 2**i <= square.size // LONGEST]
+    lengths = [SHORTEST_BURST * 2**i for i in range(64) if SHORTEST_BURST * 2**i <= square.size // LONGEST_BURST]
     best: _Stretch | None = None
-    tests = sum(STEPS * square.size / length for length in lengths)
+    tests = sum(STARTS_PER_LENGTH * square.size / length for length in lengths)
     for length in lengths:
-        starts = np.arange(0, square.size - length + 1, length // STEPS)
+        starts = np.arange(0, square.size - length + 1, length // STARTS_PER_LENGTH)
         starts = starts[kept[starts + length] - kept[starts] == length]
-        if starts.size < LONGEST:
+        if starts.size < LONGEST_BURST:
             continue
         loud = (sums[starts + length] - sums[starts]) / length
         middle = float(np.median(loud))
@@ -98,7 +98,7 @@ def _loudest(square: FloatArray, free: np.ndarray[tuple[int, ...], np.dtype[np.b
         if loud[at] < LOUDER * middle or loud[at] - middle < OUTSTANDING * spread:
             continue
         log_false = math.log(tests) + log_tail(length * loud[at] / max(1.0, middle), length)
-        if log_false < SURELY and (best is None or log_false < best.log_false):
+        if log_false < BURST_LOG_FALSE and (best is None or log_false < best.log_false):
             best = _Stretch(first=int(starts[at]), last=int(starts[at]) + length, log_false=log_false)
     return best
 
@@ -109,7 +109,7 @@ def _comes_again(u: FloatArray, square: FloatArray, one: _Stretch, *, period: fl
     usual = float(np.median(square)) / MEDIAN_OF_SQUARE
     for later in (period, -period):
         first, last = np.searchsorted(u, (u[one.first] + later, u[one.last - 1] + later))
-        if last - first > SHORTEST // 2 and float(np.mean(square[first:last])) > LOUDER * usual:
+        if last - first > SHORTEST_BURST // 2 and float(np.mean(square[first:last])) > LOUDER * usual:
             return True
     return False
 

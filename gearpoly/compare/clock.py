@@ -27,7 +27,7 @@ below the sidereal one, and lines of four mounts lay within 3e-3 of whole orders
 FASTEST = 4e-3
 """Relative rate by which it is asked at most."""
 
-PRESENT = 0.1
+ORDER_SHOWS = 0.1
 """Prior probability that a whole order of a shaft, or the mesh, shows a line at all: of 120 orders of a worm's turn a
 guide log shows about a dozen."""
 
@@ -38,17 +38,17 @@ STEP = 0.25
 """Cycles of the highest order over the whole recording by which the angle changes from one trial to the next: a line
 loses a twentieth of its power by half of that."""
 
-TRIALS = 161
+PARAMETER_TRIALS = 161
 """Most trials of either parameter; a night of ten hours with pulses of one per cent takes as many."""
 
-SWELLS = 0.1
+LINE_SWELLS = 0.1
 """Part of itself by which a line swells and sways along a recording: no drive repeats better, and a line that stands
 out a thousandfold would else count the last ten-thousandth of its power, which other lines and the drift leak into."""
 
-WIDE = 8.0
+BACKGROUND_WIDTH = 8.0
 """Lines of the recording's own width on either side from which the background at an order is taken."""
 
-SLOW = 6
+SKY_DEGREE = 6
 """Degree of the polynomial in time that is no line: refraction, and an axis that is not aimed at the pole."""
 
 LARGEST = 20_000
@@ -105,22 +105,22 @@ def found(angle: FloatArray, pulses: FloatArray, te: FloatArray, *, teeth: int, 
     # Orders that this recording does not resolve (the taper's line is two lines wide) are places of one line.
     first = np.flatnonzero(np.diff(comb, prepend=-math.inf) > 2.0 * mate / length)
     x = np.linspace(-1.0, 1.0, turns.size)
-    slow = np.polynomial.legendre.legvander((turns - turns[0]) / length * 2.0 - 1.0, SLOW)
+    slow = np.polynomial.legendre.legvander((turns - turns[0]) / length * 2.0 - 1.0, SKY_DEGREE)
     left = te - slow @ np.linalg.lstsq(slow, te, rcond=None)[0]
     taper = 0.5 + 0.5 * np.cos(math.pi * x)
     share = _trials(0.0, 1.0, highest * float(np.ptp(more)))
     rate = _trials(1.0 - FASTEST, 1.0 + FASTEST, 2.0 * FASTEST * highest * length) if timed else np.ones(1)
-    count = int(comb.max(initial=1)) + math.ceil(WIDE * mate / length) + 1
+    count = int(comb.max(initial=1)) + math.ceil(BACKGROUND_WIDTH * mate / length) + 1
 
     def power(share: float, rate: float) -> FloatArray:
         return Grid(rate * turns + share * more, step=1.0 / mate, count=count).power(taper * left)
 
     # A smeared line is background to its neighbours, so the background is the least that any share leaves.
     seen = np.array([power(one, 1.0) for one in (0.0, 0.5, 1.0)])
-    wide, near = (2 * max(1, round(lines * mate / length)) + 1 for lines in (WIDE, 2.0))
+    wide, near = (2 * max(1, round(lines * mate / length)) + 1 for lines in (BACKGROUND_WIDTH, 2.0))
     # The power of noise is exponential: its median is log 2 of its mean.
     background = np.min(median_filter(seen, size=(1, wide), mode="nearest"), axis=0) / math.log(2.0)
-    background += SWELLS**2 * np.max(maximum_filter(seen, size=(1, near), mode="nearest"), axis=0)
+    background += LINE_SWELLS**2 * np.max(maximum_filter(seen, size=(1, near), mode="nearest"), axis=0)
     log = np.array([[_evidence((power(s, r) / background)[comb], first) for r in rate] for s in share])
     log -= 0.5 * ((rate - 1.0) / RATE_STD)[None, :] ** 2
     at = np.unravel_index(int(np.argmax(log)), log.shape)
@@ -151,17 +151,17 @@ def _comb(teeth: int, mate: int, highest: float, *, lowest: float) -> IntArray:
 
 def _trials(low: float, high: float, cycles: float) -> FloatArray:
     """Values from ``low`` to ``high`` that are ``STEP`` of the ``cycles`` between the ends apart."""
-    return np.linspace(low, high, min(TRIALS, max(3, 2 * math.ceil(0.5 * cycles / STEP) + 1)))
+    return np.linspace(low, high, min(PARAMETER_TRIALS, max(3, 2 * math.ceil(0.5 * cycles / STEP) + 1)))
 
 
 def _evidence(power: FloatArray, first: IntArray) -> float:
     """Log evidence of lines at orders with ``power`` over the background, against none anywhere.
 
-    In each stretch of orders, that begin at ``first``, one line is there with probability ``PRESENT``, at any of them
-    alike; its power is then exponential about ``STRENGTH`` (the marginal likelihood of a wave of normal cosine and sine
-    in normal noise).
+    In each stretch of orders, that begin at ``first``, one line is there with probability ``ORDER_SHOWS``, at any of
+    them alike; its power is then exponential about ``STRENGTH`` (the marginal likelihood of a wave of normal cosine and
+    sine in normal noise).
     """
     there = power * STRENGTH / (1.0 + STRENGTH) - math.log1p(STRENGTH)
     many = np.diff(first, append=power.size)
     one = np.logaddexp.reduceat(there, first) - np.log(many)
-    return float(np.sum(np.logaddexp(math.log1p(-PRESENT), math.log(PRESENT) + one)))
+    return float(np.sum(np.logaddexp(math.log1p(-ORDER_SHOWS), math.log(ORDER_SHOWS) + one)))

@@ -16,7 +16,7 @@ Rows = slice | IntArray
 """Some samples."""
 
 
-class Part(Protocol):
+class SomeColumns(Protocol):
     """Some columns over the n samples of one recording."""
 
     @property
@@ -32,7 +32,7 @@ class Part(Protocol):
     def rows(self, at: Rows) -> FloatArray:
         """The columns at some samples: (k, m)."""
 
-    def changed(self, before: Part) -> BoolArray:
+    def changed(self, before: SomeColumns) -> BoolArray:
         """At which samples (n,) the columns are not those of ``before``."""
 
 
@@ -55,7 +55,7 @@ class Dense:
     def rows(self, at: Rows) -> FloatArray:
         return np.asarray(self.columns[at])
 
-    def changed(self, before: Part) -> BoolArray:
+    def changed(self, before: SomeColumns) -> BoolArray:
         everywhere = np.ones(len(self.columns), dtype=np.bool_)
         if not isinstance(before, Dense) or self.columns.shape != before.columns.shape:
             return everywhere
@@ -64,7 +64,7 @@ class Dense:
         return np.asarray(np.any(self.columns != before.columns, axis=1))
 
 
-HELD = 2**23
+HELD_VALUES = 2**23
 """Values of cosines and sines that are held, 64 MB: the 40 waves at most of a search fit, over its 40960 samples, twice
 over. Of more samples they are made piece by piece at each use. A judgement."""
 
@@ -104,7 +104,7 @@ class Waves:
     def rows(self, at: Rows) -> FloatArray:
         return cosine_and_sine(self.x[at], self.frequency) if self.held is None else self.held[at]
 
-    def changed(self, before: Part) -> BoolArray:
+    def changed(self, before: SomeColumns) -> BoolArray:
         same = isinstance(before, Waves) and self.x is before.x and np.array_equal(self.frequency, before.frequency)
         return np.full(self.x.size, not same)
 
@@ -112,7 +112,7 @@ class Waves:
 def waves(x: FloatArray, frequency: FloatArray, *, before: Waves | None = None) -> Waves:
     """Waves of ``frequency`` (k,) over ``x`` (n,); columns that the waves ``before`` hold too are not made again, since
     a search fits the same waves many times."""
-    if 2 * frequency.size * x.size > HELD:
+    if 2 * frequency.size * x.size > HELD_VALUES:
         return Waves(x=x, frequency=frequency, held=None)
     if before is None or before.held is None or before.x is not x:
         return Waves(x=x, frequency=frequency, held=cosine_and_sine(x, frequency))
@@ -158,7 +158,7 @@ class Scattered:
             out[rows, index] += value
         return out
 
-    def changed(self, before: Part) -> BoolArray:
+    def changed(self, before: SomeColumns) -> BoolArray:
         if not isinstance(before, Scattered) or self.index.shape != before.index.shape:
             return np.ones(self.index.shape[1], dtype=np.bool_)
         return np.asarray(np.any((self.index != before.index) | (self.value != before.value), axis=0))

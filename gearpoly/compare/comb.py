@@ -17,7 +17,7 @@ from gearpoly.compare.describe import GEARS
 from gearpoly.compare.entries import Entry, named
 from gearpoly.units import FloatArray
 
-FEWEST = 8
+FEWEST_ORDERS = 8
 """Orders that a comb has at least: fewer hardly make anything as narrow as a tooth."""
 
 DRAWS = 999
@@ -42,7 +42,7 @@ def of_one_tooth(
     out = list(entries)
     for gear, name in enumerate(GEARS):
         lines = [k for k, one in enumerate(out) if one.gear == name and _is_line(one)]
-        if len(lines) < FEWEST:
+        if len(lines) < FEWEST_ORDERS:
             continue
         found = _place([out[k] for k in lines], z=z[gear])
         if found is None:

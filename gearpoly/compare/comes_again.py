@@ -26,7 +26,7 @@ OVERLAP = 0.9
 """Part of the longer of two recordings that both have to hold for their slow courses to be one: ends of runs, where
 speeds change, are cut by a few hundredths."""
 
-ALIKE = 0.9
+SAME_COURSE = 0.9
 """Correlation from which two slow courses are one; two drifts of three terms each reach it by chance one time in
 ten, and every further run has to reach it too."""
 
@@ -74,17 +74,17 @@ def of_the_teeth(
     loud = [_Loud(s, s.noise.whitened(left)) for s, left in zip(states, solution.left, strict=True)]
     while places:
         first = max(places, key=lambda p: p.entry.gain)
-        search = states[first.k].search
-        same = [p for p in places if _meets(first, p, again=search.period)]
+        sampling = states[first.k].sampling
+        same = [p for p in places if _meets(first, p, again=sampling.period)]
         if len({p.k for p in same}) < 2:
             others.append(first.entry)
             places.remove(first)
             continue
-        met = {gear: _met(z, same, loud) for gear, z in ((1, search.z_1), (2, search.z_2))}
+        met = {gear: _met(z, same, loud) for gear, z in ((1, sampling.z_1), (2, sampling.z_2))}
         # The gear whose tooth shook at most other meetings; else the driven one, whose teeth meet less often.
         own = 1 if _rank(met[1]) > _rank(met[2]) else 2
         if met[own]:
-            z = search.z_1 if own == 1 else search.z_2
+            z = sampling.z_1 if own == 1 else sampling.z_2
             same = [p for p in places if _meets(first, p, again=z)]
         places = [p for p in places if p not in same]
         others.append(_tooth(same, states, met, own=own, numbered=numbered, encoder_deg=encoder_deg))
@@ -150,7 +150,7 @@ def _tooth(
     state = states[strongest.k]
     # On the coast flank driving tooth n meets driven tooth n + 1.
     mesh, late = round(strongest.middle), int(state.data.flank == "coast")
-    teeth = {1: mesh % state.search.z_1, 2: (mesh + late) % state.search.z_2}
+    teeth = {1: mesh % state.sampling.z_1, 2: (mesh + late) % state.sampling.z_2}
     names: dict[int, Gear] = {1: "driving", 2: "driven"}
     mate = 3 - own
     called = f"{names[mate]} tooth {teeth[mate]}" if numbered[mate - 1] else f"a tooth of the {names[mate]} gear"
@@ -194,7 +194,7 @@ def of_the_angle(entries: Sequence[Entry], states: Sequence[State], courses: Seq
 def _one_course(k: int, j: int, states: Sequence[State], courses: Sequence[FloatArray]) -> bool:
     """Whether recordings ``k`` and ``j`` hold the same arc on the same flank, and the same slow course over it."""
     a, b = states[k].data, states[j].data
-    period = states[k].search.period
+    period = states[k].sampling.period
     shift = round((a.u[0] - b.u[0]) / period) * period
     low, high = max(a.u[0], b.u[0] + shift), min(a.u[-1], b.u[-1] + shift)
     longer = max(a.u[-1] - a.u[0], b.u[-1] - b.u[0])
@@ -202,7 +202,7 @@ def _one_course(k: int, j: int, states: Sequence[State], courses: Sequence[Float
         return False
     at = np.linspace(low, high, COURSE)
     one, other = np.interp(at, a.u, courses[k]), np.interp(at - shift, b.u, courses[j])
-    return float(np.corrcoef(one, other)[0, 1]) > ALIKE
+    return float(np.corrcoef(one, other)[0, 1]) > SAME_COURSE
 
 
 def _joined(same: list[Entry]) -> Entry:

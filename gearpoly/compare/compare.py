@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from gearpoly.assemble import Assembled, stated_limits
+from gearpoly.assemble import stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.among import means_compare, shared_counts
-from gearpoly.compare.angles import driven_share
 from gearpoly.compare.beside import Aligned, Beside, Comparison
 from gearpoly.compare.clock import turned
-from gearpoly.compare.curve import PITCH_WAVE, Curve, Cycle
+from gearpoly.compare.curve import PITCH_WAVE, Cycle, RecordedCurve
 from gearpoly.compare.locate import locate
 from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
@@ -25,13 +24,13 @@ from gearpoly.compare.remarks import of_other_teeth, remarks, scale_remarks
 from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.compare.stated import refuse_apart, refuse_twins
-from gearpoly.compare.template import Template, templates_of
+from gearpoly.compare.subtract import curve_of, once_only, subtracted
+from gearpoly.compare.template import templates_of
 from gearpoly.compare.turned_over import parted
 from gearpoly.compare.turns import jam_remarks
-from gearpoly.compare.zeros import Alignment, Base, Shafts, base_zeros, settle
+from gearpoly.compare.zeros import Alignment, ShaftsRead, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.nominal import nominal_gears
@@ -39,14 +38,12 @@ from gearpoly.keys.also_turns import parts_of
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
-from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
 from gearpoly.positions import recorded_torque
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.clean import Cleaned
 from gearpoly.recording.clean_set import clean_set
 from gearpoly.recording.load import most_off, relative_load
 from gearpoly.recording.recording import Recording
-from gearpoly.recording.rounding import reading_step
 from gearpoly.units import NM, RPM, UM, FloatArray
 
 LEAST_SAMPLES = 64
@@ -105,48 +102,103 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     recordings = [turned(one, z_1=z_1, z_2=z_2)[0] for one in with_flanks(recordings, file, pair)]
     recordings, scale = put_right(recordings, pair, assembled.encoders)
     base = base_zeros(recordings, z_1=z_1, z_2=z_2)
+    cleaned = _cleaned(recordings, file, pair)
+    torques = [recorded_torque(one.recording, default=file.torque_nm) * NM for one in cleaned]
+    step("turning the gears through a hunting cycle")
+    loads = _loads(cleaned, torques, tau_2=pair.driven.gear.tau)
+    templates = templates_of(assembled, _conditions(cleaned, torques, loads, default_speed=file.pair.speed_rpm))
+    pitch_waves = _pitch_wave(file.driving, file), _pitch_wave(file.driven, file)
+    cycle = Cycle(z_1=z_1, z_2=z_2, per_mesh=templates[0].per_mesh, r_b2=pair.r_b2, pitch_waves=pitch_waves)
+    counts = shared_counts([one.recording for one in cleaned])
+    drifts = _drifts(file, len(cleaned))
+    curves = tuple(curve_of(*each, base, cycle) for each in zip(cleaned, templates, drifts, counts, strict=True))
+    # By the stated zeros, which are good enough to lay what is left on the mesh.
+    before = [
+        once_only(one, c.template, assembled, c.theta_2, load)
+        for one, c, load in zip(cleaned, curves, loads, strict=True)
+    ]
+    curves = tuple(c if more is None else replace(c, te=c.te - more) for c, more in zip(curves, before, strict=True))
+    step("laying the recordings on the simulation")
+    shafts = _shafts(recordings, cleaned, curves, torques)
+    alignment = settle(lay(curves, cycle, stated=base.stated), cycle, base=base, shafts=shafts)
+    aligned = tuple(
+        subtracted(
+            one, curve, alignment, k, torque, assembled, cycle, before[k], loads[k], default_speed=file.pair.speed_rpm
+        )
+        for k, (one, curve, torque) in enumerate(zip(cleaned, curves, torques, strict=True))
+    )
+    parts = parts_of(file.also_turns, z_1=z_1, z_2=z_2)
+    another = of_other_teeth(aligned, parts, z=(z_1, z_2))
+    return Beside(
+        name=file.name,
+        assembled=assembled,
+        aligned=aligned,
+        alignment=alignment,
+        gears=(
+            _known(file.driving, file, alignment.zeros.driving, shafts.direction_1),
+            _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
+        ),
+        remarks=(*jam_remarks(pair), *scale_remarks(scale, another), *remarks(file, aligned, alignment, base)),
+        scale=scale,
+        another=another,
+        parts=parts,
+        worm=file.worm,
+    )
+
+
+def _cleaned(recordings: Sequence[Recording], file: PairFile, pair: GearPair) -> list[Cleaned]:
+    """The recordings cleaned, on one clock, and parted where the drive turns over. Raises ``InputFileError``."""
     cleaned = parted(on_one_clock(clean_set(recordings, ratio=pair.ratio, r_b2=pair.r_b2), pair), file, pair)
     for one in cleaned:
         if one.size < LEAST_SAMPLES:
             wish = f"want at least {LEAST_SAMPLES}, to tell noise from anything"
             raise InputFileError(one.recording.source, found=f"{one.size} usable samples", wish=wish)
     refuse_twins(cleaned)
-    torques = [recorded_torque(one.recording, default=file.torque_nm) * NM for one in cleaned]
-    step("turning the gears through a hunting cycle")
-    stated = [one.recording.speed_rpm or file.pair.speed_rpm for one in cleaned]
+    return cleaned
+
+
+def _loads(cleaned: Sequence[Cleaned], torques: Sequence[float], *, tau_2: float) -> list[FloatArray | None]:
+    """Relative changes (n,) of each recording's torque about ``torques`` in N.mm; ``tau_2`` driven pitch in rad."""
+    return [
+        relative_load(one.torque_nm, torque / NM, meshes=float(np.ptp(one.theta_2)) / tau_2)
+        for one, torque in zip(cleaned, torques, strict=True)
+    ]
+
+
+def _conditions(
+    cleaned: Sequence[Cleaned],
+    torques: Sequence[float],
+    loads: Sequence[FloatArray | None],
+    *,
+    default_speed: float | None,
+) -> list[Condition]:
+    """Under what each recording ran: ``torques`` in N.mm, ``loads`` (n,) their relative changes, speeds in rev/min."""
+    stated = [one.recording.speed_rpm or default_speed for one in cleaned]
     # What swings in a run-up never comes again, so templates are of the mesh alone.
     speeds = [
         None if rpm is None or runs_up(one.theta_2, one.time_s) else rpm * RPM
         for rpm, one in zip(stated, cleaned, strict=True)
     ]
-    loads = [
-        relative_load(one.torque_nm, torque / NM, meshes=float(np.ptp(one.theta_2)) / pair.driven.gear.tau)
-        for one, torque in zip(cleaned, torques, strict=True)
-    ]
-    conditions = [
+    return [
         Condition(flank=one.recording.flank, torque=torque, speed=speed, backward=one.backward, varies=most_off(load))
         for one, torque, speed, load in zip(cleaned, torques, speeds, loads, strict=True)
     ]
-    templates = templates_of(assembled, conditions)
-    cycle = Cycle(
-        z_1=z_1,
-        z_2=z_2,
-        per_mesh=templates[0].per_mesh,
-        r_b2=pair.r_b2,
-        pitch_waves=(_pitch_wave(file.driving, file), _pitch_wave(file.driven, file)),
-    )
-    drifts = file.measurement.thermal_drift_um if file.measurement is not None else ()
-    drifts = (*drifts, *((),) * len(cleaned))[: len(cleaned)]
-    counts = shared_counts([one.recording for one in cleaned])
-    curves = tuple(_curve(*each, base, cycle) for each in zip(cleaned, templates, drifts, counts, strict=True))
-    before = [
-        _further(one, c.template, assembled, c.theta_2, load)
-        for one, c, load in zip(cleaned, curves, loads, strict=True)
-    ]
-    # By the stated zeros, which are good enough to lay what is left on the mesh.
-    curves = tuple(c if more is None else replace(c, te=c.te - more) for c, more in zip(curves, before, strict=True))
-    step("laying the recordings on the simulation")
-    shafts = Shafts(
+
+
+def _drifts(file: PairFile, recordings: int) -> tuple[tuple[float, ...], ...]:
+    """The declared drift (um, Legendre) of each of so many recordings; empty where none is."""
+    stated = file.measurement.thermal_drift_um if file.measurement is not None else ()
+    return (*stated, *((),) * recordings)[:recordings]
+
+
+def _shafts(
+    recordings: Sequence[Recording],
+    cleaned: Sequence[Cleaned],
+    curves: Sequence[RecordedCurve],
+    torques: Sequence[float],
+) -> ShaftsRead:
+    """What the zeros of the set are settled by: which shafts were read, how, on which flank and under which torque."""
+    return ShaftsRead(
         driving=any(one.recording.driving_angle_rad is not None for one in cleaned),
         driven=any(one.recording.driven_angle_rad is not None for one in cleaned),
         direction_1=recordings[0].driving_direction,
@@ -156,148 +208,6 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
         flank=tuple(one.recording.flank for one in cleaned),
         torque=tuple(torques),
     )
-    alignment = settle(lay(curves, cycle, stated=base.stated), cycle, base=base, shafts=shafts)
-    aligned = tuple(
-        _aligned(
-            one, curve, alignment, k, torque, assembled, cycle, before[k], loads[k], default_speed=file.pair.speed_rpm
-        )
-        for k, (one, curve, torque) in enumerate(zip(cleaned, curves, torques, strict=True))
-    )
-    gears = (
-        _known(file.driving, file, alignment.zeros.driving, shafts.direction_1),
-        _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
-    )
-    parts = parts_of(file.also_turns, z_1=z_1, z_2=z_2)
-    another = of_other_teeth(aligned, parts, z=(z_1, z_2))
-    return Beside(
-        name=file.name,
-        assembled=assembled,
-        aligned=aligned,
-        alignment=alignment,
-        gears=gears,
-        remarks=(*jam_remarks(pair), *scale_remarks(scale, another), *remarks(file, aligned, alignment, base)),
-        scale=scale,
-        another=another,
-        parts=parts,
-        worm=file.worm,
-    )
-
-
-def _curve(one: Cleaned, template: Template, drift: tuple[float, ...], count: int, base: Base, cycle: Cycle) -> Curve:
-    """The recording by the set's base zeros instead of its own, a known ``drift`` (um, Legendre) taken off."""
-    recording = one.recording
-    further_1 = recording.driving_direction * ((recording.driving_zero_rad or 0.0) - (base.driving or 0.0))
-    further_2 = recording.driven_direction * ((recording.driven_zero_rad or 0.0) - (base.driven or 0.0))
-    counted = not recording.computed
-    driven = recording.driven_angle_rad is not None
-    theta_2 = one.theta_2 + (further_2 if driven else cycle.ratio * further_1)
-    te = one.te + (further_2 - cycle.ratio * further_1 if counted else 0.0)
-    if drift:
-        x = one.theta_2 if one.time_s is None else one.time_s
-        x = -x if one.backward else x
-        te = te - slow_curves(x, len(drift) + 1)[:, 1:] @ np.array(drift) * (UM / cycle.r_b2)
-    return Curve(
-        theta_2=theta_2,
-        te=te * cycle.r_b2,
-        weight=np.ones(one.size),
-        template=template,
-        turn=cycle.z_2 if driven else cycle.z_1,
-        counted=counted,
-        count=count,
-    )
-
-
-def _swings(one: Cleaned, template: Template, assembled: Assembled, theta_2: FloatArray) -> FloatArray | None:
-    """What a declared resonance adds (n,) in mm in a run-up; ``None`` where there is neither."""
-    if assembled.shafts.frequency is None or one.time_s is None or runs_up(theta_2, one.time_s) is None:
-        return None
-    pair, cycle = assembled.pair, template.cycle
-    te = template.at(np.linspace(0.0, cycle, pair.meshes_per_cycle * SWINGS_PER_MESH, endpoint=False))
-    here = template.at(theta_2)
-    return swings_at(assembled.shafts, te, pair, theta_2, here, speed=None, time=one.time_s, backward=one.backward)
-
-
-def _further(
-    one: Cleaned, template: Template, assembled: Assembled, theta_2: FloatArray, load: FloatArray | None
-) -> FloatArray | None:
-    """What never comes again in a recording (n,) in mm: a run-up through a resonance, changes of torque; ``None`` where
-    there is neither."""
-    swings = _swings(one, template, assembled, theta_2)
-    if load is None:
-        return swings
-    varied = template.varied(theta_2, load)
-    return varied if swings is None else swings + varied
-
-
-def _aligned(
-    one: Cleaned,
-    curve: Curve,
-    alignment: Alignment,
-    k: int,
-    torque: float,
-    assembled: Assembled,
-    cycle: Cycle,
-    before: FloatArray | None,
-    load: FloatArray | None,
-    *,
-    default_speed: float | None,
-) -> Aligned:
-    theta_2 = curve.theta_2 - alignment.shift[k]
-    recorded = curve.te - alignment.offset[k]
-    swings = _swings(one, curve.template, assembled, theta_2)
-    if before is not None:
-        recorded = recorded + before
-    residual = np.empty(theta_2.size)
-    for here in pieces(theta_2.size):
-        residual[here] = recorded[here] - curve.template.at(theta_2[here])
-    if swings is not None:
-        residual -= swings
-        swings.setflags(write=False)
-    if load is not None:
-        residual -= curve.template.varied(theta_2, load)
-        load.setflags(write=False)
-    speed = one.recording.speed_rpm
-    if speed is not None:
-        speed *= RPM
-    elif one.speed_rpm is not None and np.isfinite(one.speed_rpm).any():
-        speed = float(np.nanmean(one.speed_rpm)) * RPM
-    elif one.time_s is not None and one.time_s[-1] > one.time_s[0]:
-        travel = (theta_2[-1] - theta_2[0]) - (recorded[-1] - recorded[0]) / cycle.r_b2
-        speed = float(travel / cycle.ratio / (one.time_s[-1] - one.time_s[0]))
-    elif default_speed is not None:
-        speed = default_speed * RPM
-    return Aligned(
-        cleaned=one,
-        theta_2=theta_2,
-        recorded=recorded,
-        residual=residual,
-        r_b2=cycle.r_b2,
-        flank=one.recording.flank,
-        torque=torque,
-        speed=speed,
-        template=curve.template,
-        swings=swings,
-        load=load,
-        steps=_steps(one),
-        driven_share=_driven_share(one),
-    )
-
-
-def _driven_share(one: Cleaned) -> float:
-    """Part of the noise of single samples that the driven angle has; a transmission error that the rig computed brings
-    its noise to the shaft that was not read."""
-    if one.recording.computed:
-        return float(one.recording.driven_angle_rad is None)
-    return driven_share(one.theta_1, one.theta_2, ratio=one.ratio)
-
-
-def _steps(one: Cleaned) -> tuple[float | None, float | None]:
-    """The steps in rad of both shafts' readings, where they show."""
-    read = one.recording.driving_angle_rad is not None, one.recording.driven_angle_rad is not None
-    first, second = (
-        reading_step(angle) if there else None for angle, there in zip((one.theta_1, one.theta_2), read, strict=True)
-    )
-    return first, second
 
 
 def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResidual:

@@ -85,7 +85,7 @@ class Cycle:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Curve:
+class RecordedCurve:
     """A recorded curve and the simulated one that it is to be laid on.
 
     ``theta_2`` (n,) driven rotation in rad by zeros that are still in doubt, ``te`` (n,) in mm by the same zeros,
@@ -107,7 +107,7 @@ class Curve:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
-def folded(curve: Curve, cycle: Cycle, *, places: int = FOLDED) -> Curve:
+def folded(curve: RecordedCurve, cycle: Cycle, *, places: int = FOLDED) -> RecordedCurve:
     """The curve averaged over equal places of the hunting cycle, of which there are at most about ``places``.
 
     Each place keeps the mean angle of its own samples, so straight stretches stay exact. Curves that would not get
@@ -124,7 +124,7 @@ def folded(curve: Curve, cycle: Cycle, *, places: int = FOLDED) -> Curve:
     weight = np.bincount(index, weights=curve.weight, minlength=size).astype(np.float64)
     held = np.flatnonzero(weight)
     sums = [np.bincount(index, weights=curve.weight * x, minlength=size)[held] for x in (within, curve.te)]
-    return Curve(
+    return RecordedCurve(
         theta_2=held * width + sums[0] / weight[held],
         te=sums[1] / weight[held],
         weight=weight[held],
@@ -176,7 +176,7 @@ class Misfit:
     doubts are weighed against (the rms of what cannot be explained)."""
 
     def __init__(
-        self, curve: Curve, cycle: Cycle, *, sigma: float, in_time: bool, mesh_orders: int = MESH_ORDERS
+        self, curve: RecordedCurve, cycle: Cycle, *, sigma: float, in_time: bool, mesh_orders: int = MESH_ORDERS
     ) -> None:
         self.curve, self.cycle, self.sigma = curve, cycle, sigma
         self.columns, self.sizes = doubts(curve.theta_2, cycle, in_time=in_time, mesh_orders=mesh_orders)

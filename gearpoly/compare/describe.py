@@ -13,9 +13,11 @@ from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
 from gearpoly.compare.jump_search import has_drift
-from gearpoly.compare.lines import SLOWEST, TIE, Peak
+from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel
+from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sampling import SLOWEST
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM, FloatArray
 
@@ -35,14 +37,14 @@ ECHO_GAIN = 0.02
 ECHO_WAVE = 0.1
 """The same beside the largest wave, which moves all contacts a little."""
 
-SEEN = 9.2
+PRESENT_CHI2 = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
 
 SLOW_LINES = 25
 """Turns of the record up to which the noise's wandering is read off for its power law."""
 
-STRETCHES = 4096
+FITTED_STRETCHES = 4096
 """Stretches of the record whose sums stand for it there."""
 
 
@@ -53,8 +55,8 @@ def _wave(search: JointModel, solution: Solution, k: int, peak: Peak) -> tuple[f
     name, peaks = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
     at = search.places[k][name][2 * peaks.index(peak) :][:2]
     ab = solution.beta[at]
-    scale = s.search.per_mesh(peak)
-    rest = float(s.search.rest_at(peak.domain, np.array([peak.frequency]), s.noise)[0][0])
+    scale = s.sampling.per_mesh(peak)
+    rest = float(s.sampling.rest_at(peak.domain, np.array([peak.frequency]), s.noise)[0][0])
     covariance = solution.covariance[np.ix_(at, at)] * rest
     # Means over a stretch make a wave smaller by sin(x)/x; what is reported is the wave itself.
     damped = float(np.sinc(scale * s.data.averaged))
@@ -121,18 +123,18 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     p_value = float((SHARES.faint if peak.faint else share) * math.exp(min(0.0, peak.log_false)))
     s = search.states[k]
     if peak.domain == "time":
-        if peak.frequency * s.search.duration < SLOWEST:
+        if peak.frequency * s.sampling.over("time")[2] < SLOWEST:
             return None  # it has settled where a drift says as much: 4 um of three quarters of a wave were told
         amplitude, std, phase, square = _wave(search, solution, k, peak)
         # Of waves found together the strongest stands for all, and others where they stand out beside it.
-        if peak.faint and square < SEEN and not peak.leads:
+        if peak.faint and square < PRESENT_CHI2 and not peak.leads:
             return None
-        per_hz = s.search.pace * search.z_1
+        per_hz = s.sampling.pace * search.z_1
         rivals: tuple[str, ...] = (
             () if peak.gain - peak.rival > TIE else (f"order {peak.frequency * per_hz:.4g} of the driving shaft",)
         )
-        if peak.gain - peak.image <= TIE and s.search.time_grid is not None:
-            rivals += (f"{abs(s.search.rate - peak.frequency):.4g} Hz, which so few samples show alike",)
+        if peak.gain - peak.image <= TIE and s.sampling.time_grid is not None:
+            rivals += (f"{abs(s.sampling.rate - peak.frequency):.4g} Hz, which so few samples show alike",)
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
@@ -141,22 +143,22 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
     amplitude, std, phase, square = found[best]
-    strange = s.search.strange(np.array([peak.frequency]))[0]
-    if (amplitude < search.floor and not strange) or (square < SEEN and not peak.leads):
+    strange = s.sampling.strange(np.array([peak.frequency]))[0]
+    if (amplitude < search.floor and not strange) or (square < PRESENT_CHI2 and not peak.leads):
         return None
     kind, gear, order, label, rivals = kind_of(search, peak.frequency)
     if peak.few:
-        false = log_false(s.search, search.states[best].noise, peak, gain=square, recordings=len(search.states))
+        false = log_false(s.sampling, search.states[best].noise, peak, gain=square, recordings=len(search.states))
         if false > 0.0:
             return None
-        p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, *beside_order(s.search, gear, peak.few))
+        p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, *beside_order(s.sampling, gear, peak.few))
     if not peak.known:
-        label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.search.span)
+        label = label_of(peak.frequency, z=(search.z_1, search.z_2), span=s.sampling.span)
     if peak.harmonic:
         label = _train(peak, "of the driving shaft", scale=search.z_1)
     z = search.z_2 if gear == "driven" else search.z_1
-    if peak.gain - peak.rival <= TIE and s.search.time_grid is not None:
-        rivals = (*rivals, f"{peak.frequency / s.search.pace:.4g} Hz")
+    if peak.gain - peak.rival <= TIE and s.sampling.time_grid is not None:
+        rivals = (*rivals, f"{peak.frequency / s.sampling.pace:.4g} Hz")
     return Entry(
         kind="mesh_order" if kind == "mesh_order" else "shaft_order",
         gear=gear,
@@ -167,7 +169,7 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         amplitude_um_by_recording=tuple(found[j][0] / UM for j in sorted(found)) if len(found) > 1 else None,
         phase_deg=math.degrees(phase),
         # A weak line of a train stands out in none by itself.
-        recordings=tuple(j for j in sorted(found) if found[j][3] > SEEN) or (k,),
+        recordings=tuple(j for j in sorted(found) if found[j][3] > PRESENT_CHI2) or (k,),
         p_value=p_value,
         label=label,
         rivals=rivals,
@@ -259,10 +261,10 @@ def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -
     repeats with the pair and is left out. What wanders rises, so the law never falls towards zero.
     """
     # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
-    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * STRETCHES).astype(np.int64), STRETCHES - 1)
-    total = np.bincount(stretch, weights=left, minlength=STRETCHES)
+    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
+    total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)
     turns = np.array([k for k in range(2, SLOW_LINES) if skip == 0 or k % skip])
-    angle = 2.0 * np.pi * np.outer(turns, (np.arange(STRETCHES) + 0.5) / STRETCHES)
+    angle = 2.0 * np.pi * np.outer(turns, (np.arange(FITTED_STRETCHES) + 0.5) / FITTED_STRETCHES)
     power = np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size
     design = np.stack([np.ones(turns.size), np.log(turns)], axis=1)
     y = np.log(np.maximum(power, 1e-300)) + np.euler_gamma

@@ -138,16 +138,16 @@ def _rows(s: State, frequencies: list[float]) -> FloatArray:
 def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_Wave], FloatArray]:
     """The orders of the shafts that the fit holds, and those that hold most of what it gives to teeth, as ``values``
     (n,) have them, and their curve (n,) in mm; ``graded``: nobody inspected either gear."""
-    orders = s.search.orders
+    orders = s.sampling.orders
     # Of every mesh alike no single tooth holds anything: such orders stand out by themselves, or belong to laws.
-    open_ = s.search.searched & (orders.place % orders.period != 0)
+    open_ = s.sampling.searched & (orders.place % orders.period != 0)
     open_[orders.whole.size :] = False
     taken = [
         int(np.argmin(np.abs(orders.frequency - peak.frequency))) for peak in s.orders if peak.known and not peak.few
     ]
     fitted = len(taken)
     # What inspected teeth may still have is no news, and of few turns the slow course has a part in every order.
-    open_teeth = graded and float(np.ptp(s.data.u)) >= TURNS * max(s.search.z_1, s.search.z_2)
+    open_teeth = graded and float(np.ptp(s.data.u)) >= TURNS * max(s.sampling.z_1, s.sampling.z_2)
     mean = float(np.mean(values))
     rest: FloatArray = values - mean
     heights: FloatArray = np.zeros(0)
@@ -158,7 +158,7 @@ def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_W
             heights = np.asarray(np.linalg.lstsq(columns, values - mean, rcond=None)[0], dtype=np.float64)
             curve = np.asarray(columns @ heights, dtype=np.float64)
             rest = values - mean - curve
-        power = np.where(open_, np.abs(s.search.order_grid.transform(rest)[s.search.known]) ** 2, 0.0)
+        power = np.where(open_, np.abs(s.sampling.order_grid.transform(rest)[s.sampling.known]) ** 2, 0.0)
         best = int(np.argmax(power)) if power.size else 0
         # A wave of amplitude A has the sum n A / 2, and the mean square A^2 / 2.
         if not power.size or best in taken:

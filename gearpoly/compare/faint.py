@@ -15,19 +15,21 @@ from scipy.special import gammaincc
 
 from gearpoly.compare.bumps import Heard, find_bumps, followed
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.lines import APART, TIE, Domain, LineSearch, Peak
+from gearpoly.compare.lines import TIE
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.peak import Domain, Peak
+from gearpoly.compare.sampling import APART, Sampling
 from gearpoly.compare.trains import OTHERS, TINY, Train, likelier, lines_of, together
 from gearpoly.units import BoolArray, FloatArray
 
 HARMONICS = (1, 2, 3, 4, 6, 8)
 """Numbers of harmonics that are added up: a pulse as long as a seventh of its period has about six."""
 
-PLACES = 21
+PLACES_IN_LINE = 21
 """Frequencies within a line of the last harmonic at which a train is placed."""
 
 
-def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]) -> list[list[Peak]]:
+def faint_waves(searches: list[Sampling], whites: list[FloatArray], noises: list[Noise]) -> list[list[Peak]]:
     """The waves, per recording, of the least likely train in the whitened residuals ``whites`` (n_k,), over angle or
     time, strongest first; none where noise may make all of them."""
     domains: list[Domain] = ["order"]
@@ -68,7 +70,7 @@ def faint_waves(searches: list[LineSearch], whites: list[FloatArray], noises: li
 
 
 def _both_ways(
-    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+    train: Train, domain: Domain, searches: list[Sampling], whites: list[FloatArray], noises: list[Noise]
 ) -> dict[Domain, Train]:
     """A train of bumps over angle or time, and what it is over the other, by the same of its lines: one that lies
     beside an order of a shaft would count for one of them only."""
@@ -83,7 +85,7 @@ def _both_ways(
 
 
 def _heard(
-    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+    train: Train, domain: Domain, searches: list[Sampling], whites: list[FloatArray], noises: list[Noise]
 ) -> list[Heard]:
     """The recordings in which a train was found."""
     frequency: FloatArray = train.frequency * np.arange(1.0, train.count + 1.0)
@@ -96,11 +98,11 @@ def _heard(
     return out
 
 
-def _share_a_line(searches: list[LineSearch], angle: list[list[Peak]], time: list[list[Peak]]) -> bool:
+def _share_a_line(searches: list[Sampling], angle: list[list[Peak]], time: list[list[Peak]]) -> bool:
     """Whether two trains, over angle and over time, are of the same waves: at the mean speed one line is."""
     return any(
-        abs(search.per_mesh(one) - search.per_mesh(other)) * search.span < APART
-        for search, mine, others in zip(searches, angle, time, strict=True)
+        abs(sampling.per_mesh(one) - sampling.per_mesh(other)) * sampling.span < APART
+        for sampling, mine, others in zip(searches, angle, time, strict=True)
         for one in mine
         for other in others
     )
@@ -141,15 +143,15 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
 
 
 def _peaks(
-    train: Train, domain: Domain, searches: list[LineSearch], whites: list[FloatArray], noises: list[Noise]
+    train: Train, domain: Domain, searches: list[Sampling], whites: list[FloatArray], noises: list[Noise]
 ) -> list[list[Peak]]:
     """The waves of a train, per recording: its fundamental where the lines hold most, of orders of the shafts none."""
     multiples: FloatArray = np.arange(1.0, train.count + 1.0)
     longest = max(searches[k].over(domain)[2] for k in train.recordings)
-    near = train.frequency + (1.0 if train.gain == 0.0 else 0.0) * np.linspace(-0.5, 0.5, PLACES) / (
+    near = train.frequency + (1.0 if train.gain == 0.0 else 0.0) * np.linspace(-0.5, 0.5, PLACES_IN_LINE) / (
         longest * train.count
     )
-    power = np.zeros((len(searches), PLACES, train.count))
+    power = np.zeros((len(searches), PLACES_IN_LINE, train.count))
     for k in train.recordings:
         x, _, _, per_mesh = searches[k].over(domain)
         for j, frequency in enumerate(near):

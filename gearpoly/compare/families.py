@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import log_ndtr, stdtrit
+from scipy.special import log_ndtr
 
 from gearpoly.units import FloatArray
 
@@ -60,8 +60,3 @@ def log_tail_square(chi2: FloatArray) -> FloatArray:
 def line_threshold(count: float, *, places: float, share: float) -> float:
     """z that a line at one of ``places`` known places has to exceed."""
     return float(count * np.expm1(np.log(places / share) / count))
-
-
-def sigma_threshold(places: float, *, share: float) -> float:
-    """Standard deviations that the largest of ``places`` normal numbers exceeds with chance ``share`` at most."""
-    return float(-stdtrit(1e9, 0.5 * share / places))

@@ -14,15 +14,17 @@ from gearpoly.compare.describe import label_of
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
-from gearpoly.compare.lines import REPEATS, TIE, LineSearch, Peak
+from gearpoly.compare.lines import TIE, find_peaks
 from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.compare.peak import Peak
+from gearpoly.compare.sampling import REPEATS, Sampling, sampling_of
 from gearpoly.units import UM, FloatArray
 
 BELOW = 0.8
 """Part of the shortened record's highest frequency from which on waves are looked for here; the search proper sees what
 is slower as well."""
 
-ROUNDS, TOGETHER = 8, 0.5
+FAST_ROUNDS, SAME_ROUND = 8, 0.5
 """Most rounds, and the part of the strongest wave's gain from which others are taken in its round."""
 
 
@@ -53,20 +55,20 @@ def without_fast_waves(
     shortened to samples ``spacing`` meshes apart; waves below ``floor`` in mm are left."""
     estimator = NoiseEstimator(u, z_1=z_1, z_2=z_2)
     kept = estimator.kept
-    lines = LineSearch(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
+    lines = sampling_of(u=u[kept], time=None if time_s is None else time_s[kept], z_1=z_1, z_2=z_2)
     least = BELOW * 0.5 / spacing
     taken: list[tuple[Peak, FloatArray]] = []
-    for turn in range(ROUNDS + 1):
+    for turn in range(FAST_ROUNDS + 1):
         rest, repeating = estimator.parted(residual)
         repeats = float(np.std(repeating))
         del repeating
         noise = estimator.noise_in(rest, repeats=repeats)
-        if turn == ROUNDS:
+        if turn == FAST_ROUNDS:
             break
         white = noise.whitened(rest)
         del rest  # the spectra need the room
         found = []
-        for peak in lines.peaks(white, noise, recordings=recordings, least=least):
+        for peak in find_peaks(lines, white, noise, recordings=recordings, least=least):
             places = lines.per_mesh(peak) * lines.period
             repeats_too = abs(places - round(places)) * lines.span / lines.period < REPEATS
             if not peak.known and lines.per_mesh(peak) >= least and (peak.domain == "time" or not repeats_too):
@@ -76,7 +78,7 @@ def without_fast_waves(
             break
         rest, _ = estimator.parted(residual)
         # What is much weaker may be the strongest one's smear, over time or over angle.
-        for peak in [p for p in found if p.gain >= TOGETHER * found[0].gain]:
+        for peak in [p for p in found if p.gain >= SAME_ROUND * found[0].gain]:
             whole = time_s if peak.domain == "time" else u
             assert whole is not None  # no peaks over time without time
             waves = _waves(peak, whole)
@@ -102,9 +104,7 @@ def _waves(peak: Peak, x: FloatArray) -> FloatArray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _entry(
-    peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: LineSearch, even: Even
-) -> Entry:
+def _entry(peak: Peak, ab: FloatArray, std: float, *, k: int, z_1: int, z_2: int, lines: Sampling, even: Even) -> Entry:
     amplitude = float(np.hypot(*ab))
     timed = peak.domain == "time"
     tie = lines.time_grid is not None and peak.gain - peak.rival <= TIE

@@ -13,8 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from gearpoly.compare.families import SHARES, log_tail_line
-from gearpoly.compare.lines import SLOWEST, LineSearch, Peak
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.peak import Peak
+from gearpoly.compare.sampling import SLOWEST, Sampling
 from gearpoly.compare.slow import slow_curves
 from gearpoly.units import FloatArray
 
@@ -27,19 +28,19 @@ FIRST_ORDERS = 3
 where it is taken. With order 1 alone a worm of 8, 2 and 0.7 arcsec in orders 1 to 3 left 6 arcsec of noise, of 0.6."""
 
 
-def first_order(search: LineSearch) -> Peak | None:
+def first_order(sampling: Sampling) -> Peak | None:
     """Order 1 or 2 of a shaft of which a recording holds ``FEWEST_WAVES`` to ``SLOWEST`` waves, of several the fastest;
     None where there is none. The others would be no longer apart from the drift."""
-    held = {(z, order): order * search.span / z for z in (search.z_1, search.z_2) for order in (1, 2)}
+    held = {(z, order): order * sampling.span / z for z in (sampling.z_1, sampling.z_2) for order in (1, 2)}
     within = {place: waves for place, waves in held.items() if FEWEST_WAVES < waves <= SLOWEST}
     return _order(*max(within, key=lambda place: within[place])) if within else None
 
 
-def first_orders(searches: Sequence[LineSearch]) -> list[Peak | None]:
+def first_orders(searches: Sequence[Sampling]) -> list[Peak | None]:
     """The same of each recording of a set; None where another one holds turns enough of that shaft to tell the order
     from a drift. It is then looked for there, and what is fixed to a shaft is fitted in all."""
-    firsts = [first_order(search) for search in searches]
-    longest = max(search.span for search in searches)
+    firsts = [first_order(sampling) for sampling in searches]
+    longest = max(sampling.span for sampling in searches)
     return [None if one is None or longest * one.frequency > SLOWEST else one for one in firsts]
 
 
@@ -58,10 +59,10 @@ def without_first(u: FloatArray, residual: FloatArray, peak: Peak | None) -> Flo
     return np.asarray(residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0])
 
 
-def beside_order(search: LineSearch, gear: str | None, order: int) -> tuple[str, ...]:
+def beside_order(sampling: Sampling, gear: str | None, order: int) -> tuple[str, ...]:
     """What an ``order`` of the shaft of ``gear`` may be as well: a drift, and the same of the other where the recording
     does not tell both apart, which are less than a line from each other."""
-    apart = order * abs(search.span / search.z_1 - search.span / search.z_2)
+    apart = order * abs(sampling.span / sampling.z_1 - sampling.span / sampling.z_2)
     other = "driven" if gear == "driving" else "driving"
     return (*((f"order {order} of the {other} shaft",) if 0.0 < apart < 1.0 else ()), "a slow drift")
 
@@ -79,8 +80,8 @@ def _waves(u: FloatArray, peak: Peak) -> list[FloatArray]:
     return [wave(order * angle) for order in range(peak.few, peak.few + FIRST_ORDERS) for wave in (np.cos, np.sin)]
 
 
-def log_false(search: LineSearch, noise: Noise, peak: Peak, *, gain: float, recordings: int) -> float:
+def log_false(sampling: Sampling, noise: Noise, peak: Peak, *, gain: float, recordings: int) -> float:
     """Log of the expected number of waves in noise that ``gain`` as much at this order in one of so many recordings,
     over the search's share of chance."""
-    _, count = search.rest_at(peak.domain, np.array([peak.frequency]), noise)
+    _, count = sampling.rest_at(peak.domain, np.array([peak.frequency]), noise)
     return math.log(recordings / SHARES.orders) + float(log_tail_line(np.array([0.5 * gain]), count)[0])

@@ -34,18 +34,18 @@ STAYS = 1.0
 DRIFTS = float(chdtri(SLOW - 1, SHARES.drift))
 """Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
 
-FINE = 12
+FINE_TERMS = 12
 """Terms of the slow curves beside which a jump has to stand where there is any drift: warming up is no cubic, but five
 waves in a record it does not make. They leave a third of what is told from a cubic."""
 
 AS_MODELLED = 1e9
 """Lines that noise is known from where its model is taken at its word."""
 
-SURELY = 9.0
+SHARP_GAIN = 9.0
 """Gain by which a jump must be better than anything slower or shorter to be sharp beyond doubt, its place being chosen
 by what it explains in all: three standard deviations."""
 
-TRIALS = 4
+JUMP_TRIALS = 4
 """Most jumps that are tried before the search goes on without."""
 
 SETTLED = 3
@@ -53,7 +53,7 @@ SETTLED = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class WeighedJump:
     """The best jump of recording ``k``: at sample ``at``, with its ``gain`` beside slow curves. ``left``: the recording
     without it, ``alone`` or with fine slow curves fitted; ``steps`` all places in that and ``colour`` of the noise
     there (level, lines). ``open``: a drift would do nearly as well. ``log_false`` the log of the chance of any such
@@ -80,14 +80,14 @@ def next_jump(search: JointModel, solution: Solution, *, least: float) -> tuple[
     first, noises = solution, [s.noise for s in search.states]
     before = [[(jump, jump.at) for jump in s.jumps] for s in search.states]
     waiting: list[tuple[State, Jump]] = []
-    for _ in range(TRIALS):
+    for _ in range(JUMP_TRIALS):
         best = _best_jump(search, solution)
         if best is None and least == 0.0 and _drifts(search, solution):
             solution = _quieted(search, solution)
             best = _best_jump(search, solution)
         if best is None or best.gain < least:
             break
-        if lead_of(search, best) < -SURELY:
+        if lead_of(search, best) < -SHARP_GAIN:
             # All that is fitted anew beside it turns no bump and no slow rise into a jump. In the tests of jumps
             # all that were kept led by 1 or more before they were fitted, too; of a printed eccentric pair
             # twelve trailed by 10 to 53 then, and by 8 to 24 afterwards.
@@ -121,7 +121,7 @@ def put_in_sudden(search: JointModel) -> None:
     for s in search.states:
         if s.data.u.size > DENSE_SAMPLES:
             continue
-        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.search.period)
+        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.sampling.period)
         if not found:
             continue
         rest = s.data.residual.copy()
@@ -147,7 +147,7 @@ def standing_only(search: JointModel, solution: Solution) -> Solution:
     return solution
 
 
-def _best_jump(search: JointModel, solution: Solution) -> Weighed | None:
+def _best_jump(search: JointModel, solution: Solution) -> WeighedJump | None:
     ways = [(k, alone) for k in range(len(search.states)) for alone in (True, False)]
     found = [weigh_jump(search, k, solution, alone=alone) for k, alone in ways]
     return max((one for one in found if one is not None), key=lambda one: one.gain, default=None)
@@ -155,11 +155,11 @@ def _best_jump(search: JointModel, solution: Solution) -> Weighed | None:
 
 def weigh_jump(
     search: JointModel, k: int, solution: Solution, *, alone: bool, but: Jump | None = None
-) -> Weighed | None:
+) -> WeighedJump | None:
     """The best jump of recording ``k`` if it is significant, ``alone`` or beside fine slow curves. ``but``: in its
     place, which is fitted already, so that the noise is known without it and may be asked whether it wanders."""
     s = search.states[k]
-    u, spacing = s.data.u, s.search.spacing
+    u, spacing = s.data.u, s.sampling.spacing
     if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
         return None
     turns = STAYS * max(search.z_1, search.z_2)
@@ -172,13 +172,13 @@ def weigh_jump(
     others += [at for which, way, at in search.refused if (which, way) == (k, alone) and but is None]
     for at in others:
         barred |= np.abs(u - u[at]) < turns
-    curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE)
+    curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE_TERMS)
     rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
     steps = weigh_steps(rest, low=low, high=high, barred=barred)
     colour = (1.0, AS_MODELLED)
     if but is not None:
         steps = sharpened(rest, steps, barred=barred)
-        colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE], spacing=spacing)
+        colour = colour_of(rest, steps.best, beside=curves[:, : 1 if alone else FINE_TERMS], spacing=spacing)
     gain, amplitude, _ = steps.at(steps.best)
     more = float(left.gains(rise(u.size, steps.best, width=1, noise=left.noise)[:, None])[0])
     drift = left.explained(slow) + more - gain
@@ -186,13 +186,13 @@ def weigh_jump(
     log_false = steps.log_false(gain, colour=colour, recordings=2 * len(search.states))
     if log_false > 0.0 or abs(amplitude) < search.floor or (alone and drift > min(more, DRIFTS)):
         return None
-    return Weighed(
+    return WeighedJump(
         k=k, at=steps.best, gain=more, alone=alone, open=alone and more - drift < TIE, left=rest, steps=steps,
         colour=colour, log_false=log_false,
     )  # fmt: skip
 
 
-def standing(search: JointModel, k: int, solution: Solution, jump: Jump) -> Weighed | None:
+def standing(search: JointModel, k: int, solution: Solution, jump: Jump) -> WeighedJump | None:
     """A jump that is fitted, as it stands beside all else: without slow curves, where these are not needed."""
     alone = weigh_jump(search, k, solution, alone=True, but=jump)
     return alone if alone is not None else weigh_jump(search, k, solution, alone=False, but=jump)
@@ -227,7 +227,7 @@ def _quieted(search: JointModel, solution: Solution) -> Solution:
     """Fit everything again with the noise of such recordings beside fine slow curves."""
     for k in _drifts(search, solution):
         s = search.states[k]
-        curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE)
+        curves = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, FINE_TERMS)
         left = solution.left[k]
         s.noise = s.estimator.estimate(left - curves @ np.linalg.lstsq(curves, left, rcond=None)[0])
     return search.fit(passes=1)
@@ -261,7 +261,7 @@ def _moved(search: JointModel, k: int, better: Sequence[int]) -> None:
             jump.at = at
 
 
-def lead_of(search: JointModel, find: Weighed) -> float:
+def lead_of(search: JointModel, find: WeighedJump) -> float:
     """Gain by which a jump explains more than any rise there that takes a turn of the slower shaft or longer, and
     than any bump that is over within one."""
     return sharpness(find.left, find.at, turn=a_turn(search, find.k))
@@ -269,14 +269,14 @@ def lead_of(search: JointModel, find: Weighed) -> float:
 
 def a_turn(search: JointModel, k: int) -> int:
     """Samples that recording ``k`` holds for as long as a jump has to stay."""
-    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].search.spacing)
+    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].sampling.spacing)
 
 
-def _is_sharp(search: JointModel, find: Weighed, *, sure: bool) -> bool:
+def _is_sharp(search: JointModel, find: WeighedJump, *, sure: bool) -> bool:
     """Whether a jump happens at once, as far as can be seen; where noise wanders or ``sure`` is asked for, whether
     that is sure."""
-    sure = sure or wanders(find.left.noise, span=search.states[find.k].search.span)
-    return lead_of(search, find) > (SURELY if sure else -TIE)
+    sure = sure or wanders(find.left.noise, span=search.states[find.k].sampling.span)
+    return lead_of(search, find) > (SHARP_GAIN if sure else -TIE)
 
 
 def stretch_of(search: JointModel, k: int) -> FloatArray:

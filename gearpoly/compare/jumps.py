@@ -21,22 +21,22 @@ CLIP = 4.5
 """Standard deviations at which a sample's innovation is cut before steps are weighed, so that a short burst is no step;
 one honest sample in 150 000 is larger."""
 
-ROUNDS = 8
+SIZE_ROUNDS = 8
 """Rounds in which a step's size comes to rest beside innovations that are cut about it: with one in a hundred cut each
 leaves a hundredth of the way. A judgement."""
 
-TOLD = 1e-3
+INFORMATION_LEFT = 1e-3
 """Part of a step's information that must be left beside everything else, or it is told from nothing."""
 
-PLACES = 2048
+EXPLAINED_PLACES = 2048
 """Places at which the part that all else explains is worked out. It bends with teeth at the most: drawn straight in
 between it is good enough to find a jump, and about the jump itself every sample is such a place."""
 
-WIDEST = 0.25
+LONGEST_RISE = 0.25
 """Part of the record up to which a rise that takes its time is tried in the place of a jump; slower ones are the slow
 curves' matter."""
 
-SHORTEST = 8
+SHORTEST_BUMP = 8
 """Samples from which on a bump is one; fewer outliers are cut off before anything is weighed."""
 
 WANDERS = 2.0
@@ -99,7 +99,7 @@ class Left:
         cross = self.white.T @ columns
         own = np.sum(columns**2, axis=0)
         information = own - np.sum(cross * (self.covariance @ cross), axis=0)
-        told = information > TOLD * own
+        told = information > INFORMATION_LEFT * own
         return np.where(told, (columns.T @ self.rest) ** 2 / np.where(told, information, 1.0), 0.0)
 
 
@@ -189,8 +189,8 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     own = squares[np.minimum(length, response.size) - 1]
     own = own + np.maximum(length - response.size, 0) * response[-1] ** 2
     information = own - _explained(left, low=low, high=high)
-    safe = np.maximum(information, TOLD * own)
-    score = np.where((information > TOLD * own) & ~barred[low:high], score[low:high], 0.0)
+    safe = np.maximum(information, INFORMATION_LEFT * own)
+    score = np.where((information > INFORMATION_LEFT * own) & ~barred[low:high], score[low:high], 0.0)
     falls = np.minimum(0.5 * _bump(noise, AR_ORDER) / safe, 1.0) / AR_ORDER
     return Steps(first=low, score=score, information=safe, tests=float(2.0 * np.sum(falls)))
 
@@ -207,7 +207,7 @@ def size_of(left: Left, j: int, *, width: int = 1) -> tuple[float, float]:
     information = float(column @ column)
     scale = max(1.0, 1.4826 * float(np.median(np.abs(left.rest))))
     amplitude = float(column @ left.rest) / information
-    for _ in range(ROUNDS):
+    for _ in range(SIZE_ROUNDS):
         off = left.rest - amplitude * column
         amplitude += float(column @ np.clip(off, -CLIP * scale, CLIP * scale)) / information
     return amplitude, 1.0 / math.sqrt(information)
@@ -215,8 +215,8 @@ def size_of(left: Left, j: int, *, width: int = 1) -> tuple[float, float]:
 
 def sharpened(left: Left, steps: Steps, *, barred: BoolArray) -> Steps:
     """The same with every sample about the best one worked out."""
-    low = max(steps.first, steps.best - PLACES // 2)
-    high = min(steps.first + steps.score.size, low + PLACES)
+    low = max(steps.first, steps.best - EXPLAINED_PLACES // 2)
+    high = min(steps.first + steps.score.size, low + EXPLAINED_PLACES)
     near = weigh_steps(left, low=low, high=high, barred=barred)
     information = steps.information.copy()
     information[low - steps.first : high - steps.first] = near.information
@@ -225,7 +225,7 @@ def sharpened(left: Left, steps: Steps, *, barred: BoolArray) -> Steps:
 
 def _explained(left: Left, *, low: int, high: int) -> FloatArray:
     """Information (high - low,) of steps that the fitted columns share."""
-    at = np.unique(np.linspace(low, high - 1, min(PLACES, high - low)).astype(np.int64))
+    at = np.unique(np.linspace(low, high - 1, min(EXPLAINED_PLACES, high - low)).astype(np.int64))
     cross = left.stepped[at]
     shared = np.einsum("qm,qm->q", cross @ left.covariance, cross)
     return np.asarray(np.interp(np.arange(low, high), at, shared))
@@ -257,7 +257,7 @@ def sharpness(left: Left, j: int, *, turn: int) -> float:
     n = left.rest.size
     rises = [(j, 1)]
     width = turn
-    while width <= WIDEST * n:
+    while width <= LONGEST_RISE * n:
         rises += [(j - quarter * width // 4, width) for quarter in range(5)]
         width *= 2
     gains = left.gains(np.stack([rise(n, begin, width=w, noise=left.noise) for begin, w in rises], axis=1))
@@ -269,10 +269,10 @@ def _largest_bump(left: Left, j: int, *, turn: int) -> float:
     there, and of some lengths anywhere. A bump is a step up and a step down, so the difference of two scores."""
     n = left.rest.size
     score = np.append(_from_here(left.noise.score(left.rest)), 0.0)
-    length = np.arange(SHORTEST, max(turn, SHORTEST) + 1)
+    length = np.arange(SHORTEST_BUMP, max(turn, SHORTEST_BUMP) + 1)
     # Beyond what the whitening remembers every further sample adds the same.
     information = _bump(left.noise, turn) - (turn - length) * _response(left.noise)[-1] ** 2
-    information = np.maximum(information, _bump(left.noise, SHORTEST))
+    information = np.maximum(information, _bump(left.noise, SHORTEST_BUMP))
     best = 0.0
     for here in (np.minimum(j + length, n), np.maximum(j - length, 0)):
         best = max(best, float(np.max((score[here] - score[j]) ** 2 / information)))

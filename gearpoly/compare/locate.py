@@ -9,7 +9,7 @@ search.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +25,6 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.even import even_in
 from gearpoly.compare.fast import without_fast_waves
 from gearpoly.compare.few_turns import first_order, without_first
-from gearpoly.compare.lines import LineSearch
 from gearpoly.compare.long_jumps import without_jumps
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.masked import strong_waves
@@ -33,6 +32,7 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import Noise, estimate_noise, pooled_level
 from gearpoly.compare.reduce import shortening
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sampling import sampling_of
 from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.units import UM, FloatArray, read_only
@@ -103,49 +103,30 @@ def locate(
     short = [one.data for one in parts]
     search = JointModel(short, gears, floor)
     solution = run_search(search, over)
-    states = search.states
-    entries = [entry for one in parts for entry in one.entries]
-    entries += _of_each(search, solution)
-    entries = come_again(entries, search, solution, numbered=numbered)
-    entries += tooth_entries(search, solution, numbered=numbered)
-    entries += phase_entries(search, solution)
-    entries += condition_entries(search, solution)
-    entries.sort(key=lambda e: -e.gain)
-    entries = with_companions(entries, z_1=z_1, z_2=z_2, coarse=[s.data.coarse / UM for s in states])
+    entries = _entries([entry for one in parts for entry in one.entries], search, solution, numbered=numbered)
     where, divisions = divide(search, solution, entries)
-
-    def recorded(entry: Entry) -> Entry:
-        first = entry.recordings[0]
-        return entry.turned_round(turns[first]) if short[first].backward else entry
-
     told = of_one_tooth(
-        [recorded(e) for e in entries], z=(z_1, z_2), numbered=numbered,
+        _as_recorded(entries, short, turns), z=(z_1, z_2), numbered=numbered,
         encoder_deg=lambda gear, tooth: gears[gear].encoder_deg(tooth),
     )  # fmt: skip
-    maps = []
-    for s, places in zip(states, search.places, strict=True):
-        plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
-        maps.append(tooth_maps(s.data.u, plain, z_1=z_1, z_2=z_2, noise=s.noise))
     # Of a shortened record every sample counts again for the level; of a whole one, what the fit left shows it best.
-    repeatable = [s.estimator.estimate(s.data.residual).repeatable for s in states]
     noises = tuple(
-        replace(one.noise or s.noise, repeatable=repeats)
-        for one, s, repeats in zip(parts, states, repeatable, strict=True)
+        replace(one.noise or s.noise, repeatable=s.estimator.estimate(s.data.residual).repeatable)
+        for one, s in zip(parts, search.states, strict=True)
     )
-    repeats = [one for one in repeatable if one is not None]
     std = np.sqrt(np.maximum(np.diag(solution.covariance), 0.0))
     return Located(
         entries=tuple(told),
-        where=tuple(told_so([recorded(e) for e in where], told)),
+        where=tuple(told_so(_as_recorded(where, short, turns), told)),
         divisions=divisions,
         noises=noises,
         noise_level=pooled_level(list(noises), sizes),
-        maps=tuple(maps),
+        maps=_maps(search, solution),
         as_built=read_only(solution.beta[: search.tooth_parameters]),
         as_built_std=read_only(std[: search.tooth_parameters]),
         left=tuple(read_only(left) for left in solution.left),
         residual_rms=math.sqrt(sum(squares) / sum(sizes)),
-        repeatable_rms=math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(states) else None,
+        repeatable_rms=_repeatable_rms(noises),
     )
 
 
@@ -173,7 +154,7 @@ def _to_search(
         return _Searched(data=one, entries=entries)
     strong = strong_waves(one, z_1=z_1, z_2=z_2, recordings=recordings, floor=floor)
     waves = sum((wave.at(u, time_s) for wave in strong), np.zeros(u.size))
-    first = first_order(LineSearch(u=one.u, time=None, z_1=z_1, z_2=z_2))
+    first = first_order(sampling_of(u=one.u, time=None, z_1=z_1, z_2=z_2))
     waves = residual - without_first(u, residual - waves, first)
     residual = residual - waves
     if cut.group == 1:
@@ -194,6 +175,41 @@ def _to_search(
     return _Searched(data=data, entries=[*entries, *fast.entries], noise=fast.noise.thinned())
 
 
+def _as_recorded(entries: Sequence[Entry], data: Sequence[AlignedResidual], turns: Sequence[float]) -> list[Entry]:
+    """Entries as their first recording ran, backward too; ``turns`` of the driving gear in each."""
+    firsts = [(e, e.recordings[0]) for e in entries]
+    return [e.turned_round(turns[first]) if data[first].backward else e for e, first in firsts]
+
+
+def _repeatable_rms(noises: Sequence[Noise]) -> float | None:
+    """Rms in mm of what repeats in all recordings; ``None`` where one has no whole cycles."""
+    repeats = [one.repeatable for one in noises if one.repeatable is not None]
+    return math.sqrt(float(np.mean(np.square(repeats)))) if len(repeats) == len(noises) else None
+
+
+def _entries(
+    before: list[Entry], search: JointModel, solution: Solution, *, numbered: tuple[bool, bool]
+) -> list[Entry]:
+    """All that stands out, surest first: ``before`` the search, of each recording, and of all together."""
+    entries = [*before, *_of_each(search, solution)]
+    entries = come_again(entries, search, solution, numbered=numbered)
+    entries += tooth_entries(search, solution, numbered=numbered)
+    entries += phase_entries(search, solution)
+    entries += condition_entries(search, solution)
+    entries.sort(key=lambda e: -e.gain)
+    coarse = [s.data.coarse / UM for s in search.states]
+    return with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=coarse)
+
+
+def _maps(search: JointModel, solution: Solution) -> tuple[Maps, ...]:
+    """Each residual by tooth and mesh phase, its slow curve taken off."""
+    maps = []
+    for s, places in zip(search.states, search.places, strict=True):
+        plain = s.data.residual - s.slow @ solution.beta[places["slow"]]
+        maps.append(tooth_maps(s.data.u, plain, z_1=search.z_1, z_2=search.z_2, noise=s.noise))
+    return tuple(maps)
+
+
 def _of_each(search: JointModel, solution: Solution) -> list[Entry]:
     """Waves, jumps, bursts and drifts of each recording; waves that several share once."""
     entries: list[Entry] = []
@@ -207,7 +223,7 @@ def _of_each(search: JointModel, solution: Solution) -> list[Entry]:
             if entry is not None:
                 entries.append(entry)
         entries += jump_entries(search, solution, k)
-        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.search.period)
+        entries += burst_entries(k, s.data, solution.left[k], s.noise, period=s.sampling.period)
         drift = drift_entry(search, solution, k)
         if drift is not None:
             entries.append(drift)

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.jump_search import AS_MODELLED, FINE, STAYS
+from gearpoly.compare.jump_search import AS_MODELLED, FINE_TERMS, STAYS
 from gearpoly.compare.jumps import Left, weigh_steps
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import NoiseEstimator
@@ -21,10 +21,10 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.sudden import sudden
 from gearpoly.units import UM, BoolArray, FloatArray
 
-BLOCKS = 4096
+SUSPECT_MEANS = 4096
 """Means that stand for the whole record while jumps are suspected only; how sharp they are shows in the stretch."""
 
-STRETCHES = 6
+MOST_STRETCHES = 6
 """Most stretches that are looked at closely."""
 
 
@@ -40,7 +40,7 @@ def without_jumps(
     turn = STAYS * max(gear.z for gear in gears)
     period = float(math.lcm(gears[0].z, gears[1].z))
     at_once = list(sudden(data.u, data.residual, turn=turn, period=period))
-    for _ in range(STRETCHES):
+    for _ in range(MOST_STRETCHES):
         at = at_once.pop(0) if at_once else _suspect(data, estimator, gears=gears, barred=barred)
         if at is None:
             break
@@ -67,7 +67,7 @@ def _suspect(
 ) -> int | None:
     """The sample at which what does not repeat steps most, if its noise would hardly step so much anywhere."""
     rest, _ = estimator.parted(data.residual)
-    group = -(-rest.size // BLOCKS)
+    group = -(-rest.size // SUSPECT_MEANS)
     size = rest.size // group
 
     def means(values: FloatArray) -> FloatArray:
@@ -75,7 +75,7 @@ def _suspect(
 
     u, short = means(data.u), means(rest)
     noise = NoiseEstimator(u, z_1=gears[0].z, z_2=gears[1].z).estimate(short)
-    white = noise.whitened(slow_curves(u, FINE))
+    white = noise.whitened(slow_curves(u, FINE_TERMS))
     normal = np.asarray(np.linalg.inv(white.T @ white), dtype=np.float64)
     target = noise.whitened(short)
     beta = normal @ (white.T @ target)

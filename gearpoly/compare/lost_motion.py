@@ -16,16 +16,16 @@ import numpy as np
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.units import ARCMIN, FloatArray, IntArray
 
-PER_MESH = 8
+PLACES_PER_PITCH = 8
 """Places per pitch at which both flanks are laid beside each other: hand-overs are a tenth of a pitch wide."""
 
-ALONE = 0.5
+ALONE_PITCHES = 0.5
 """Pitches between two samples of one flank across which nothing is said of it."""
 
-LIKE = 0.1
+SAME_TORQUE = 0.1
 """Relative difference of two torques that count as one: teeth give by as much more or less."""
 
-STRETCHES = 12
+SCATTER_PARTS = 12
 """Parts of the places whose scatter gives the standard error of the mean."""
 
 
@@ -90,7 +90,7 @@ def _pairs(aligned: Sequence[Aligned]) -> Iterator[tuple[list[int], list[int]]]:
     for k, one in enumerate(aligned):
         for group in groups:
             other = aligned[group[0]]
-            if _zero_of(other) == _zero_of(one) and abs(one.torque - other.torque) <= LIKE * max(
+            if _zero_of(other) == _zero_of(one) and abs(one.torque - other.torque) <= SAME_TORQUE * max(
                 one.torque, other.torque
             ):
                 group.append(k)
@@ -120,9 +120,9 @@ def _between(aligned: Sequence[Aligned], drive: list[int], coast: list[int], *, 
     # The cycle closes upon itself.
     around = np.concatenate((there[-1:] - cycle, there, there[:1] + cycle))
     at = np.searchsorted(around, x, side="right")
-    near = np.diff(around)[np.clip(at - 1, 0, around.size - 2)] <= ALONE * pitch
+    near = np.diff(around)[np.clip(at - 1, 0, around.size - 2)] <= ALONE_PITCHES * pitch
     x = x[near]
-    if x.size < PER_MESH:
+    if x.size < PLACES_PER_PITCH:
         return None
     measured, simulated = (
         np.interp(x, around, np.concatenate((far[-1:], far, far[:1]))) - here[near]
@@ -132,7 +132,7 @@ def _between(aligned: Sequence[Aligned], drive: list[int], coast: list[int], *, 
     for sign, one in ((1.0, first), (-1.0, other)):
         bend = one.template.deflection(x)
         backlash = backlash if bend is None else backlash + sign * bend
-    parts = [float(np.mean(part)) for part in np.array_split(measured - simulated, STRETCHES) if part.size]
+    parts = [float(np.mean(part)) for part in np.array_split(measured - simulated, SCATTER_PARTS) if part.size]
     return Lost(
         place=x,
         measured=measured,
@@ -151,7 +151,7 @@ def _curves(these: Sequence[Aligned], cycle: float, pitch: float) -> tuple[Float
     """Places (k,) in rad within the hunting cycle, rising, and the recorded and the simulated transmission error (k,)
     in mm there: means of cells, at the mean place in each, so that both are rounded alike at hand-overs."""
     place = np.concatenate([np.mod(one.theta_2, cycle) for one in these])
-    _, cell = np.unique(np.floor(place * (PER_MESH / pitch)), return_inverse=True)
+    _, cell = np.unique(np.floor(place * (PLACES_PER_PITCH / pitch)), return_inverse=True)
     held = np.bincount(cell)
     recorded, simulated = (
         np.concatenate(each) for each in zip(*((o.recorded, o.simulated) for o in these), strict=True)

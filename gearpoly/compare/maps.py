@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.compare.noise import Noise
-from gearpoly.units import FloatArray, read_only
+from gearpoly.units import FloatArray, IntArray, read_only
 
 SWEEPS = 60
 """Rounds of alternating means at most; unfinished cycles of coprime gears need about ten."""
@@ -48,7 +48,6 @@ def tooth_maps(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int, noise
     """Decompose ``residual`` (n,) in mm at ``u`` (n,) meshes by tooth of each gear and ``cells`` mesh phases."""
     mesh = np.floor(u).astype(np.int64)
     cell = np.minimum(((u - mesh) * cells).astype(np.int64), cells - 1)
-    one, two = np.mod(mesh, z_1) * cells + cell, np.mod(mesh, z_2) * cells + cell
     # Only tooth pairs that met matter, so means run over the cells of the hunting cycle.
     period = math.lcm(z_1, z_2)
     place = np.mod(mesh, period) * cells + cell
@@ -58,29 +57,8 @@ def tooth_maps(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int, noise
     number, values = count[met], total[met] / count[met]
     meshes, at = met // cells, met % cells
     one, two = np.mod(meshes, z_1) * cells + at, np.mod(meshes, z_2) * cells + at
-
-    def mean_by(index: np.ndarray[tuple[int, ...], np.dtype[np.int64]], v: FloatArray, size: int) -> FloatArray:
-        held = np.bincount(index, weights=number, minlength=size)
-        return np.where(held > 0, np.bincount(index, weights=number * v, minlength=size) / np.maximum(held, 1.0), 0.0)
-
-    m = mean_by(at, values, cells)
-    left = values - m[at]
-    d_1, d_2 = np.zeros(z_1 * cells), np.zeros(z_2 * cells)
-    # Half steps where the gears share remainders, so that what is common is split evenly and the rounds still settle.
-    g = math.gcd(z_1, z_2)
-    share = 1.0 if g == 1 else 0.5
-    for _ in range(SWEEPS):
-        old = np.concatenate([d_1, d_2])
-        c_1 = mean_by(one, left - d_1[one] - d_2[two], z_1 * cells)
-        c_2 = mean_by(two, left - d_1[one] - d_2[two], z_2 * cells)
-        if g == 1:
-            d_1 = d_1 + c_1
-            c_2 = mean_by(two, left - d_1[one] - d_2[two], z_2 * cells)
-            d_2 = d_2 + c_2
-        else:
-            d_1, d_2 = d_1 + share * c_1, d_2 + share * c_2
-        if np.max(np.abs(np.concatenate([d_1, d_2]) - old)) < 1e-9:
-            break
+    m = _mean_by(at, values, number, cells)
+    d_1, d_2 = _by_gear(values - m[at], number, one, two, z_1=z_1, z_2=z_2, cells=cells)
     held_1 = np.bincount(one, weights=number, minlength=z_1 * cells)
     held_2 = np.bincount(two, weights=number, minlength=z_2 * cells)
     # All teeth count alike in the mean one, however often each was met.
@@ -94,23 +72,55 @@ def tooth_maps(u: FloatArray, residual: FloatArray, *, z_1: int, z_2: int, noise
     cov = covariance(noise, lags=visit)
     lag = np.arange(1, visit)
     one_visit = (cov[0] + 2.0 * float(np.sum((1.0 - lag / visit) * cov[1:visit]))) / visit
-    std_1 = math.sqrt(max(one_visit, 0.0) * visit / max(float(np.median(held_1)), 1.0))
-    std_2 = math.sqrt(max(one_visit, 0.0) * visit / max(float(np.median(held_2)), 1.0))
-    note = ""
-    if g > 1:
-        note = (
-            f"tooth numbers {z_1} and {z_2} share the divisor {g}: what the teeth of one remainder by {g} have in "
-            "common may belong to either gear and is split evenly"
-        )
-        if z_1 == z_2:
-            note = "equal tooth numbers: each tooth meets one mate only, so nothing tells the two gears apart"
     return Maps(
         phase=read_only((np.arange(cells) + 0.5) / cells),
         mean=read_only(m),
         driving=read_only(np.where(held_1 > 0, d_1, np.nan).reshape(z_1, cells)),
         driven=read_only(np.where(held_2 > 0, d_2, np.nan).reshape(z_2, cells)),
-        std_driving=std_1,
-        std_driven=std_2,
-        confounded=g,
-        note=note,
+        std_driving=math.sqrt(max(one_visit, 0.0) * visit / max(float(np.median(held_1)), 1.0)),
+        std_driven=math.sqrt(max(one_visit, 0.0) * visit / max(float(np.median(held_2)), 1.0)),
+        confounded=math.gcd(z_1, z_2),
+        note=_note(z_1, z_2),
+    )
+
+
+def _mean_by(index: IntArray, values: FloatArray, number: FloatArray, size: int) -> FloatArray:
+    """Means (size,) of ``values`` (k,), each of ``number`` samples, by ``index``; 0 where there are none."""
+    held = np.bincount(index, weights=number, minlength=size)
+    total = np.bincount(index, weights=number * values, minlength=size)
+    return np.where(held > 0, total / np.maximum(held, 1.0), 0.0)
+
+
+def _by_gear(
+    left: FloatArray, number: FloatArray, one: IntArray, two: IntArray, *, z_1: int, z_2: int, cells: int
+) -> tuple[FloatArray, FloatArray]:
+    """What each tooth of the driving (z_1 cells,) and the driven gear (z_2 cells,) has of ``left`` (k,), by
+    alternating means; ``one`` and ``two`` (k,) are tooth and cell of both gears."""
+    d_1, d_2 = np.zeros(z_1 * cells), np.zeros(z_2 * cells)
+    coprime = math.gcd(z_1, z_2) == 1
+    for _ in range(SWEEPS):
+        old = np.concatenate([d_1, d_2])
+        c_1 = _mean_by(one, left - d_1[one] - d_2[two], number, z_1 * cells)
+        if coprime:
+            d_1 = d_1 + c_1
+            d_2 = d_2 + _mean_by(two, left - d_1[one] - d_2[two], number, z_2 * cells)
+        else:
+            # Half steps where the gears share remainders: what is common is split evenly, and the rounds still settle.
+            c_2 = _mean_by(two, left - d_1[one] - d_2[two], number, z_2 * cells)
+            d_1, d_2 = d_1 + 0.5 * c_1, d_2 + 0.5 * c_2
+        if np.max(np.abs(np.concatenate([d_1, d_2]) - old)) < 1e-9:
+            break
+    return d_1, d_2
+
+
+def _note(z_1: int, z_2: int) -> str:
+    """What does not separate, in words; empty for coprime tooth numbers."""
+    if z_1 == z_2:
+        return "equal tooth numbers: each tooth meets one mate only, so nothing tells the two gears apart"
+    g = math.gcd(z_1, z_2)
+    if g == 1:
+        return ""
+    return (
+        f"tooth numbers {z_1} and {z_2} share the divisor {g}: what the teeth of one remainder by {g} have in "
+        "common may belong to either gear and is split evenly"
     )

@@ -13,11 +13,13 @@ import numpy as np
 
 from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.families import SHARES, log_false_any
-from gearpoly.compare.lines import SLOWEST, TIE, Domain, LineSearch, Peak, refined
+from gearpoly.compare.lines import TIE, likelier, refined, snapped
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.compare.peak import Domain, Peak
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sampling import SLOWEST, Sampling, sampling_of
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import placed_to
@@ -32,7 +34,7 @@ OF_WHOLE_ORDERS = 0.02
 what of other waves is not taken off yet puts either ahead. Three orders of a sensor were so by up to 0.009 and 0.012 of
 their gain of 10^5; a wave fixed in time gains as much where the shaft strays by 0.14 rad of it."""
 
-FARTHEST, STEPS = 0.25, 2
+FARTHEST, FREQUENCY_STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
 Newton steps: each squares what is left to go, and the first lands within a hundredth of a line."""
 
@@ -56,48 +58,48 @@ class Masked:
 
 
 def masked_wave(
-    search: LineSearch, estimator: NoiseEstimator, slow: FloatArray, values: FloatArray, *, recordings: int,
+    sampling: Sampling, estimator: NoiseEstimator, slow: FloatArray, values: FloatArray, *, recordings: int,
     floor: float,
 ) -> Masked | None:  # fmt: skip
     """The strongest wave beside the ``slow`` curves (n, q) in ``values`` (n,) in mm of one of ``recordings``, of
     ``floor`` in mm at least, where it is no chance in the noise without it; ``None`` where it may be noise."""
     left = values - slow @ np.linalg.lstsq(slow, values, rcond=None)[0]
-    domains: list[Domain] = ["order"] if search.time_grid is None else ["order", "time"]
-    domain, frequency, _ = max((_strongest(search, left, one) for one in domains), key=lambda one: one[2])
-    x, _, span, _ = search.over(domain)
-    snapped = search.snapped(frequency, SNAPS / span) if domain == "order" else None
-    frequency = frequency if snapped is None else snapped
+    domains: list[Domain] = ["order"] if sampling.time_grid is None else ["order", "time"]
+    domain, frequency, _ = max((_strongest(sampling, left, one) for one in domains), key=lambda one: one[2])
+    x, _, span, _ = sampling.over(domain)
+    whole = snapped(sampling, frequency, SNAPS / span) if domain == "order" else None
+    frequency = frequency if whole is None else whole
     columns = np.concatenate([slow, _rows(x, frequency)], axis=1)
     beta = np.linalg.lstsq(columns, left, rcond=None)[0]
     if float(np.hypot(*beta[-2:])) < floor:
         return None
     noise = estimator.estimate(left - columns @ beta)
-    rest, count = search.rest_at(domain, np.array([frequency]), noise)
+    rest, count = sampling.rest_at(domain, np.array([frequency]), noise)
     white = noise.whitened(np.column_stack([left, columns]))
     with_it, without = (
         float(np.sum((white[:, 0] - design @ np.linalg.lstsq(design, white[:, 0], rcond=None)[0]) ** 2))
         for design in (white[:, 1:], white[:, 1:-2])
     )
     z = np.array([0.5 * (without - with_it)]) / rest
-    lines = search.nyquist * search.span * recordings / SHARES.between
+    lines = sampling.nyquist * sampling.span * recordings / SHARES.between
     log_false = float(log_false_any(z, count, lines=lines)[0])
     if log_false >= 0.0:
         return None
     gain = 2.0 * float(z[0])
     # As in ``lines``: half a turn of phase over the record costs the line.
-    std = 0.0 if snapped is not None else 0.551 / span / math.sqrt(gain)
-    peak = Peak(domain=domain, frequency=frequency, std=std, gain=gain, log_false=log_false, known=snapped is not None)
+    std = 0.0 if whole is not None else 0.551 / span / math.sqrt(gain)
+    peak = Peak(domain=domain, frequency=frequency, std=std, gain=gain, log_false=log_false, known=whole is not None)
     return Masked(peak=peak, heights=beta[-2:], noise=noise)
 
 
 def strong_waves(data: AlignedResidual, *, z_1: int, z_2: int, recordings: int, floor: float) -> list[Masked]:
     """The waves of a recording that would hide in the noise they raise, strongest first."""
-    search = LineSearch(u=data.u, time=data.time_s, z_1=z_1, z_2=z_2, averaged=data.averaged > 0.0)
+    sampling = sampling_of(u=data.u, time=data.time_s, z_1=z_1, z_2=z_2, averaged=data.averaged > 0.0)
     estimator = NoiseEstimator(data.u, z_1=z_1, z_2=z_2)
     slow = slow_curves(data.u if data.time_s is None else data.time_s)
     left, out = data.residual, list[Masked]()
     for _ in range(STRONG):
-        found = masked_wave(search, estimator, slow, left, recordings=recordings, floor=floor)
+        found = masked_wave(sampling, estimator, slow, left, recordings=recordings, floor=floor)
         if found is None:
             break
         out.append(found)
@@ -114,9 +116,9 @@ SNAPS = 0.1
 slow curves push it by."""
 
 
-def _strongest(search: LineSearch, left: FloatArray, domain: Domain) -> tuple[Domain, float, float]:
+def _strongest(sampling: Sampling, left: FloatArray, domain: Domain) -> tuple[Domain, float, float]:
     """Frequency of the largest line of ``left`` (n,) over angle or time that is no drift, and its power."""
-    x, grid, span, _ = search.over(domain)
+    x, grid, span, _ = sampling.over(domain)
     power = grid.power(left)
     frequency: FloatArray = grid.step * np.arange(power.size, dtype=np.float64)
     power[frequency < SLOWEST / span] = 0.0
@@ -140,21 +142,21 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
             if peak.faint or (peak.known and any(_whole(z * peak.frequency) for z in (model.z_1, model.z_2))):
                 continue
             ab = solution.beta[places[name][2 * j : 2 * j + 2]]
-            values = left + _rows(s.search.over(peak.domain)[0], peak.frequency) @ ab
+            values = left + _rows(s.sampling.over(peak.domain)[0], peak.frequency) @ ab
             other: Domain = "order" if peak.domain == "time" else "time"
             settled = _settled(s, values, slow, peak, peak.frequency)
             if peak.known:
                 there = _settled(s, values, slow, peak, peak.frequency, steps=0)
                 if settled.gain < there.gain + OF_ITS_OWN:
                     continue
-                std = placed_to(settled.gain, span=s.search.over(peak.domain)[2])
+                std = placed_to(settled.gain, span=s.sampling.over(peak.domain)[2])
                 settled = replace(settled, known=False, std=std)
             free = settled
-            if s.search.time_grid is not None:
-                turned = peak.frequency * s.search.over(peak.domain)[3] / s.search.over(other)[3]
+            if s.sampling.time_grid is not None:
+                turned = peak.frequency * s.sampling.over(peak.domain)[3] / s.sampling.over(other)[3]
                 as_other = _settled(s, values, slow, replace(peak, domain=other), turned)
                 free = settled if settled.domain == "order" else as_other
-                settled = s.search.likelier(settled, as_other)
+                settled = likelier(s.sampling, settled, as_other)
             settled = _on_whole_order(s, values, slow, free, settled)
             (s.times if name == "times" else s.orders).remove(peak)
             (s.times if settled.domain == "time" else s.orders).append(settled)
@@ -165,11 +167,11 @@ def settle_waves(model: JointModel, solution: Solution) -> bool:
 def _on_whole_order(s: State, values: FloatArray, slow: FloatArray, free: Peak, settled: Peak) -> Peak:
     """The whole order of a shaft that a ``settled`` wave falls on, if neither the same wave at a ``free`` order nor in
     time fits clearly better; else the wave. Few waves fixed in time come so near by chance, but the mains' often do."""
-    search = s.search
-    exact = search.snapped(search.per_mesh(settled), free.std)
-    if exact is None or settled.hum or not any(_whole(z * exact) for z in (search.z_1, search.z_2)):
+    sampling = s.sampling
+    exact = snapped(sampling, sampling.per_mesh(settled), free.std)
+    if exact is None or settled.hum or not any(_whole(z * exact) for z in (sampling.z_1, sampling.z_2)):
         return settled
-    if any(p.known and abs(p.frequency - exact) * search.span < SNAPS for p in s.orders):
+    if any(p.known and abs(p.frequency - exact) * sampling.span < SNAPS for p in s.orders):
         return settled
     there = _settled(s, values, slow, replace(free, known=True, std=0.0), exact, steps=0)
     timely = settled.gain if settled.domain == "time" else settled.rival
@@ -188,12 +190,12 @@ def _rows(x: FloatArray, frequency: float) -> FloatArray:
 
 
 def _settled(
-    s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float, *, steps: int = STEPS
+    s: State, values: FloatArray, slow: FloatArray, peak: Peak, frequency: float, *, steps: int = FREQUENCY_STEPS
 ) -> Peak:
     """The wave that fits ``values`` (n,) in mm best near ``frequency``, beside the curves that span the orthonormal,
     white columns ``slow`` (n, q): to first order a frequency is one more column, x times the wave turned by a
     quarter."""
-    x, _, span, _ = s.search.over(peak.domain)
+    x, _, span, _ = s.sampling.over(peak.domain)
     along = 2.0 * np.pi * (x - 0.5 * (x[0] + x[-1]))
 
     def beside(values: FloatArray) -> FloatArray:
@@ -215,5 +217,5 @@ def _settled(
         turned -= columns @ (inverse @ (columns.T @ turned))
         by = float(turned @ rest) / max(float(turned @ turned), 1e-300)
         frequency += float(np.clip(by, -FARTHEST / span, FARTHEST / span))
-    level = float(s.search.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])
+    level = float(s.sampling.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])
     return replace(peak, frequency=frequency, gain=gain / level)

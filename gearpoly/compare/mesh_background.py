@@ -20,11 +20,11 @@ from gearpoly.compare.locate import Located
 from gearpoly.compare.on_sky import Sky, arcsec_words
 from gearpoly.units import UM, FloatArray
 
-BESIDE = 0.5
+BACKGROUND_BESIDE = 0.5
 """Cycles per mesh on either side within which lines count as background. In five real guide logs the power below the
 mesh is 1.0 to 1.6 times that above it, so the lines are nearly alike."""
 
-APART = 1.5
+FOOT_LINES = 1.5
 """Independent lines about an order of the driven shaft that may be its foot, and about the mesh within which a wave
 that was located may be the mesh's."""
 
@@ -37,9 +37,9 @@ def mesh_wave(left: FloatArray, u: FloatArray, *, z_2: int) -> tuple[float, floa
     driven gear of ``z_2`` teeth, and the part (0 to 1) of the places beside it that hold as much; ``None`` where the
     recording is too short to have any."""
     span = float(np.ptp(u))
-    frequency = np.arange(1.0 - BESIDE, 1.0 + BESIDE, 1.0 / span)
+    frequency = np.arange(1.0 - BACKGROUND_BESIDE, 1.0 + BACKGROUND_BESIDE, 1.0 / span)
     order = frequency * z_2
-    frequency = frequency[np.abs(order - np.rint(order)) * span / z_2 > APART]
+    frequency = frequency[np.abs(order - np.rint(order)) * span / z_2 > FOOT_LINES]
     if not frequency.size:
         return None
     at_mesh = abs(np.sum(left * np.exp(-2j * np.pi * u)))
@@ -69,4 +69,4 @@ def _of_the_mesh(entry: Entry, sky: Sky, *, span: float) -> bool:
     """Whether an ``entry`` is of the mesh, or a wave as often as it in a recording of ``span`` meshes."""
     period = sky.period_of(entry)
     mesh = sky.period(gear=None, order=1.0)
-    return entry.kind in MESH_KINDS or (period is not None and abs(mesh / period - 1.0) * span < APART)
+    return entry.kind in MESH_KINDS or (period is not None and abs(mesh / period - 1.0) * span < FOOT_LINES)

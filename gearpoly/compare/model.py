@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.compare.columns import (
     Dense,
-    Part,
+    SomeColumns,
     Waves,
     as_built_part,
     pair_deviation,
@@ -20,9 +20,10 @@ from gearpoly.compare.columns import (
 )
 from gearpoly.compare.few_turns import first_orders, without_first
 from gearpoly.compare.jumps import Jump
-from gearpoly.compare.lines import LineSearch, Peak
 from gearpoly.compare.noise import Noise, NoiseEstimator
+from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution, Stack, solve
+from gearpoly.compare.sampling import Sampling, sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried
 from gearpoly.compare.slow import SLOW, slow_curves
@@ -83,7 +84,7 @@ class State:
 
     data: AlignedResidual
     carried: Carried
-    search: LineSearch
+    sampling: Sampling
     slow: FloatArray
     estimator: NoiseEstimator
     noise: Noise
@@ -118,15 +119,15 @@ class JointModel:
         self.places: list[dict[str, IntArray]] = []
         self.refused: list[tuple[int, bool, int]] = []
 
-    def _lines(self, data: AlignedResidual) -> LineSearch:
-        return LineSearch(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)
+    def _lines(self, data: AlignedResidual) -> Sampling:
+        return sampling_of(u=data.u, time=data.time_s, z_1=self.z_1, z_2=self.z_2, averaged=data.averaged > 0.0)
 
-    def _state(self, data: AlignedResidual, search: LineSearch, slowest: Peak | None) -> State:
+    def _state(self, data: AlignedResidual, sampling: Sampling, slowest: Peak | None) -> State:
         x = data.u if data.time_s is None else data.time_s
         return State(
             data=data,
             carried=data.carried(self.z_1, self.z_2),
-            search=search,
+            sampling=sampling,
             orders=[] if slowest is None else [slowest],
             slow=slow_curves(x),
             estimator=(estimator := NoiseEstimator(data.u, z_1=self.z_1, z_2=self.z_2)),
@@ -194,11 +195,11 @@ class JointModel:
             for z, columns in ends.items():
                 ends[z] = columns * (-1.0 if s.coast else 1.0)
                 values = values + ends[z] @ s.wander[z].heights
-            parts: list[tuple[Part, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
+            parts: list[tuple[SomeColumns, IntArray]] = [(built, s.flank_at + np.arange(self.tooth_parameters))]
             places: dict[str, IntArray] = {}
 
             u, t = s.data.u, s.data.time_s
-            own_parts: list[tuple[str, Part, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
+            own_parts: list[tuple[str, SomeColumns, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
             if s.data.nuisance is not None:
                 own_parts.append(("nuisance", Dense(columns=s.data.nuisance), np.ones(s.data.nuisance.shape[1])))
             for z, columns in ends.items():

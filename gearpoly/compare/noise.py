@@ -24,17 +24,17 @@ from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
 from gearpoly.compare.whitening import backward, forward
 from gearpoly.units import BoolArray, FloatArray, IntArray, read_only
 
-WHOLE = 0.003
+MISSING_SHARE = 0.003
 """Share of a cycle that may be missing at the ends of a record that is meant to hold whole cycles. The gap it leaves
 blurs the repeating frequencies by as little as this share of their spacing."""
 
-FEWEST = 64
+FEWEST_SAMPLES = 64
 """Samples from which on a spectrum says anything."""
 
 HIGHEST = 24.0
 """Cycles per mesh up to which what repeats is fitted; finer shapes no tooth makes in a recording."""
 
-REPEATED, SOME = 0.02, 64
+REPEATED_STEPS, SOME = 0.02, 64
 """Part of the steps that may be none before single steps no longer tell the spacing, and the samples over which they do
 then: an encoder's step is at most a dozen samples long at speed, so this is off by a fiftieth of it at most."""
 
@@ -148,7 +148,7 @@ def spacing_of(u: FloatArray) -> float:
     """Meshes from sample to sample, in the middle of all; where readings repeat, over so many samples that few do."""
     step = np.diff(u)
     middle = float(np.median(step))
-    if middle > 0.0 and np.count_nonzero(step <= 0.0) <= REPEATED * step.size:
+    if middle > 0.0 and np.count_nonzero(step <= 0.0) <= REPEATED_STEPS * step.size:
         return middle
     apart = min(SOME, u.size // 2)
     middle = float(np.median(u[apart:] - u[:-apart])) / apart
@@ -158,7 +158,7 @@ def spacing_of(u: FloatArray) -> float:
 def whole_cycles(u: FloatArray, period: float) -> int:
     """Whole hunting cycles of ``period`` meshes in the record ``u``."""
     span = float(u[-1] - u[0]) + spacing_of(u)
-    return math.floor(span / period + WHOLE)
+    return math.floor(span / period + MISSING_SHARE)
 
 
 def _between_orders(frequency: FloatArray, *, z_1: int, z_2: int, spacing: float) -> BoolArray:
@@ -200,8 +200,8 @@ class NoiseEstimator:
     """
 
     def __init__(self, u: FloatArray, *, z_1: int, z_2: int) -> None:
-        if u.size < FEWEST:
-            raise ValueError(f"{u.size} samples are too few to estimate noise from; {FEWEST} would do")
+        if u.size < FEWEST_SAMPLES:
+            raise ValueError(f"{u.size} samples are too few to estimate noise from; {FEWEST_SAMPLES} would do")
         period = float(math.lcm(z_1, z_2))
         self._spacing = spacing_of(u)
         cycles = whole_cycles(u, period)

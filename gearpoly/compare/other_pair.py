@@ -17,26 +17,26 @@ from itertools import product
 
 import numpy as np
 
-from gearpoly.compare.ratio import ORDERS, PRESENT, SEEN, SURE, Lines
+from gearpoly.compare.ratio import LINE_SHOWS, ORDERS_PER_TOOTH, SEEN_LOG_ODDS, TAKEN_LOG_ODDS, OrderPower
 from gearpoly.keys.also_turns import Part
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-TEETH = (5, 200)
+USUAL_TEETH = (5, 200)
 """Teeth of gears that another pair may have. Nearly every spur gear has so few, and more fractions only cost certainty:
 each has to be as unlikely by chance."""
 
-MOST = 8.0
+MOST_LOG_EVIDENCE = 8.0
 """Log evidence of a single line at most: a wave of another stage of the drive that stands a thousand times above the
 background is no surer a line than one that stands eight times above it, and one line is no comb."""
 
-APART = 1.5
+SAME_ORDER_LINES = 1.5
 """Lines of a recording's own width within which two orders are the same: a tapered line is two wide."""
 
 COMB = 4
 """Lines of another shaft that have to show, whole orders of the read one apart: a wheel beside the pair showed up to
 three in 60 made recordings, another pair 6 to 50 in 14."""
 
-AS_GOOD, MULTIPLES = SEEN, 4
+AS_GOOD, MULTIPLES = SEEN_LOG_ODDS, 4
 """Log evidence within which the pair of fewest teeth stands for all, and times that its shaft may turn as often as
 another's: neighbouring fractions, and a shaft that turns half as often, have the same lines, and chance one more."""
 
@@ -71,12 +71,12 @@ class OtherPair:
 
 
 def other_pair(
-    every: Sequence[Lines], *, read: int, z: tuple[int, int], parts: Sequence[Part] = ()
+    every: Sequence[OrderPower], *, read: int, z: tuple[int, int], parts: Sequence[Part] = ()
 ) -> OtherPair | None:
     """Whether recordings of ``z`` declared teeth are of other ones, by their lines at orders of the ``read`` shaft (0
     driving, 1 driven); None where the declared pair shows, or nothing does. ``parts`` turn beside the pair, and are
     none of it."""
-    own, turn = z[read] / z[1 - read], np.arange(1.0, ORDERS * max(z) + 1.0)
+    own, turn = z[read] / z[1 - read], np.arange(1.0, ORDERS_PER_TOOTH * max(z) + 1.0)
     if all(float(np.mean(_apart(one, own * turn, np.rint(own * turn)))) < UNLIKE for one in every):
         return None  # the declared shaft turns a whole number of times: its orders are those of the one that was read
     known = [one.turns * (1.0 if read else z[0] / z[1]) for one in parts]
@@ -86,11 +86,14 @@ def other_pair(
     odds = np.array([one if many >= COMB else -math.inf for one, many in found])
     most = float(np.max(odds))
     log_odds = most - _comb(every, own * turn, beside=known)[0] - math.log(ratios.size)
-    if log_odds <= SURE:
+    if log_odds <= TAKEN_LOG_ODDS:
         return None
     p, q = _plainest(teeth[odds > most - AS_GOOD])
     ratio = p / q
-    if _shared(every, own * turn, ratio) > 1.0 - UNLIKE or _comb(every, own * turn, beside=(*known, ratio))[0] > SEEN:
+    if (
+        _shared(every, own * turn, ratio) > 1.0 - UNLIKE
+        or _comb(every, own * turn, beside=(*known, ratio))[0] > SEEN_LOG_ODDS
+    ):
         return None
     return OtherPair(read=read, turns=ratio, teeth=(q, p) if read else (p, q), declared=z, log_odds=log_odds)
 
@@ -108,13 +111,13 @@ def _plainest(teeth: IntArray) -> tuple[int, int]:
 def _teeth() -> IntArray:
     """Teeth (m, 2) of the read gear and of its mate, without a common divisor; but ratios that are whole, whose orders
     the read gear has too."""
-    low, high = TEETH
+    low, high = USUAL_TEETH
     whole = range(low, high + 1)
     least = (Fraction(p, q) for p, q in product(whole, whole) if p % q)
     return np.array(sorted({(one.numerator, one.denominator) for one in least}))
 
 
-def _comb(every: Sequence[Lines], orders: FloatArray, *, beside: Sequence[float]) -> tuple[float, int]:
+def _comb(every: Sequence[OrderPower], orders: FloatArray, *, beside: Sequence[float]) -> tuple[float, int]:
     """Log evidence of lines at ``orders`` (k,) that are no whole ones, nor multiples of those ``beside``, and how many
     show."""
     each = []
@@ -122,12 +125,12 @@ def _comb(every: Sequence[Lines], orders: FloatArray, *, beside: Sequence[float]
         apart = _apart(lines, orders, np.rint(orders))
         for first in beside:
             apart = apart & _apart(lines, orders, _nearest(orders, first))
-        each.append(lines.each(orders[apart], PRESENT, most=MOST))
+        each.append(lines.each(orders[apart], LINE_SHOWS, most=MOST_LOG_EVIDENCE))
     return float(sum(np.sum(one) for one in each)), max(int(np.count_nonzero(one > 0.0)) for one in each)
 
 
-def _apart(lines: Lines, orders: FloatArray, others: FloatArray) -> BoolArray:
-    return np.asarray(np.abs(orders - others) * lines.length > APART)
+def _apart(lines: OrderPower, orders: FloatArray, others: FloatArray) -> BoolArray:
+    return np.asarray(np.abs(orders - others) * lines.length > SAME_ORDER_LINES)
 
 
 def _nearest(orders: FloatArray, first: float) -> FloatArray:
@@ -135,6 +138,6 @@ def _nearest(orders: FloatArray, first: float) -> FloatArray:
     return np.asarray(np.maximum(1.0, np.rint(orders / first)) * first)
 
 
-def _shared(every: Sequence[Lines], orders: FloatArray, ratio: float) -> float:
+def _shared(every: Sequence[OrderPower], orders: FloatArray, ratio: float) -> float:
     """Part of ``orders`` that no recording tells from the multiples of ``ratio``."""
     return min(1.0 - float(np.mean(_apart(one, orders, _nearest(orders, ratio)))) for one in every)

@@ -25,7 +25,7 @@ FINEST = 1e-5
 TAKEN = 5
 """Freedoms of the teeth of one gear that its mean and its first two orders take."""
 
-BLOCKS = 24
+INDEPENDENT_BLOCKS = 24
 """Contiguous blocks of a recording whose scores are taken as independent: long against the correlation of noise, and
 enough to show a spread."""
 
@@ -34,7 +34,7 @@ NEWTON = 25
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Place:
+class Laying:
     """One way to lay all recordings on the cycle.
 
     ``shift`` in rad: driven rotation of the first recording by its present zero minus the true one, in [0, cycle).
@@ -114,7 +114,7 @@ class Attempt:
             penalty=penalty,
         )
 
-    def place(self) -> Place:
+    def place(self) -> Laying:
         """As the outside sees it."""
         offsets, square, count = [], 0.0, 0.0
         for fit, more in zip(self.fits, self.turns.tolist(), strict=True):
@@ -123,7 +123,7 @@ class Attempt:
             offsets.append(fit.level + float(fit.explained(r)[0]) - fit.curve.template.mean)
             square += float(fit.curve.weight @ (r - np.average(r, weights=fit.curve.weight)) ** 2)
             count += fit.count
-        return Place(
+        return Laying(
             shift=self.shift,
             shifts=self.shift + self.turns,
             offset=np.array(offsets),
@@ -218,4 +218,4 @@ def is_worse(one: Attempt, best: Attempt, cycle: Cycle, *, sigmas: float = RIVAL
 def _labels(fit: Misfit, one: Attempt, k: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     """Mesh, driving tooth, driven tooth and block (n,) of the samples of recording ``k``."""
     mesh, driving, driven = fit.labels(one.shift + float(one.turns[k]))
-    return mesh, driving, driven, k * BLOCKS + np.arange(mesh.size) * BLOCKS // mesh.size
+    return mesh, driving, driven, k * INDEPENDENT_BLOCKS + np.arange(mesh.size) * INDEPENDENT_BLOCKS // mesh.size

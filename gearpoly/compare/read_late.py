@@ -20,7 +20,7 @@ from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import UM, BoolArray, FloatArray
 
-FEWEST = 60
+FEWEST_MESH_MEANS = 60
 """Means over a mesh from which on the speed is looked for in them: half of them foretell the rest, with 18 unknowns."""
 
 UNSTEADY = 0.01
@@ -32,19 +32,19 @@ many times across its slow course, and where it swings less. Of chance courses o
 swing 8 to 12 times 4 in 1000 came below a tenth, of 578 that swing more often none. Of 4261 with fewer swings none came
 below 0.008."""
 
-HALF_WAY = 0.5
+SWING_PART = 0.5
 """Part of the rms of the speed's swing that a swing has on either side. A judgement: a sine has 1.41 of it."""
 
-STRETCHES = 8
+FORETOLD_STRETCHES = 8
 """Contiguous stretches of a recording, of which every other one is foretold by the rest."""
 
-ORDERS = 3
+ORDERS_BESIDE = 3
 """Orders of both shafts fitted beside: speed and eccentricity may both come once per turn."""
 
 RATE_SEEN = 5.0
 """Standard errors from which on both clocks are taken to run at different rates."""
 
-FINE, SAMPLES = 4, 4
+SPEED_MEANS_PER_MESH, SAMPLES_PER_MEAN = 4, 4
 """Means per mesh, and samples in each at least, that give the speed which is taken off."""
 
 
@@ -79,7 +79,7 @@ def on_one_clock(cleaned: Sequence[Cleaned], pair: GearPair) -> list[Cleaned]:
             out.append(one)
             continue
         assert one.time_s is not None
-        t, cells = one.time_s, _cells(one, pair, per_mesh=FINE, least=SAMPLES)
+        t, cells = one.time_s, _cells(one, pair, per_mesh=SPEED_MEANS_PER_MESH, least=SAMPLES_PER_MEAN)
         x = t - 0.5 * (t[0] + t[-1])
         sense = -1.0 if one.backward else 1.0
         speed = np.interp(t, cells.time, cells.speed)
@@ -131,16 +131,16 @@ def read_late(one: Cleaned, pair: GearPair) -> Late | None:
     cells = _cells(one, pair, per_mesh=1, least=1)
     speed = cells.speed
     mean = float(np.mean(speed))
-    if speed.size < FEWEST or mean <= 0.0 or float(np.std(speed)) < UNSTEADY * mean:
+    if speed.size < FEWEST_MESH_MEANS or mean <= 0.0 or float(np.std(speed)) < UNSTEADY * mean:
         return None
     x = cells.time - 0.5 * (one.time_s[0] + one.time_s[-1])
-    orders = np.arange(1.0, ORDERS + 1.0) / (2.0 * math.pi)
+    orders = np.arange(1.0, ORDERS_BESIDE + 1.0) / (2.0 * math.pi)
     waves = [cosine_and_sine(angle, orders) for angle in (cells.theta_1, cells.theta_2)]
     beside = np.concatenate([slow_curves(x), *waves], axis=1)
     swing = speed - beside @ np.linalg.lstsq(beside, speed, rcond=None)[0]
     part = FORETELLS if _swings(swing) >= SWINGS else SLOWLY
     whole = np.column_stack([pair.r_b2 * speed, pair.r_b2 * speed * x, beside])
-    block = np.minimum(np.arange(x.size) * STRETCHES // x.size, STRETCHES - 1) % 2 == 0
+    block = np.minimum(np.arange(x.size) * FORETOLD_STRETCHES // x.size, FORETOLD_STRETCHES - 1) % 2 == 0
     for columns in (whole[:, [0, *range(2, whole.shape[1])]], whole):
         if _foretold(columns, cells.te, block) < part * _foretold(beside, cells.te, block):
             break
@@ -158,7 +158,7 @@ def read_late(one: Cleaned, pair: GearPair) -> Late | None:
 def _swings(values: FloatArray) -> int:
     """How often ``values`` (n,) go from one side to the other, farther than half of their rms on both: a run that
     starts and stops swings twice, however much its even part trembles."""
-    far = values[np.abs(values) > HALF_WAY * float(np.sqrt(np.mean(values**2)))]
+    far = values[np.abs(values) > SWING_PART * float(np.sqrt(np.mean(values**2)))]
     return int(np.count_nonzero(np.diff(np.sign(far))))
 
 

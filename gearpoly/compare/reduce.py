@@ -16,7 +16,7 @@ from gearpoly.compare.pieces import PIECE, pieces
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.units import FloatArray
 
-PER_MESH = 24.0
+SAMPLES_PER_MESH = 24.0
 """Samples per mesh that averaging leaves at least: orders up to 12 per mesh, hand-overs to a twenty-fourth of a
 pitch."""
 
@@ -25,7 +25,7 @@ SAMPLES = 40960
 to come from all of them (teeth imitate the first orders of their shaft to a thousandth), so they decide the time."""
 
 
-LONGEST, COARSER = 65536, 2
+LONGEST_WHOLE, COARSER = 65536, 2
 """Samples that two hunting cycles may have, so that columns are known at all of them, and times as coarse as they may
 be made for that: 12 samples to the mesh tell orders up to 6 of it. Of 82 629 samples of a run-up a search took more
 than four minutes."""
@@ -68,7 +68,7 @@ def shortening(u: FloatArray, *, z_1: int, z_2: int) -> Shortening:
     spacing = spacing_of(u)
     if u.size <= SAMPLES:
         return Shortening(group=1, size=u.size, spacing=spacing)
-    group = max(1, int(1.0 / (spacing * PER_MESH)))
+    group = max(1, int(1.0 / (spacing * SAMPLES_PER_MESH)))
     u = _means(u, group)
     if u.size <= SAMPLES:
         return Shortening(group=group, size=u.size, spacing=spacing)
@@ -76,7 +76,7 @@ def shortening(u: FloatArray, *, z_1: int, z_2: int) -> Shortening:
     cycles = whole_cycles(u[:SAMPLES], period)
     # Fewer than two whole cycles do not repeat: rather search a longer stretch then.
     if cycles < 2 and whole_cycles(u, period) >= 2:
-        coarser = -(-int(np.searchsorted(u, u[0] + 2.0 * period)) // LONGEST)
+        coarser = -(-int(np.searchsorted(u, u[0] + 2.0 * period)) // LONGEST_WHOLE)
         if coarser <= COARSER:
             group, u, cycles = group * coarser, _means(u, coarser), 2
     size = int(np.searchsorted(u, u[0] + cycles * period)) if cycles >= 2 else SAMPLES

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from gearpoly.compare.columns import Part
+from gearpoly.compare.columns import SomeColumns
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import ComplexArray, Grid
@@ -36,7 +36,7 @@ WORTH = 0.5
 MOST_MEMORY = 64
 """Samples at the beginning of a recording that a noise model may ask for before it whitens."""
 
-STEPS = 4
+REFINING_STEPS = 4
 """Newton steps at most where the matrix is approximate; each removes 99 % of what is left."""
 
 
@@ -48,7 +48,7 @@ class Stack:
 
     values: FloatArray
     noise: Noise
-    parts: list[tuple[Part, IntArray]] = field(default_factory=list)
+    parts: list[tuple[SomeColumns, IntArray]] = field(default_factory=list)
     white: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     square: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
 
@@ -229,7 +229,7 @@ def solve(stacks: list[Stack], *, precision: FloatArray, before: list[Stack] | N
     beta = np.zeros(m)
     left = [stack.values for stack in stacks]
     exact = all(stack.values.size <= DENSE_SAMPLES for stack in stacks)
-    for _ in range(2 if exact else STEPS):
+    for _ in range(2 if exact else REFINING_STEPS):
         pulls = each(lambda pair: pair[0].gradient(pair[1], m), zip(stacks, left, strict=True))
         gradient = sum(pulls, -precision * beta)
         step = cho_solve(factor, gradient / scale) / scale

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gearpoly.compare.beside import COARSE, Aligned
+from gearpoly.compare.beside import ROUNDING_TOLD, Aligned
 from gearpoly.compare.other_pair import OtherPair, other_pair
-from gearpoly.compare.ratio import Lines
+from gearpoly.compare.ratio import OrderPower
 from gearpoly.compare.same_ratio import SameRatio, other_teeth_of_ratio, same_ratio
 from gearpoly.compare.scale import Scale
 from gearpoly.compare.stated import speed_remarks
@@ -95,7 +95,7 @@ def scale_remarks(scale: Scale | None, another: Other | None) -> Iterator[str]:
 def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:
     """Where readings are so coarse that their rounding shows."""
     for k, one in enumerate(aligned):
-        if one.rounding < COARSE * one.rms:
+        if one.rounding < ROUNDING_TOLD * one.rms:
             continue
         parts = [
             f"the {name} angle in steps of {step / DEG:.4g} deg ({2.0 * np.pi / step:.0f} a turn)"
@@ -122,9 +122,9 @@ def of_other_teeth(aligned: Sequence[Aligned], parts: Sequence[Part], *, z: tupl
     return found
 
 
-def _lines(one: Aligned, shaft: int) -> Lines:
+def _lines(one: Aligned, shaft: int) -> OrderPower:
     """The lines of a recorded transmission error, at orders of the driving (0) or the driven shaft (1)."""
-    return Lines((one.theta_2 if shaft else one.estimated[0]) / (2.0 * math.pi), one.recorded)
+    return OrderPower((one.theta_2 if shaft else one.estimated[0]) / (2.0 * math.pi), one.recorded)
 
 
 def _read(recording: Recording) -> int | None:

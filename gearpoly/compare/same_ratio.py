@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.compare.ratio import MESH_PRESENT, SEEN, Lines
+from gearpoly.compare.ratio import MESH_PRESENT, SEEN_LOG_ODDS, OrderPower
 from gearpoly.keys.also_turns import HALF_A_LINE, Part
 from gearpoly.units import FloatArray
 
-NEAR = 0.25
+MISCOUNTED = 0.25
 """Part of the declared teeth by which they may be off. Who counts wrong is off by one or two. A judgement."""
 
 FAMILY = 3
@@ -51,14 +51,14 @@ class SameRatio:
 def other_teeth_of_ratio(z: tuple[int, int]) -> list[int]:
     """Teeth of a driving gear near the declared ``z`` with which a whole number of driven ones has the same ratio."""
     step = z[0] // math.gcd(*z)
-    low, high = math.ceil(z[0] * (1.0 - NEAR) / step), math.floor(z[0] * (1.0 + NEAR) / step)
+    low, high = math.ceil(z[0] * (1.0 - MISCOUNTED) / step), math.floor(z[0] * (1.0 + MISCOUNTED) / step)
     return [k * step for k in range(low, high + 1) if k * step != z[0]]
 
 
-def same_ratio(every: Sequence[Lines], *, z: tuple[int, int], parts: Sequence[Part] = ()) -> SameRatio | None:
+def same_ratio(every: Sequence[OrderPower], *, z: tuple[int, int], parts: Sequence[Part] = ()) -> SameRatio | None:
     """Whether the recordings whose lines these are, at orders of the driving shaft, show the mesh of other teeth with
     the ratio of ``z`` declared ones; None where they do not. ``parts`` turn beside the pair, and are none of it."""
-    highest = math.ceil((FAMILY + 0.5) * (1.0 + NEAR) * z[0])
+    highest = math.ceil((FAMILY + 0.5) * (1.0 + MISCOUNTED) * z[0])
     power = sum((one.at(np.arange(highest + 1.0)) for one in every), np.zeros(highest + 1))
     turns = min(one.length for one in every) * z[0] / z[1]
     for mesh in other_teeth_of_ratio(z):
@@ -66,7 +66,9 @@ def same_ratio(every: Sequence[Lines], *, z: tuple[int, int], parts: Sequence[Pa
         strongest = all(_strongest(power, at, mesh) and power[at] > power[at // mesh * z[0]] for at in orders)
         if not strongest or any(one.line(mesh * z[1] / z[0], HALF_A_LINE / turns) for one in parts):
             continue
-        if all(sum(one.evidence(np.array([float(at)]), MESH_PRESENT) for one in every) > SEEN for at in orders):
+        if all(
+            sum(one.evidence(np.array([float(at)]), MESH_PRESENT) for one in every) > SEEN_LOG_ODDS for at in orders
+        ):
             return SameRatio(teeth=(mesh, mesh * z[1] // z[0]), declared=z, orders=orders)
     return None
 

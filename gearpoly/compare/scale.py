@@ -22,9 +22,7 @@ from gearpoly.recording.clean import RATIO_LIMIT, TEETH_TOLERANCE, Cleaned, clea
 from gearpoly.recording.recording import SHAFTS, Recording
 from gearpoly.recording.rounding import reading_step
 from gearpoly.recording.travel import nearest_teeth, whole_angles
-from gearpoly.units import UM, FloatArray, IntArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, UM, FloatArray, IntArray
 
 SWAPPED = (
     "want each angle under its own name: the columns of the two shafts are swapped; exchange driving_angle_deg and "
@@ -32,19 +30,19 @@ SWAPPED = (
 )
 """What to do where the ratio of the travels is the inverse of the pair's."""
 
-QUIET = 0.02 * UM
+LEAST_ENCODER_RMS = 0.02 * UM
 """mm rms. What the simulation itself misses; a recording of less was made without encoders."""
 
-COARSE = 0.1
+ROUNDING_IN_LINES = 0.1
 """Part of what a recording differs by, rms, from which the rounding of even readings may make the lines that show."""
 
-SIGMAS = 5.0
+SAME_SCALE_SIGMAS = 5.0
 """Standard errors within which several recordings have one scale."""
 
 COUNTS = (1000, 1024, 2000, 2048, 2500, 3600, 4096, 5000, 4000, 500, 512, 360, 720, 400, 1800, 250, 256, 200, 100, 128)
 """Lines or counts per turn that encoders are sold with, the commonest first."""
 
-CLEARLY = math.log(4.0)
+LOG_STRONGER_MESH = math.log(4.0)
 """By how much stronger the mesh of one of several pairs has to be for the pair to be named: two lines that noise and
 pitch errors have in common differ by as much in one case of six."""
 
@@ -122,7 +120,7 @@ def _travelled(recording: Recording, pair: GearPair) -> Travelled | None:
     whole = _spread(recording, rows, theta_1 * factor), _spread(recording, rows, theta_2)
     cleaned = clean(_with(recording, *whole), ratio=pair.ratio, r_b2=pair.r_b2)
     ratio, std = (pair.ratio + cleaned.ratio_offset) * factor, cleaned.ratio_offset_std * factor
-    if abs(ratio / pair.ratio - 1.0) <= SIGMAS * std / pair.ratio:
+    if abs(ratio / pair.ratio - 1.0) <= SAME_SCALE_SIGMAS * std / pair.ratio:
         return None
     if _is_rounding(cleaned, pair.r_b2):
         return None
@@ -131,14 +129,14 @@ def _travelled(recording: Recording, pair: GearPair) -> Travelled | None:
 
 def _is_rounding(cleaned: Cleaned, r_b2: float) -> bool:
     """Whether the lines of a recording may be those of its rounding, which in even samples stand at whole orders
-    too: it is a good part of what is recorded, or what is recorded is less than any encoder reads (``QUIET``)."""
+    too: it is a good part of what is recorded, or that is less than any encoder reads (``LEAST_ENCODER_RMS``)."""
     angles = cleaned.theta_1, cleaned.theta_2
     steps = [reading_step(angle) or 0.0 for angle in angles]
     error = math.hypot(cleaned.ratio * steps[0], steps[1]) / math.sqrt(12.0)
     left = float(np.std(cleaned.te - cleaned.ratio_offset * cleaned.theta_1))
-    if left * r_b2 < QUIET:
+    if left * r_b2 < LEAST_ENCODER_RMS:
         return True
-    if error < COARSE * left:
+    if error < ROUNDING_IN_LINES * left:
         return False
     return any(
         even_rate(angle, rounding=step / math.sqrt(12.0)) is not None for angle, step in zip(angles, steps, strict=True)
@@ -175,7 +173,7 @@ def _scale(best: Explained, told: Sequence[Explained], found: dict[int, Travelle
     errors = {k: each[k] * one.std / one.ratio for k, one in found.items()}
     value = float(np.average(list(each.values()), weights=[errors[k] ** -2 for k in each]))
     std = 1.0 / math.sqrt(sum(error**-2 for error in errors.values()))
-    alike = all(abs(each[k] - value) <= SIGMAS * errors[k] for k in each)
+    alike = all(abs(each[k] - value) <= SAME_SCALE_SIGMAS * errors[k] for k in each)
     if not alike:
         std = float(np.std(list(each.values())))
     ratio = next(iter(found.values())).ratio
@@ -220,7 +218,7 @@ def _divided(recording: Recording, shaft: str, scale: float) -> Recording:
 def counts_for(scale: float, std: float) -> tuple[int, int] | None:
     """Counts per turn, the true ones and those that were set, of common encoders that make a ``scale`` of reading over
     truth within its error; None where no two do."""
-    within = max(SIGMAS * std, 1e-5)
+    within = max(SAME_SCALE_SIGMAS * std, 1e-5)
     pairs = [(a, b) for a in COUNTS for b in COUNTS if a != b and abs(b * scale / a - 1.0) <= within]
     return min(pairs, key=lambda both: COUNTS.index(both[0]) + COUNTS.index(both[1]), default=None)
 
@@ -265,7 +263,7 @@ def _another(told: Sequence[Explained]) -> str:
     least = min(others, key=lambda one: one.teeth or (0, 0)).teeth or (0, 0)
     a, b = first.teeth or (0, 0)
     ratio = Fraction(*least)
-    clearly = not more or first.mesh - more[0].mesh > CLEARLY
+    clearly = not more or first.mesh - more[0].mesh > LOG_STRONGER_MESH
     names = f"{a} on {b} teeth" if clearly else f"{ratio.numerator} on {ratio.denominator} teeth or a multiple"
     return (
         f"want a recording of this pair: the orders at which teeth show in this one are those of {names}, with both "

@@ -11,15 +11,17 @@ import numpy as np
 from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.jump_search import next_jump, put_in_sudden, standing_only
-from gearpoly.compare.lines import APART, TIE, Peak
+from gearpoly.compare.lines import TIE, find_peaks
 from gearpoly.compare.masked import masked_wave, settle_waves
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import mean_innovation
+from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sampling import APART
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 from gearpoly.threads import each
 
-ROUNDS = 14
+MOST_ROUNDS = 14
 """Most rounds of find and refit."""
 
 ONE_BY_ONE = 5
@@ -29,10 +31,10 @@ FAINT = 0.005
 """Part of the largest find's gain below which later rounds are not worth their time: what so large a find leaves,
 once it is in the pair file, is looked at anew."""
 
-MOST = 40
+MOST_FINDS = 40
 """Finds after which the search stops: so many mean that the pair file or the alignment is wrong as a whole."""
 
-TOGETHER = 0.5
+TAKEN_TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
 
@@ -47,7 +49,7 @@ CALMER = 0.8
 found meanwhile leaves them as they were. Looked for after every find, jumps that never stood took 25 of 37 s with two
 recordings of worn teeth; the jumps of all tests are found with it."""
 
-OUTLYING, ALONE = 6.0, 4.0
+OUTLYING, ALONE_SIGMAS = 6.0, 4.0
 """Standard deviations of what was known of a tooth by which the fit may move it, and times what it moves the median
 tooth of its gear: a tooth 5 um proud of an inspection to 0.3 um was taken for as built, at 15 of these, and what it did
 to hand-overs was told as ten orders and its two neighbours. Of another gear's sheet all teeth are moved alike."""
@@ -61,15 +63,15 @@ follow, a grade much."""
 def order_candidates(search: JointModel, k: int, solution: Solution) -> list[Peak]:
     """Integer orders in recording ``k``, weighed against all that is fitted already and its priors."""
     s, stack = search.states[k], search.stacks[k]
-    searched = s.search.searched
+    searched = s.sampling.searched
     if not np.any(searched):
         return []
-    tests = s.search.orders.frequency.size * len(search.states)
-    frequency = s.search.orders.frequency[searched]
-    gain = s.noise.gain(frequency, spacing=s.search.spacing)
-    places, cross, own = stack.against(s.search.wave_sums, gain)
+    tests = s.sampling.orders.frequency.size * len(search.states)
+    frequency = s.sampling.orders.frequency[searched]
+    gain = s.noise.gain(frequency, spacing=s.sampling.spacing)
+    places, cross, own = stack.against(s.sampling.wave_sums, gain)
     white = s.noise.whitened(solution.left[k])
-    total = np.conj(gain) * s.search.order_grid.transform(white)[s.search.known[searched]]
+    total = np.conj(gain) * s.sampling.order_grid.transform(white)[s.sampling.known[searched]]
     score = np.stack([total.real, -total.imag], axis=1)
     rest, count = s.noise.rest_at(frequency)
     alone = own[:, 0, 0].copy()
@@ -104,14 +106,14 @@ def wave_candidates(search: JointModel, k: int, solution: Solution) -> list[Peak
     s = search.states[k]
     known = order_candidates(search, k, solution)
     white = s.noise.whitened(solution.left[k])
-    other = [p for p in s.search.peaks(white, s.noise, recordings=len(search.states)) if not p.known]
+    other = [p for p in find_peaks(s.sampling, white, s.noise, recordings=len(search.states)) if not p.known]
     taken = [p.frequency for p in s.orders]
-    fresh = [p for p in known if all(abs(p.frequency - f) * s.search.period > 0.01 for f in taken)]
+    fresh = [p for p in known if all(abs(p.frequency - f) * s.sampling.period > 0.01 for f in taken)]
     for p in other:
         if _taken(s, p):
             continue
         # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
-        near = [q for q in fresh if q.known and s.search.lines_from(p, q.frequency) < APART]
+        near = [q for q in fresh if q.known and s.sampling.lines_from(p, q.frequency) < APART]
         if _above_floor(search, s, p) and all(p.gain > q.gain + TIE for q in near):
             fresh = [q for q in fresh if q not in near] + [p]
     return sorted(fresh, key=lambda p: -p.gain)
@@ -121,14 +123,14 @@ def _taken(s: State, peak: Peak) -> bool:
     """Whether a wave of the fit is as good as this one. What one wave leaves at its own frequency swells or fades,
     and of any number of waves so near each other no size is told."""
     held = s.times if peak.domain == "time" else s.orders
-    span = s.search.over(peak.domain)[2]
+    span = s.sampling.over(peak.domain)[2]
     return any(abs(p.frequency - peak.frequency) * span < ONE_WAVE for p in held if p.domain == peak.domain)
 
 
 def _above_floor(search: JointModel, s: State, peak: Peak) -> bool:
     """Whether a wave of any frequency is more than what the simulation does not follow, which repeats with the
     pair."""
-    lines = s.search
+    lines = s.sampling
     frequency = lines.per_mesh(peak)
     if lines.strange(np.array([frequency]))[0]:
         return True
@@ -141,11 +143,11 @@ def _above_floor(search: JointModel, s: State, peak: Peak) -> bool:
 def faint_candidates(search: JointModel, solution: Solution) -> list[list[Peak]]:
     """Waves, per recording, that stand out together only."""
     whites = [s.noise.whitened(left) for s, left in zip(search.states, solution.left, strict=True)]
-    found = faint_waves([s.search for s in search.states], whites, [s.noise for s in search.states])
+    found = faint_waves([s.sampling for s in search.states], whites, [s.noise for s in search.states])
     for s, peaks in zip(search.states, found, strict=True):
         for peak in peaks:
             taken = [p for p in (s.times if peak.domain == "time" else s.orders) if p.domain == peak.domain]
-            span = s.search.over(peak.domain)[2]
+            span = s.sampling.over(peak.domain)[2]
             if peak.leads and not _above_floor(search, s, peak):
                 return [[] for _ in found]
             if any(abs(peak.frequency - p.frequency) * span < APART for p in taken):
@@ -200,7 +202,7 @@ def contradicted_teeth(search: JointModel) -> list[ToothFind]:
             pull = search.beta_built[start : start + z] / std
             tooth = int(np.argmax(np.abs(pull)))
             far = abs(float(pull[tooth]))
-            if far < max(OUTLYING, ALONE * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
+            if far < max(OUTLYING, ALONE_SIGMAS * float(np.median(np.abs(pull)))) or (gear, tooth, flank) in taken:
                 continue
             find = ToothFind(
                 gear=gear, tooth=tooth, phase=contact, amplitude=std * float(pull[tooth]),
@@ -220,13 +222,13 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
         solution = search.fit(passes=1)
     solution = standing_only(search, solution)
     largest, refused_at = 0.0, math.inf
-    for turn in range(ROUNDS):
+    for turn in range(MOST_ROUNDS):
         against = contradicted_teeth(search)
         if against:
             _take_tooth(search, against)
             solution = _settled_waves(search, search.fit(passes=3))
             continue
-        if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST:
+        if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST_FINDS:
             break
         if turn >= ONE_BY_ONE and over():
             break
@@ -291,7 +293,7 @@ def next_masked(search: JointModel, solution: Solution) -> tuple[Solution, bool]
     for s, left, places in zip(search.states, solution.left, search.places, strict=True):
         # In noise that seems to wander slow curves are hardly weighed: they are drawn anew.
         whole = left + s.slow @ solution.beta[places["slow"]]
-        found = masked_wave(s.search, s.estimator, s.slow, whole, recordings=len(search.states), floor=search.floor)
+        found = masked_wave(s.sampling, s.estimator, s.slow, whole, recordings=len(search.states), floor=search.floor)
         if found is None:
             continue
         peak, s.noise = found.peak, found.noise
@@ -342,13 +344,13 @@ def _take_tooth(search: JointModel, teeth: list[ToothFind]) -> None:
 def _take_waves(search: JointModel, waves: list[list[Peak]], best: float) -> None:
     for k, peaks in enumerate(waves):
         for peak in peaks:
-            if peak.gain < TOGETHER * best and not peak.faint:
+            if peak.gain < TAKEN_TOGETHER * best and not peak.faint:
                 continue
             if peak.domain == "time":
                 search.states[k].times.append(peak)
                 continue
             # What is fixed to a shaft is there in every recording; how large, each says for itself.
             for s in search.states if peak.known else [search.states[k]]:
-                here = [abs(p.frequency - peak.frequency) * s.search.span for p in s.orders]
-                if peak.frequency < s.search.nyquist and (not here or min(here) > ONE_WAVE):
+                here = [abs(p.frequency - peak.frequency) * s.sampling.span for p in s.orders]
+                if peak.frequency < s.sampling.nyquist and (not here or min(here) > ONE_WAVE):
                     s.orders.append(peak)

@@ -28,7 +28,7 @@ WIDTH = 7
 KEEP = 100_000
 """Samples up to which the bells are kept for further transforms; of longer records they would fill the memory."""
 
-WHOLE = 1 << 18
+WHOLE_PLACES = 1 << 18
 """Places up to which a grid is transformed at once; of a larger one an FFT would ask for three times its memory."""
 
 STRANDS = 8
@@ -128,7 +128,7 @@ class Grid:
         self._x = x
         # Twice the places that the highest frequency needs: the bell's transform stays far from zero.
         size = max(4 * count, 4 * WIDTH)
-        self._strands = 1 if size <= WHOLE else STRANDS
+        self._strands = 1 if size <= WHOLE_PLACES else STRANDS
         self._size = 2 * self._strands * next_fast_len(math.ceil(0.5 * size / self._strands), real=True)
         # Smooth and of one bend, so a thousand places of it make a spline good to 1e-12.
         k = np.linspace(0.0, max(count - 1.0, 1.0), 1025)

@@ -16,7 +16,7 @@ from gearpoly.units import RPM, FloatArray
 OFF = 0.2
 """Part by which a stated speed may miss the one of the angles over their times: speeds are rounded, and wobble."""
 
-LIKE = 0.1
+SAME_UNIT = 0.1
 """Relative tolerance within which a mistaken unit is recognised."""
 
 UNITS = (
@@ -88,7 +88,7 @@ def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -
         if abs(part - 1.0) < OFF:
             continue
         units = (*UNITS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
-        hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < LIKE), "")
+        hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < SAME_UNIT), "")
         if of_file and hint != TIMES_IN_MS:
             continue
         says = f"is of a pair stated to turn at {stated:g} rpm" if of_file else f"states {stated:g} rpm"

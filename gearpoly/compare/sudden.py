@@ -24,10 +24,10 @@ colours beside teeth within their limits the largest was 5.6, in 44 of a bench w
 STAYS_BY = 0.5
 """Part of it by which the means over a turn before and after differ as well."""
 
-MOST = 8
+MOST_SUDDEN = 8
 """Sudden places beyond which they are how this recording is: teeth that hand over so at every mesh."""
 
-WIDEST, WIDER = 64, 0.9
+WIDEST_JUMP, WIDER = 64, 0.9
 """Samples that a jump may take, and the part of the squares left by the best so far below which another is better."""
 
 CYCLES = 3
@@ -61,7 +61,7 @@ def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -
     while np.any(free):
         here = int(np.argmax(free))
         found[int(inside[here])] = float(held[here])
-        if len(found) > MOST:
+        if len(found) > MOST_SUDDEN:
             return {}
         free[np.abs(u[inside] - u[inside[here]]) < turn] = 0.0
     return found
@@ -70,9 +70,9 @@ def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -
 def took(residual: FloatArray, at: int) -> tuple[int, int]:
     """The middle sample of a jump near ``at`` of ``residual`` (n,), and how many samples it took: a press fit slips for
     a while, and what a sharp step leaves of that is large."""
-    low, high = max(0, at - 4 * WIDEST), min(residual.size, at + 4 * WIDEST)
+    low, high = max(0, at - 4 * WIDEST_JUMP), min(residual.size, at + 4 * WIDEST_JUMP)
     x = np.arange(low, high, dtype=np.float64)
-    slow = np.stack([np.ones_like(x), (x - at) / WIDEST, ((x - at) / WIDEST) ** 2], axis=1)
+    slow = np.stack([np.ones_like(x), (x - at) / WIDEST_JUMP, ((x - at) / WIDEST_JUMP) ** 2], axis=1)
 
     def left(middle: int, width: int) -> float:
         """Squares that such a jump beside a slow course leaves."""
@@ -83,8 +83,8 @@ def took(residual: FloatArray, at: int) -> tuple[int, int]:
         return float(square[0]) if rank == columns.shape[1] and square.size else math.inf
 
     best, least, width = (at, 1), math.inf, 1
-    while width <= WIDEST:
-        for middle in range(at - WIDEST, at + WIDEST + 1, max(1, width // 4)):
+    while width <= WIDEST_JUMP:
+        for middle in range(at - WIDEST_JUMP, at + WIDEST_JUMP + 1, max(1, width // 4)):
             # A wider one has to explain more than chance.
             if (square := left(middle, width)) < WIDER * least:
                 best, least = (middle, width), square

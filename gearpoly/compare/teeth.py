@@ -24,7 +24,7 @@ BEYOND = 0.1
 CELL = 1.0 / 16.0
 """Pitches per cell: twenty to thirty over a contact, finer than any bench samples a tooth."""
 
-SAMPLES = 131072
+INFORMATION_SAMPLES = 131072
 """Samples from which information is taken (it depends on the sampling only); scores come from all."""
 
 KEPT = 0.05
@@ -53,7 +53,7 @@ class Cells:
     def information(self, noise: Noise) -> FloatArray:
         """Normal matrices (z, bins, bins) of each tooth's cells in this noise."""
         n = self.cell.shape[1]
-        part = min(n, SAMPLES)
+        part = min(n, INFORMATION_SAMPLES)
         taps = np.concatenate([[1.0], -noise.ar]) / noise.innovation
         memory = np.correlate(taps, taps, mode="full")[taps.size - 1 :]
         size = self.z * self.bins * self.bins
@@ -141,6 +141,25 @@ def tooth_information(cells: list[Cells], noises: list[Noise], *, precision: tup
     return ToothInformation(raw=raw, own=own, inverse=np.linalg.inv(total))
 
 
+def _over_stretches(
+    sums: FloatArray, raw: FloatArray, own: FloatArray, inverse: FloatArray, *, low: IntArray, high: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of every tooth over stretches (w,) from edges ``low`` to ``high``: scores (z, w), their information, and what is
+    left of that beside the tooth's own pitch and slope; ``sums`` (z, bins) of the scores, the rest as
+    ``ToothInformation`` has it."""
+    z, bins = sums.shape
+    along = np.zeros((z, bins + 1))
+    along[:, 1:] = np.cumsum(sums, axis=1)
+    score = along[:, high] - along[:, low]
+    square = np.zeros((z, bins + 1, bins + 1))
+    square[:, 1:, 1:] = np.cumsum(np.cumsum(raw, axis=1), axis=2)
+    whole = square[:, high, high] - square[:, low, high] - square[:, high, low] + square[:, low, low]
+    edge = np.zeros((z, bins + 1, 2))
+    edge[:, 1:] = np.cumsum(own, axis=1)
+    v = edge[:, high] - edge[:, low]
+    return score, whole, whole - np.einsum("zwi,zij,zwj->zw", v, inverse, v)
+
+
 def scan_teeth(
     cells: list[Cells],
     scores: list[FloatArray],
@@ -172,16 +191,7 @@ def scan_teeth(
     tests = len(sets) * (z + tests_beside) * low.size
     out: list[ToothFind] = []
     for which, s, raw, own in sets:
-        along = np.zeros((z, bins + 1))
-        along[:, 1:] = np.cumsum(s, axis=1)
-        score = along[:, high] - along[:, low]
-        square = np.zeros((z, bins + 1, bins + 1))
-        square[:, 1:, 1:] = np.cumsum(np.cumsum(raw, axis=1), axis=2)
-        whole = square[:, high, high] - square[:, low, high] - square[:, high, low] + square[:, low, low]
-        edge = np.zeros((z, bins + 1, 2))
-        edge[:, 1:] = np.cumsum(own, axis=1)
-        v = edge[:, high] - edge[:, low]
-        left = whole - np.einsum("zwi,zij,zwj->zw", v, information.inverse, v)
+        score, whole, left = _over_stretches(s, raw, own, information.inverse, low=low, high=high)
         good = left > KEPT * np.maximum(whole, 1e-300)
         chi2 = np.where(good, score**2 / np.where(good, left, 1.0), 0.0)
         best = np.argmax(chi2, axis=1)

@@ -7,7 +7,7 @@ straight line would miss the curve by more than a stated error.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,16 +18,17 @@ from gearpoly.compare.sharing import Sharing, sharing_from_rows
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
 from gearpoly.mesh.loaded import LoadedContacts
+from gearpoly.mesh.meshing import Meshing
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.swings import swings_at
 from gearpoly.mesh.transmission import FlankContacts, contacts
 from gearpoly.mesh.varied import Giving, giving
 from gearpoly.units import UM, FloatArray, read_only
 
-PER_MESH = 32
+EVEN_PER_MESH = 32
 """Even places per pitch: a hand-over then lies in every tenth interval, so that the others need no second look."""
 
-PLACES = 400_000
+MOST_EVEN_PLACES = 400_000
 """Most even places over a cycle; pairs of more than 12 500 meshes get fewer per pitch, down to ``LEAST_PER_MESH``."""
 
 LEAST_PER_MESH = 8
@@ -128,7 +129,7 @@ def make_template(
     mesh = assembled.under(condition)
     pair, flank, compliance = mesh.pair, condition.flank, mesh.compliance
     meshes = pair.meshes_per_cycle
-    per_mesh = per_mesh or max(LEAST_PER_MESH, min(PER_MESH, PLACES // meshes))
+    per_mesh = per_mesh or max(LEAST_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // meshes))
     near = 0.0 if compliance is None else mesh.near
 
     found = {} if found is None else found
@@ -151,7 +152,35 @@ def make_template(
     rows, load = met.contacts, met.load
     even = met.te * pair.r_b2
     te, free = np.append(even, even[0]), np.append(rows.te, rows.te[0]) * pair.r_b2
-    low = np.arange(size)
+    theta_2, te, free, missed = _halved(theta_2, te, free, curves, error=error)
+    give = _giving(mesh, theta_2, te, near=near)
+    te, even, twist = _seen_by_shafts(mesh, theta_2, te, even)
+    return Template(
+        flank=flank,
+        torque=condition.torque,
+        theta_2=read_only(theta_2),
+        te=read_only(te),
+        even=read_only(even),
+        per_mesh=per_mesh,
+        error=missed,
+        sharing=_sharing(pair, rows, load, compliance),
+        rigid=None if compliance is None else read_only(free),
+        twist=twist,
+        giving=give,
+    )
+
+
+Curves = Callable[..., tuple[FloatArray, FloatArray]]
+"""Transmission error (n,) in mm with and without load at driven rotations (n,) in rad; ``places`` names those that
+templates share."""
+
+
+def _halved(
+    theta_2: FloatArray, te: FloatArray, free: FloatArray, curves: Curves, *, error: float
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Places, curves with and without load on them, halved until straight lines between them are true to ``error`` mm;
+    and what they miss at most, mm."""
+    low = np.arange(theta_2.size - 1)
     missed = 0.0
     for level in range(HALVINGS):
         middle = 0.5 * (theta_2[low] + theta_2[low + 1])
@@ -177,37 +206,37 @@ def make_template(
         low = np.sort(np.concatenate((first, first + 1)))
     else:
         missed = max(missed, 2.0 * float(np.max(off)))
-    give, twist, shafts = None, 0.0, mesh.shafts
-    if condition.varies and compliance is not None:
-        # At the places that the curve bends at; how teeth give bends where it does.
-        there = contacts(pair, theta_2, flank=flank, near=near, fast=True)
-        by = giving(
-            there, compliance, te / pair.r_b2, torque=condition.torque, most=condition.varies, sharing=mesh.sharing
+    return theta_2, te, free, missed
+
+
+def _giving(mesh: Meshing, theta_2: FloatArray, te: FloatArray, *, near: float) -> Giving | None:
+    """How teeth give to a torque that varies, in mm, at the places where the curve ``te`` (n,) in mm bends: there it
+    bends too. ``None`` where nothing varies or bends; ``near`` in mm, within which pairs may come to carry."""
+    pair, condition, compliance = mesh.pair, mesh.condition, mesh.compliance
+    if not condition.varies or compliance is None:
+        return None
+    there = contacts(pair, theta_2, flank=condition.flank, near=near, fast=True)
+    by = giving(there, compliance, te / pair.r_b2, torque=condition.torque, most=condition.varies, sharing=mesh.sharing)
+    return by.times(pair.r_b2)
+
+
+def _seen_by_shafts(
+    mesh: Meshing, theta_2: FloatArray, te: FloatArray, even: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """The transmission error in mm at ``theta_2`` and on ``even`` places of the cycle with what the shafts add: their
+    twist, also alone, and the swings of a resonance."""
+    shafts, pair, condition = mesh.shafts, mesh.pair, mesh.condition
+    if shafts.rigid:
+        return te, even, 0.0
+    twist = mesh.twist * pair.r_b2
+    places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
+    if condition.speed and shafts.frequency is not None:
+        speed, backward = condition.speed, condition.backward
+        te, even = (
+            here + swings_at(shafts, even, pair, at, here, speed=speed, time=None, backward=backward)
+            for at, here in ((theta_2, te), (places, even))
         )
-        give = by.times(pair.r_b2)
-    if not shafts.rigid:
-        twist = mesh.twist * pair.r_b2
-        places = np.arange(even.size, dtype=np.float64) * (pair.cycle / even.size)
-        if condition.speed and shafts.frequency is not None:
-            speed, backward = condition.speed, condition.backward
-            te, even = (
-                here + swings_at(shafts, even, pair, at, here, speed=speed, time=None, backward=backward)
-                for at, here in ((theta_2, te), (places, even))
-            )
-        te, even = te + twist, even + twist
-    return Template(
-        flank=flank,
-        torque=condition.torque,
-        theta_2=read_only(theta_2),
-        te=read_only(te),
-        even=read_only(even),
-        per_mesh=per_mesh,
-        error=missed,
-        sharing=_sharing(pair, rows, load, compliance),
-        rigid=None if compliance is None else read_only(free),
-        twist=twist,
-        giving=give,
-    )
+    return te + twist, even + twist, twist
 
 
 def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, by: PairCompliance | None) -> Sharing:

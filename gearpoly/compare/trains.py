@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.compare.families import log_tail_line
-from gearpoly.compare.lines import SLOWEST_BLIND, Domain, LineSearch
+from gearpoly.compare.lines import SLOWEST_BLIND
 from gearpoly.compare.noise import Noise
+from gearpoly.compare.peak import Domain
+from gearpoly.compare.sampling import Sampling
 from gearpoly.compare.spectrum import ComplexArray
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
@@ -74,17 +76,17 @@ class Lines:
         return log_tail_line(self.amplitude.real**2 + self.amplitude.imag**2, self.count)
 
 
-def lines_of(search: LineSearch, domain: Domain, white: FloatArray, noise: Noise, *, step: float) -> Lines:
+def lines_of(sampling: Sampling, domain: Domain, white: FloatArray, noise: Noise, *, step: float) -> Lines:
     """The lines of a whitened residual (n,) below half the sampling rate at places ``step`` apart, without orders of
     the shafts and what is no faster than drift."""
-    x, grid, span, per_mesh = search.over(domain)
-    below = min(grid.count, int(search.nyquist / per_mesh / grid.step))
+    x, grid, span, per_mesh = sampling.over(domain)
+    below = min(grid.count, int(sampling.nyquist / per_mesh / grid.step))
     # Onto common places: half a place off is a quarter of a line at most.
     size = int((below - 1) * grid.step / step)
     at = np.rint(step / grid.step * np.arange(size, dtype=np.float64)).astype(np.int64)
     frequency: FloatArray = grid.step * at.astype(np.float64)
-    rest, count = search.rest_at(domain, frequency, noise)
+    rest, count = sampling.rest_at(domain, frequency, noise)
     sums = grid.transform(white)[at] * np.exp((1j * np.pi * (x[0] + x[-1])) * frequency)
     sums /= np.sqrt(white.size * rest)
-    sums[search.own(frequency * per_mesh) | (frequency * span < SLOWEST_BLIND)] = 0.0
-    return Lines(amplitude=sums, rest=rest, count=count, repeats=search.repeats(frequency * per_mesh))
+    sums[sampling.own(frequency * per_mesh) | (frequency * span < SLOWEST_BLIND)] = 0.0
+    return Lines(amplitude=sums, rest=rest, count=count, repeats=sampling.repeats(frequency * per_mesh))

@@ -28,7 +28,7 @@ from gearpoly.units import ARCMIN, UM, BoolArray, FloatArray, IntArray
 CELLS = 8
 """Means per mesh that stand for the samples where changes are looked for."""
 
-BESIDE = 2
+MESHES_BESIDE = 2
 """Meshes on either side whose means are compared, whole ones, so that the mesh's own waves do not count. Changes within
 twice as many are one: a single tooth that stands out carries for one mesh or two, and is none."""
 
@@ -41,20 +41,20 @@ STANDS_OUT = 8.0
 """Middle steps of the rest of a recording (times 1.48) from which on one is a change: teeth of a grade 7 that run off
 their axis by 40 um have steps of 4 at most. A judgement between these and a backlash of 20."""
 
-ALIKE = 0.2
+HEIGHT_SCATTER = 0.2
 """Part of the middle height by which the heights of changes may scatter (rms): backlash changes over the turns of both
 gears by as much as they run off their axes."""
 
-FEWEST = 3
+FEWEST_CHANGES = 3
 """Changes from which on they come again: two could be a knock and its repair."""
 
 OF_TEETH = 3.0
 """Limits of single pitch that a change is more than: teeth do not step by as much, and they are asked first."""
 
-COARSE = 8
+COARSE_GRADE = 8
 """The grade that bounds such steps where none is stated."""
 
-WIDEST = 0.25
+LARGEST_BACKLASH = 0.25
 """Part of the base pitch that no backlash reaches: beyond, teeth would be half as thick as their spaces."""
 
 
@@ -76,7 +76,7 @@ def _parts(one: Cleaned, file: PairFile, pair: GearPair) -> list[Cleaned]:
     u = one.theta_2 / pair.driven.gear.tau
     found = _changes(u, one.te * pair.r_b2)
     least = OF_TEETH * _single_pitch(file, pair)
-    if not _turns_over(found, least=least, most=WIDEST * pair.driving.gear.p_b):
+    if not _turns_over(found, least=least, most=LARGEST_BACKLASH * pair.driving.gear.p_b):
         return [one]
     at = np.array([change.u for change in found])
     state = np.searchsorted(at, u)
@@ -100,11 +100,11 @@ def _changes(u: FloatArray, te: FloatArray) -> list[_Change]:
     cell = np.floor((u - begin) * CELLS).astype(np.int64)
     held = np.bincount(cell)
     there = np.flatnonzero(held)
-    if there.size < 4 * BESIDE * CELLS + 4:
+    if there.size < 4 * MESHES_BESIDE * CELLS + 4:
         return []
     mean = np.interp(np.arange(held.size), there, np.bincount(cell, weights=te)[there] / held[there])
     sums = np.concatenate(([0.0], np.cumsum(mean)))
-    width, gap = BESIDE * CELLS, max(1, round(GIVES * CELLS))
+    width, gap = MESHES_BESIDE * CELLS, max(1, round(GIVES * CELLS))
     at = np.arange(2 * width + gap, mean.size - 2 * width - gap)
 
     def over(first: IntArray) -> FloatArray:
@@ -152,20 +152,20 @@ def _in_end(mean: FloatArray, *, edge: int, change: int, gap: int, height: float
 def _turns_over(found: Sequence[_Change], *, least: float, most: float) -> bool:
     """Whether steps are changes of flank: up and down in turn, by as much, and by what is a backlash (between ``least``
     and ``most``, mm)."""
-    if len(found) < FEWEST:
+    if len(found) < FEWEST_CHANGES:
         return False
     height = np.array([abs(change.height) for change in found])
     in_turn = all(a.height * b.height < 0.0 for a, b in itertools.pairwise(found))
-    alike = float(np.std(height)) < ALIKE * float(np.median(height))
+    alike = float(np.std(height)) < HEIGHT_SCATTER * float(np.median(height))
     return in_turn and alike and least < float(np.median(height)) < most
 
 
 def _single_pitch(file: PairFile, pair: GearPair) -> float:
-    """The larger limit of single pitch of both gears in mm, of grade ``COARSE`` where no coarser one is stated; without
-    end where the standard has none for such gears."""
+    """The larger limit of single pitch of both gears in mm, of grade ``COARSE_GRADE`` where no coarser one is stated;
+    without end where the standard has none for such gears."""
     out = []
     for section, gear in ((file.driving, pair.driving.gear), (file.driven, pair.driven.gear)):
-        grade = max(COARSE, section.grade or 0)
+        grade = max(COARSE_GRADE, section.grade or 0)
         try:
             limits = tolerances(d=2.0 * gear.r, m=gear.m, b=gear.b, grade=grade, edition=section.grade_edition)
         except OutOfRangeError:

@@ -10,11 +10,11 @@ from gearpoly.errors import GearpolyError, JammedError
 from gearpoly.mesh.pair import GearPair
 from gearpoly.mesh.transmission import Backlash, both_flanks
 
-PER_MESH = 2
+JAM_PLACES_PER_PITCH = 2
 """Places per pitch at which the lost motion is looked at: it changes with the turns of the gears and from tooth to
 tooth."""
 
-PLACES = 1000
+MOST_JAM_PLACES = 1000
 """Most places over a hunting cycle, half a second of work: coprime gears of more than 500 meshes get fewer per pitch,
 and still every turn of either gear."""
 
@@ -35,5 +35,5 @@ def jam_remarks(pair: GearPair) -> Iterator[str]:
 
 def backlash(pair: GearPair) -> Backlash:
     """Backlash of a ``pair`` without load over a hunting cycle. Raises what ``both_flanks`` does."""
-    size = min(PER_MESH * pair.meshes_per_cycle, PLACES)
+    size = min(JAM_PLACES_PER_PITCH * pair.meshes_per_cycle, MOST_JAM_PLACES)
     return both_flanks(pair, np.linspace(0.0, pair.cycle, size, endpoint=False), fast=True)

@@ -9,15 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.compare.align import Laid, Stated
+from gearpoly.compare.align import Laid, StatedZeros
 from gearpoly.compare.curve import Cycle
-from gearpoly.compare.place import Place
+from gearpoly.compare.place import Laying
 from gearpoly.errors import InputFileError, told_beside
 from gearpoly.mesh.pair import Flank
 from gearpoly.recording.recording import Recording
-from gearpoly.units import DEG, FloatArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import DEG, TURN, FloatArray
 
 EVEN = 1.0 / math.sqrt(12.0)
 """Standard deviation of what lies anywhere within 1."""
@@ -37,9 +35,9 @@ class Base:
     driven: float | None
 
     @property
-    def stated(self) -> Stated:
+    def stated(self) -> StatedZeros:
         """Which of both are stated."""
-        return Stated(driving=self.driving is not None, driven=self.driven is not None)
+        return StatedZeros(driving=self.driving is not None, driven=self.driven is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +162,7 @@ def _base(recordings: Sequence[Recording], shaft: Literal["driving", "driven"], 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shafts:
+class ShaftsRead:
     """What the recordings hold of both shafts: whether each has an encoder, which way it counts, and per recording
     whether both were read (``counted``), whether its mean compares with those of the others (``compared``), and the
     flank and torque (N.mm) it was made on."""
@@ -179,14 +177,14 @@ class Shafts:
     torque: tuple[float, ...]
 
 
-def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: Shafts) -> Alignment:
+def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: ShaftsRead) -> Alignment:
     """Make zeros of a place on the cycle, or keep what is stated where the curves have nothing to say."""
     anchor = _anchor(shafts)
     both = shafts.driving and shafts.driven
     # Two counted turns leave nothing open but the place within half a tooth, of which a flat curve knows less.
     whole = shafts.counted[anchor] and base.driving is not None and base.driven is not None
 
-    def placed(one: Place) -> Place:
+    def placed(one: Laying) -> Laying:
         if laid.phased:
             return one
         return _kept(one, cycle, anchor) if whole else _held(one, cycle, base, shafts, anchor)
@@ -247,7 +245,7 @@ def _kept_tooth(stated: float | None, zeros: list[float | None], z: int) -> bool
     return all(abs(math.remainder((one or 0.0) - stated, TURN)) < 0.5 * TURN / z for one in zeros)
 
 
-def _anchor(shafts: Shafts) -> int:
+def _anchor(shafts: ShaftsRead) -> int:
     """The recording whose mean TE fixes the driving zero: on the drive flank, since thickness moves the coast flank,
     and under the least torque, since compliance is uncertain."""
     order = sorted(
@@ -257,7 +255,7 @@ def _anchor(shafts: Shafts) -> int:
     return order[0]
 
 
-def _held(one: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Place:
+def _held(one: Laying, cycle: Cycle, base: Base, shafts: ShaftsRead, anchor: int) -> Laying:
     """A place that the curves know to a few degrees only, moved to where the one zero that is stated has it."""
     driving, driven = _late(one, cycle, shafts, anchor)
     by = 0.0
@@ -265,10 +263,10 @@ def _held(one: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> 
         by = -math.remainder(driven, TURN)
     elif base.driving is not None:
         by = -math.remainder(driving, TURN) * cycle.ratio
-    return Place(shift=one.shift + by, shifts=one.shifts + by, offset=one.offset, rms=one.rms)
+    return Laying(shift=one.shift + by, shifts=one.shifts + by, offset=one.offset, rms=one.rms)
 
 
-def _kept(best: Place, cycle: Cycle, anchor: int) -> Place:
+def _kept(best: Laying, cycle: Cycle, anchor: int) -> Laying:
     """The place that two stated zeros give where the curve is too flat to say: driven rotation as stated, and what the
     mean transmission error adds to it."""
     total = float(best.offset[anchor]) / cycle.r_b2
@@ -280,17 +278,17 @@ def _kept(best: Place, cycle: Cycle, anchor: int) -> Place:
     inverse = pow(cycle.z_2 // g, -1, period) if period > 1 else 0
     shift = late + (pitches // g * inverse % period) * TURN
     moved = (shift - float(best.shifts[anchor])) % cycle.span
-    return Place(shift=best.shift + moved, shifts=best.shifts + moved, offset=best.offset, rms=best.rms)
+    return Laying(shift=best.shift + moved, shifts=best.shifts + moved, offset=best.offset, rms=best.rms)
 
 
-def _late(place: Place, cycle: Cycle, shafts: Shafts, anchor: int) -> tuple[float, float]:
+def _late(place: Laying, cycle: Cycle, shafts: ShaftsRead, anchor: int) -> tuple[float, float]:
     """By how much the present zeros of the driving and the driven shaft are late, rad."""
     driven = float(place.shifts[anchor])
     mean = float(place.offset[anchor]) / cycle.r_b2 if shafts.counted[anchor] else 0.0
     return (driven - mean) / cycle.ratio, driven
 
 
-def _zeros(place: Place, cycle: Cycle, base: Base, shafts: Shafts, anchor: int) -> Zeros:
+def _zeros(place: Laying, cycle: Cycle, base: Base, shafts: ShaftsRead, anchor: int) -> Zeros:
     """The readings that a place means."""
     late_1, late_2 = _late(place, cycle, shafts, anchor)
     driving = ((base.driving or 0.0) + shafts.direction_1 * late_1) % TURN

@@ -50,7 +50,10 @@ class GearPrior:
     crowning); ``own``: variance of the coast flank beyond that of the drive flank, over it, of pitch and of form.
     ``graded``: nobody inspected it; ``single`` the limit f_p of such a gear in um, along the line of action. ``form``:
     standard deviation in um of each half wave of every tooth's form, from two on; none where teeth are taken to have
-    one form. ``wave``: what that is where they are not; 0 where forms are known."""
+    one form. ``wave``: what that is where they are not; 0 where forms are known. ``slope_measured``: whether an
+    inspection holds the slopes; ``bulge``: standard deviation in um of what all teeth of an inspected gear may bulge
+    where its inspection does not say. It is no parameter: beside pitches that are known well, bending and reliefs that
+    nobody declared looked like one."""
 
     z: int
     pitch: FloatArray
@@ -64,6 +67,8 @@ class GearPrior:
     single: float = 0.0
     form: tuple[float, ...] = ()
     wave: float = 0.0
+    slope_measured: bool = True
+    bulge: float = 0.0
 
     @property
     def size(self) -> int:

@@ -135,6 +135,8 @@ def contradicted(search: Fit, *, stopped: bool = False) -> list[str]:
                 ("pitch", model.as_built.pitch(model.built, flank, gear), math.sqrt(prior.pitch[0, 0])),
                 ("slope", model.as_built.slope(model.built, flank, gear), prior.slope),
             ):
+                if what == "slope" and not prior.slope_measured:
+                    continue
                 far = np.flatnonzero(np.abs(values) > FAR * std)
                 if far.size:
                     teeth = ", ".join(str(k) for k in far[:6].tolist())

@@ -94,7 +94,7 @@ def diagnose(
     found = searched(model, start, watch)
     search, comparison, stopped = found.search, found.comparison, found.stopped
     search.step("holding the names against unseen data")
-    search, unseen = checked(search, found.begun, found.start, comparison, stopped=stopped, keys=start.keys)
+    search, unseen = checked(search, found.begun, found.start, comparison, unfinished=found.unfinished, keys=start.keys)
     search = left_to_ghosts(search, comparison)
     apart: tuple[str, ...] = ()
     if len(recordings) > 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from gearpoly.diagnose.unnamed import EVEN, leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import CERTAIN
-from gearpoly.infer.prior import of_another_part, order_of, same_place
+from gearpoly.infer.prior import kind_of, of_another_part, order_of, same_place
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
@@ -42,7 +42,8 @@ def earned(
     while True:
         if weighing.search.over:
             # What was not weighed to its end has no name.
-            return weighing.search, {}, (*weighing.gone, *weighing.unweighed())
+            alone = weighing.alone()
+            return weighing.search, alone, (*weighing.gone, *weighing.unweighed(alone))
         judged = weighing.judged()
         ways = weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.given_up
         if not any(way(judged) for way in ways):
@@ -70,9 +71,23 @@ class _Weighing:
         left = {one.claim.key for one in self.gone}
         return [one for one in self.search.model.claims if one.physics is not FREE_FORM and one.key not in left]
 
-    def unweighed(self) -> Iterator[Unearned]:
-        """The places of the claims that were not weighed to their end; nobody knows how likely they are."""
+    def alone(self) -> dict[Key, Judged]:
+        """The waves of whole orders that have earned their name where time is over: nothing has to be fitted to its end
+        to weigh them, and what is left of other places does not make them."""
+        found: dict[Key, Judged] = {}
+        for k, claim in enumerate(self.search.model.claims):
+            if claim in self.named and kind_of(claim) == "wave" and not claim.physics.once_per_turn:
+                judged = self.plain[claim.key] = self.plain.get(claim.key) or self._judge(k, without=None)
+                if judged.posterior.named and not _contradicted(self.search, {claim.key: judged}, claim):
+                    found[claim.key] = judged
+        return found
+
+    def unweighed(self, alone: Collection[Key]) -> Iterator[Unearned]:
+        """The places of the claims but those ``alone`` that were not weighed to their end; nobody knows how likely they
+        are."""
         for claim in self.named:
+            if claim.key in alone:
+                continue
             judged, rms = self.plain.get(claim.key), self.search.model.rms_of(self.search.scenes, claim)
             yield Unearned(claim=claim, rms=rms, posterior=None if judged is None else judged.posterior)
 
@@ -90,11 +105,7 @@ class _Weighing:
                 self.fitted[claim.key] = _others_fitted(search, claim)
         for k, claim in enumerate(search.model.claims):
             if claim in named and claim.key not in self.plain:
-                self.plain[claim.key] = judge(
-                    search.model, search.scenes, search.linear, k,
-                    refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
-                    without=rise_without(search, k), gone={one.claim.key for one in self.gone},
-                )  # fmt: skip
+                self.plain[claim.key] = self._judge(k, without=rise_without(search, k))
         return {claim.key: _doubted(claim, self.plain[claim.key], self.doubts.get(_tooth(claim))) for claim in named}
 
     def exchanged(self, judged: Mapping[Key, Judged]) -> bool:
@@ -128,6 +139,14 @@ class _Weighing:
             # What was believed beside the one may have no place beside the other.
             self.search = withdrawn(self.search)
         return True
+
+    def _judge(self, k: int, *, without: float | None) -> Judged:
+        search, claim = self.search, self.search.model.claims[k]
+        return judge(
+            search.model, search.scenes, search.linear, k,
+            refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
+            without=without, gone={one.claim.key for one in self.gone},
+        )  # fmt: skip
 
     def _in_the_stead(self, claim: Claim) -> tuple[Refitted, ...]:
         """What was fitted in the stead of a claim, but for what stands beside it now."""

@@ -109,9 +109,13 @@ def _better(fit: Fit, k: int) -> list[tuple[int, float, list[Claim]]]:
     return out
 
 
-def reshaped(fit: Fit) -> Fit:
-    """With claims exchanged for the same in another form, where that fits better: else other physics draw the rest."""
+def reshaped(fit: Fit, claims: Sequence[Claim] | None = None) -> Fit:
+    """With ``claims`` of the fit (None: all) exchanged for the same in another form, where that fits better: else other
+    physics draw the rest."""
+    these = None if claims is None else {one.key for one in claims}
     for k, claim in enumerate(() if fit.over else fit.model.claims):
+        if these is not None and claim.key not in these:
+            continue
         # What takes less of a flank and has no other form need only be as good.
         by = BETTER if claim.place.form else 0.0
         fit = _first_exchanged(fit, k, claim.otherwise(fit.model.scope), by=by)

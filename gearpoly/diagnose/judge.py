@@ -108,7 +108,7 @@ def judge(
     flat = replace(trial, plain=bare.system.without(trial.dropped))
     plainly = (flat.sized(claim, columns, effect, loose=loose) for loose in (False, True))
     ahead = mine - flat.either_form(plainly) if claim.simulated else 0.0
-    for one in _look_alikes(trial, bare, claim, gain, gone):
+    for one in _look_alikes(model, trial, bare, claim, gain, gone):
         # What was fitted to its end is known better than straight lines tell.
         if one.claim.key not in found:
             found[one.claim.key] = (one.claim, ahead + flat.of(one.claim))
@@ -234,18 +234,27 @@ def _standing(
     )
 
 
-def _look_alikes(trial: Trial, bare: Linear, claim: Claim, gain: float, gone: Collection[Key]) -> Iterator[Candidate]:
-    """Claims that may stand in another's place as far as their coarse shapes tell, at the shapes that gain most."""
+def _look_alikes(
+    model: Model, trial: Trial, bare: Linear, claim: Claim, gain: float, gone: Collection[Key]
+) -> Iterator[Candidate]:
+    """Claims that may stand in another's place as far as their coarse shapes tell, at the shapes that gain most: what
+    gains as much beside the claim explains something else."""
     others, scenes = trial.others, trial.scenes
     candidates, _ = scan(others, scenes, bare, only=_possible(others, claim))
 
-    def possible(one: Candidate) -> bool:
+    def part(one: Candidate) -> float:
         twin = one.claim.physics is claim.physics and claim.physics.shaped and one.claim.place.gear != claim.place.gear
-        return one.gain > (TWIN if twin and claim.place.tooth is not None else POSSIBLE) * gain
+        return TWIN if twin and claim.place.tooth is not None else POSSIBLE
 
+    ones = [c for c in candidates if c.gain > part(c) * gain][: 4 * LOOKED_AT]
+    there = {(one.claim.physics.name, one.claim.place): one.claim for one in ones}
+    beside, _ = scan(model, scenes, trial.linear, only=[(one.physics, one.place) for one in there.values()])
+    kept = {(one.claim.physics.name, one.claim.place): one.gain for one in beside}
     seen = {claim.key, *gone}
-    for one in [c for c in candidates if possible(c)][: 4 * LOOKED_AT]:
+    for one in ones:
         if one.claim.key in seen or len(seen) > LOOKED_AT + len(gone):
+            continue
+        if one.gain - kept.get((one.claim.physics.name, one.claim.place), 0.0) < part(one) * gain:
             continue
         seen.add(one.claim.key)
         yield polished(others, scenes, bare, one)

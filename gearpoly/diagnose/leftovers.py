@@ -86,6 +86,9 @@ def with_causes(
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
         same = [k for k, entry in enumerate(out) if same_place(entry, place)]
+        if place.kind == "shaft_order":
+            # How large a wave is was told before anything was claimed of it.
+            place = next((entry for entry in comparison.located.entries if same_place(entry, place)), place)
         there = None if one.posterior is None else 1.0 - one.posterior.nothing
         if not same and (one.seen or (there is not None and there < 1.0 - EVEN)):
             continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -16,9 +17,10 @@ from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.diagnose.model import Model, Observed
-from gearpoly.files.models import GearSection, PairFile
+from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.nominal import nominal_gears
+from gearpoly.keys.edit import changed
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
 from gearpoly.physics.base import Scope
@@ -40,6 +42,9 @@ drive flank: little, since the pair file says that it follows."""
 HALF_WAVE = 0.113
 """Standard deviation of each half wave of a tooth's form over the limit of its range, f_falpha: 0.10 to 0.12 on gears
 of 11 to 61 teeth drawn within grades 4 to 8."""
+
+BASE = 5
+"""Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
 
 BLOCKS = 8
 """Contiguous blocks of a recording shorter than two hunting cycles; a cross-validated fit learns from every other
@@ -118,8 +123,9 @@ def only_shaft_read(recordings: Sequence[Recording]) -> Literal["driving", "driv
 
 
 def form_of(prior: GearPrior) -> float:
-    """Half the standard deviation of a graded gear's form: what is smaller on all its teeth is as it was built."""
-    return 0.5 * prior.crowning if prior.graded else 0.0
+    """Half the standard deviation of the form of a gear whose form nobody measured: what is smaller on all its teeth is
+    as it was built."""
+    return 0.5 * (prior.crowning if prior.graded else prior.bulge)
 
 
 def reaches(pair: GearPair) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -145,10 +151,46 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
         each = max(section.inspection.uncertainty_um, IDEAL)
         # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
         alone = section.inspection.pitch_coast_um is not None
-        return _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
+        known = _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
+        return _unmeasured(known, section, gears, which)
     if section.grade is None and section.limits is None:
         return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
     return graded_prior(section, gears, which)
+
+
+def _unmeasured(known: GearPrior, section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPrior:
+    """An inspected gear with what its inspection does not hold as gears of its grade have it: slopes, a common bulge,
+    and the forms of its teeth. Traces hold all of these."""
+    sheet = section.inspection
+    if sheet is None or sheet.profile_csv is not None or sheet.gde is not None:
+        return known
+    like = _like_its_sheet(section, sheet, gears, which)
+    if like is None:
+        return known
+    if sheet.profile_slope_um is None:
+        known = replace(known, slope=like.slope, mean_slope=like.mean_slope, slope_measured=False)
+    if sheet.profile_crowning_um is None:
+        known = replace(known, bulge=like.crowning)
+    return known if sheet.profile_form_um is not None else replace(known, wave=like.wave)
+
+
+def _like_its_sheet(section: GearSection, sheet: Inspection, gears: tuple[Gear, Gear], which: int) -> GearPrior | None:
+    """A gear of the grade or the limits that a section states beside its ``sheet``, or else of the grade that the
+    measured slopes are of, or where none were measured the steps of the pitches; None where nothing tells."""
+    if section.grade is not None or section.limits is not None:
+        return graded_prior(section, gears, which)
+    section = changed(section, grade=BASE)
+    base = graded_prior(section, gears, which)
+    if sheet.profile_slope_um is not None:
+        scatter, usual = np.var(np.atleast_1d(sheet.profile_slope_um)), base.slope
+        doubt = sheet.uncertainty_um**2
+    else:
+        pitch = np.atleast_1d(0.0 if sheet.pitch_um is None else np.asarray(sheet.pitch_um, dtype=np.float64))
+        # Single pitches lie evenly within their limit.
+        scatter, usual = np.mean(np.square(pitch - np.roll(pitch, 1))), base.single / math.sqrt(3.0)
+        doubt = 2.0 * sheet.uncertainty_um**2
+    variance = float(scatter) - doubt
+    return graded_prior(section, gears, which, by=math.sqrt(variance) / usual) if variance > 0.0 else None
 
 
 def graded_prior(

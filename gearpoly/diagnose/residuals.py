@@ -18,6 +18,7 @@ from gearpoly.diagnose.floors import magnified
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
+from gearpoly.errors import GearpolyError
 from gearpoly.units import UM, FloatArray
 
 FITTED = 1e-4
@@ -61,10 +62,12 @@ def locate_residuals(
     )
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
     # touch all at once.
-    fitted = templates_of(
-        fit.model.assembled(),
-        [replace(scene.samples.condition, varies=0.0) for scene in fit.scenes],
-    )
+    conditions = [replace(scene.samples.condition, varies=0.0) for scene in fit.scenes]
+    try:
+        fitted = templates_of(fit.model.assembled(), conditions)
+    except GearpolyError:
+        # At the samples the fitted gears run; between them an edge may carry alone, which no law of compliance holds.
+        fitted = templates_of(fit.model.assembled(fit.model.declared), conditions)
     residuals = [
         AlignedResidual(
             theta_1=scene.samples.theta_1,

@@ -93,7 +93,13 @@ def run_search(fit: Fit) -> tuple[Fit, list[Candidate]]:
     law, fit = fit.model.law, laws_anew(fit)
     if fit.model.law != law:
         fit, found, _ = forward(fit)
-    return with_wider_laws(withdrawn(disowned(fit, missing))), found
+    return finished(fit, missing), found
+
+
+def finished(fit: Fit, missing: float) -> Fit:
+    """A search's end: without claims that do not stand beside the others, of the misfit beyond noise that was
+    ``missing`` before any."""
+    return with_wider_laws(withdrawn(disowned(fit, missing)))
 
 
 def doubted(fit: Fit) -> bool:
@@ -238,8 +244,10 @@ def accepted(fit: Fit, claims: Sequence[Claim]) -> Fit | None:
             return None  # neither law nor form mends what a single tooth has made worse
         if there.over:
             return None  # nobody knows what it would have been worth
-        there = reshaped(relaxed(there))
-        if any(shows_in_laws(one) for one in claims):
+        # A wave or a tooth moves neither the place where all pairs hand over nor how much teeth give.
+        of_all = any(shows_in_laws(one) for one in claims)
+        there = reshaped(relaxed(there), None if of_all else claims)
+        if of_all:
             there = laws_anew(there)
         there = shared(there)
         if there.over:
@@ -247,7 +255,8 @@ def accepted(fit: Fit, claims: Sequence[Claim]) -> Fit | None:
         there = without_idle(there)
         if not {one.key for one in claims} <= {one.key for one in there.model.claims}:
             return None
-        return forgotten(alike_again(set_back(swapped(there))))
+        there = set_back(swapped(there))
+        return forgotten(alike_again(there) if of_all else there)
     except GearpolyError:
         return None
 

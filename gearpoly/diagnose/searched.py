@@ -28,7 +28,8 @@ from gearpoly.diagnose.placing import BETTER, well_placed
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.remounted import Remounted, remounted
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import run_search
+from gearpoly.diagnose.thinned import search_thinned_first
+from gearpoly.diagnose.unseen import without_unfinished
 from gearpoly.diagnose.unstated import as_fitted
 from gearpoly.physics.base import Claim
 
@@ -38,7 +39,8 @@ class Searched:
     """A ``search`` that has come to its end: the ``comparison`` with the teeth where it has them, the system at its
     ``start`` and the state that it had ``begun`` in, the candidates of its last look, ``looked_at``, what was
     ``refitted`` in the stead of its claims, what was ``assumed`` on the way; ``anew``: what was mounted anew between
-    recordings, so that nothing was looked for, as where they are of another pair; ``stopped``: time was over."""
+    recordings, so that nothing was looked for, as where they are of another pair; ``stopped``: time was over, and
+    claims were taken back as ``unfinished``, each with its rms in mm."""
 
     search: Fit
     comparison: Comparison
@@ -46,6 +48,7 @@ class Searched:
     begun: Kept
     looked_at: Sequence[Candidate]
     refitted: Mapping[Key, tuple[Refitted, ...]]
+    unfinished: Sequence[tuple[Claim, float]]
     assumed: tuple[str, ...]
     anew: Remounted | None
     stopped: bool
@@ -92,24 +95,27 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     first, begun = search.linear, kept(search)
     looked_at: Sequence[Candidate] = []
     if of_this_pair:
-        search, looked_at = run_search(search)
+        search, looked_at = search_thinned_first(search)
     if any(one.place.tooth is not None for one in search.model.claims):
         # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
         back = come_back(begun, search)
         asked = smooth_waves(back, comparison, least=0.0)
         if asked is not back:
-            other, looked_again = run_search(asked)
+            other, looked_again = search_thinned_first(asked)
             if not other.over:  # else what was found till then is told
                 first, begun, search, looked_at = asked.linear, kept(asked), other, looked_again
-    stopped = search.over
+    stopped, unfinished = search.over, list[tuple[Claim, float]]()
     search = replace(search.believing(budget=search.model.budget.further), step=watch.stage("rivals"))
+    if stopped:
+        # Before their rivals are asked, or nothing is left of the time for what may be named.
+        search, unfinished = without_unfinished(search)
     search, refitted = contest(one_for_all(search), start.likely)
     cheaper = without_dear(search)
     if cheaper is not search:
         search, refitted = contest(cheaper, start.likely)
     return Searched(
         search=search, comparison=comparison, start=first, begun=begun, looked_at=looked_at, refitted=refitted,
-        assumed=assumed, anew=anew, stopped=stopped,
+        unfinished=unfinished, assumed=assumed, anew=anew, stopped=stopped,
     )  # fmt: skip
 
 

@@ -235,7 +235,10 @@ def gain_of(score: FloatArray, information: FloatArray, groups: IntArray) -> tup
     index = groups
     s = score[index]
     block = information[index[:, :, None], index[:, None, :]]
-    size = np.maximum(np.trace(block, axis1=1, axis2=2), 1e-300) / index.shape[1]
+    # Where others took over all that was told, rounding is left, which may be nothing or less: no such block is solved.
+    trace = np.trace(block, axis1=1, axis2=2)
+    size = np.where(trace > 0.0, trace, 1.0) / index.shape[1]
+    block = np.where((trace > 0.0)[:, None, None], block, 0.0)
     safe = block + 1e-9 * size[:, None, None] * np.eye(index.shape[1])
     amplitude = np.linalg.solve(safe, s[:, :, None])[:, :, 0]
     return np.einsum("gk,gk->g", s, amplitude), amplitude

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.as_built import AsBuilt, make_as_built
+from gearpoly.diagnose.as_built import AsBuilt, GearPrior, make_as_built
 from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.linear import Linear, whitened
@@ -102,10 +102,16 @@ def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, 
     return beside(bare) - beside(bare.with_columns(linear.white_of(k)))
 
 
+def _asked(one: GearPrior) -> bool:
+    """Whether it is asked if a gear's teeth differ in form. Beside the pitches of an inspected gear, which are known
+    well, an eccentricity, a ghost order or a relief that nobody declared looks like forms."""
+    return one.graded and one.wave > 0.0
+
+
 def _open(as_built: AsBuilt) -> AsBuilt:
     """The same with the forms of these teeth open; itself where all are known, or where they would be too many."""
     for waves in range(HALF_WAVES, 0, -1):
-        gears = [replace(one, form=(one.wave,) * waves if one.wave > 0.0 else ()) for one in as_built.gears]
+        gears = [replace(one, form=(one.wave,) * waves if _asked(one) else ()) for one in as_built.gears]
         if any(one.form for one in gears) and len(as_built.flanks) * sum(one.size for one in gears) <= MOST:
             return make_as_built((gears[0], gears[1]), as_built.flanks)
     return as_built
@@ -115,7 +121,7 @@ def _in_common(model: Model) -> Model:
     """The model with teeth that may lean and bulge together as far as any wear or relief makes them: what all teeth
     have, unloaded contact shows at some more than at others."""
     gears = [
-        replace(one, mean_slope=COMMON * one.wave, crowning=COMMON * one.wave) if one.wave > 0.0 else one
+        replace(one, mean_slope=COMMON * one.wave, crowning=COMMON * one.wave) if _asked(one) else one
         for one in model.as_built.gears
     ]
     return replace(model, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks))

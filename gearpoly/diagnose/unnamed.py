@@ -77,7 +77,9 @@ def left_unnamed(fit: Fit, claim: Claim, weighed: Weighed) -> Fit | None:
     at the end, which then stands in the fitted file."""
     surely = weighed.posterior.unknown > CERTAIN and len(fit.model.unnamed) < UNNAMED
     fitted = claim.place.tooth is not None and _teeth(fit) < TEETH
-    if not surely or fitted or weighed.unknown is None:
+    # A wave of no cause at the order of a claim takes over what that one does: they are weighed at the end.
+    beside = order_of(claim) is not None and any(same_place(one, claim) for one in fit.model.claims)
+    if not surely or fitted or beside or weighed.unknown is None:
         return None
     where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
     fit.step(f"leaving {where} of the {claim.place.gear_name} gear without a name")

@@ -12,15 +12,12 @@ import numpy as np
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.prepare import form_of, graded_prior
+from gearpoly.diagnose.prepare import BASE, form_of, graded_prior
 from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.teeth_scale import COARSEST, is_unstated, wider
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import changed, gear_section
 from gearpoly.units import FloatArray
-
-BASE = 5
-"""Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
 
 ROUNDS = 8
 """Rounds of simulating and fitting. Unloaded teeth of a coarse gear touch elsewhere than declared ones: of a 13/40 of

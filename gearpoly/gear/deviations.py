@@ -191,7 +191,7 @@ class Scatter(Traces):
 
 
 @dataclass(frozen=True)
-class Chip:
+class MissingTip:
     """The tip of one ``tooth`` is missing over the whole face width: both its flanks end ``height`` mm, radially, below
     the tip circle, and an arc about the gear's centre joins them."""
 
@@ -206,7 +206,7 @@ class Deviations:
 
     drive: tuple[Shape, ...] = ()
     coast: tuple[Shape, ...] = ()
-    chips: tuple[Chip, ...] = ()
+    chips: tuple[MissingTip, ...] = ()
 
     def __add__(self, other: Deviations) -> Deviations:
         return Deviations(

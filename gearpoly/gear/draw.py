@@ -103,24 +103,9 @@ def draw_deviations(
     if profile_errors == "scatter" and (roll_lengths is None or roll_lengths.size < 2):
         raise OutOfRangeError('profile_errors = "scatter" has no points; roll_lengths of two or more would do')
     pitch_rng, coast_rng, profile_rng = rng.spawn(3)
-    drive, coast = spans(gear, which)
-    cosine = math.cos(gear.alpha)
-    _refuse_apart(limits, cosine)
-    place = _graded if thickness_errors == "graded" else _independent
-    tightest, gears = math.inf, 0
-    tries = max(LEAST_GEARS, min(MAX_GEARS, TEETH // gear.z))
-    while gears < tries:
-        gears += 1
-        x = closed_chain(gear.z, f=limits.f_pT, F=limits.F_pT, rng=pitch_rng)
-        y, lack = place(gear, limits, x, drive, coast, coast_rng)
-        tightest = min(tightest, lack)
-        if y is None:
-            continue
-        index, index_coast = x * cosine, y * cosine
-        if _passes(gear, limits, index, index_coast, which, coast_graded=place is _graded):
-            break
-    else:
-        raise NoGearPassesError(_gear_message(gear, limits, tightest, tries))
+    _refuse_apart(limits, math.cos(gear.alpha))
+    x, y, gears = _placed(gear, limits, pitch_rng, coast_rng, which, graded=thickness_errors == "graded")
+    index, index_coast = x * math.cos(gear.alpha), y * math.cos(gear.alpha)
     slope, form, drive_shapes, coast_shapes = (
         _smooth(gear, limits, profile_rng)
         if roll_lengths is None or profile_errors == "smooth"
@@ -137,6 +122,26 @@ def draw_deviations(
         f_falpha=read_only(form),
         gears=gears,
     )
+
+
+def _placed(
+    gear: Gear, limits: Limits, pitch_rng: np.random.Generator, coast_rng: np.random.Generator, which: Which, *,
+    graded: bool,
+) -> tuple[FloatArray, FloatArray, int]:  # fmt: skip
+    """Arcs (z,) in mm by which the drive and the coast flanks of a gear that passes stand off their places, and how
+    many gears were drawn for it. Raises ``NoGearPassesError``."""
+    drive, coast = spans(gear, which)
+    cosine = math.cos(gear.alpha)
+    place = _graded if graded else _independent
+    tightest = math.inf
+    tries = max(LEAST_GEARS, min(MAX_GEARS, TEETH // gear.z))
+    for gears in range(1, tries + 1):
+        x = closed_chain(gear.z, f=limits.f_pT, F=limits.F_pT, rng=pitch_rng)
+        y, lack = place(gear, limits, x, drive, coast, coast_rng)
+        tightest = min(tightest, lack)
+        if y is not None and _passes(gear, limits, x * cosine, y * cosine, which, coast_graded=graded):
+            return x, y, gears
+    raise NoGearPassesError(_gear_message(gear, limits, tightest, tries))
 
 
 def _refuse_apart(limits: Limits, cosine: float) -> None:

@@ -15,9 +15,9 @@ from gearpoly.keys.sections import Form, PairFile
 from gearpoly.physics.base import WORN, Claim, Physics, Quantity
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
-from gearpoly.scene import Scene as Simulated
+from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray, IntArray
 
 KNOTS = 17
@@ -28,7 +28,7 @@ DIGITS = 6
 """Decimals of um and mm that are written."""
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if scene.samples.flank != place.flank:
         return np.zeros(scene.samples.size)
     mine, along, um = place.tooth, np.array(place.shape), np.array(values)
@@ -89,7 +89,7 @@ def curve_covariance() -> FloatArray:
     return np.asarray(size**2 * np.exp(-np.abs(u[:, None] - u) / REACH))
 
 
-def free_forms(claim: Claim, scenes: Sequence[Simulated]) -> list[Claim]:
+def free_forms(claim: Claim, scenes: Sequence[Scene]) -> list[Claim]:
     """A curve in the place of a ``claim`` about the flanks of one tooth, or of all teeth of a gear, on every flank that
     was recorded and that the claim is about; none where it is about something else."""
     place, physics = claim.place, claim.physics

@@ -15,9 +15,9 @@ from gearpoly.keys.sections import PairFile
 from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
-from gearpoly.scene import Scene as Simulated
+from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
 ORDERS = (1, 2, 3)
@@ -32,19 +32,19 @@ def _places(scope: Scope) -> Iterable[Place]:
         yield from (Place(gear=gear, order=order) for gear in (0, 1) for order in ORDERS)
 
 
-def given(scene: Simulated) -> FloatArray:
+def given(scene: Scene) -> FloatArray:
     """Change (n,) in mm of the transmission error per relative change of the torque, pairs sharing it as they do."""
     return np.asarray(-scene.samples.sense * scene.samples.torque * scene.soft / scene.pair.r_b2)
 
 
-def columns(scene: Simulated, place: Place) -> FloatArray:
+def columns(scene: Scene, place: Place) -> FloatArray:
     """Effects (n, 2) in mm of a torque that varies by all of itself as a cosine and as a sine of its shaft."""
     samples = scene.samples
     angle = (place.order or 1) * (samples.theta_1 if place.gear == 0 else samples.theta_2)
     return np.asarray(given(scene)[:, None] * np.column_stack((np.cos(angle), np.sin(angle))))
 
 
-def apart(scenes: Sequence[Simulated], place: Place) -> list[FloatArray]:
+def apart(scenes: Sequence[Scene], place: Place) -> list[FloatArray]:
     """The same (n_k, 2 K), every recording with a wave of its own: each is made under a torque of its own."""
     out = []
     for k, scene in enumerate(scenes):
@@ -54,8 +54,8 @@ def apart(scenes: Sequence[Simulated], place: Place) -> list[FloatArray]:
     return out
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
-    assert isinstance(scene, Simulated)
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
+    assert isinstance(scene, Scene)
     return np.asarray(columns(scene, place) @ np.asarray(values))
 
 

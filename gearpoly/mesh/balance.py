@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from gearpoly.mesh.radial_search import compiled
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 ROUNDS = 100
 """Newton's steps allowed. Five to seven are usual; a pair that has only just touched adds a few."""
@@ -53,6 +53,33 @@ def _given(load: float, least: float, level: float, power: float, logarithm: flo
     if load < least:
         return load * given / W, given / W
     return given, slope
+
+
+@compiled
+def _turn(
+    begin: int, end: int, closing: FloatArray, lever_1: FloatArray, lever_2: FloatArray, force: FloatArray,
+    given: FloatArray, slope: FloatArray, carries: BoolArray, moment: float,
+) -> float:  # fmt: skip
+    """Rotation in rad at which the tangents of the rows that carry balance ``moment`` in N.mm; a row that would pull
+    carries no more. Infinite where none is left to drive."""
+    dropped = True
+    turn = 0.0
+    while dropped:
+        pushed, weight = moment, 0.0
+        for i in range(begin, end):
+            if carries[i]:
+                part = lever_2[i] / slope[i]
+                pushed += part * (lever_1[i] * closing[i] + given[i]) - lever_2[i] * force[i]
+                weight += part * lever_1[i]
+        if weight <= 0.0:  # no pair that is near can drive
+            return math.inf
+        turn = pushed / weight
+        dropped = False
+        for i in range(begin, end):
+            if carries[i] and force[i] * slope[i] + lever_1[i] * (turn - closing[i]) < given[i]:
+                carries[i] = False
+                dropped = True
+    return turn
 
 
 @compiled
@@ -97,24 +124,7 @@ def balance(
                 carries[i] = force[i] > 0.0
                 if carries[i]:
                     given[i], slope[i] = _given(force[i], least, teeth[i] + level[i], power, logarithm, gap)
-            dropped = True
-            turn = 0.0
-            while dropped:
-                pushed, weight = moment, 0.0
-                for i in range(begin, end):
-                    if carries[i]:
-                        part = lever_2[i] / slope[i]
-                        pushed += part * (lever_1[i] * closing[i] + given[i]) - lever_2[i] * force[i]
-                        weight += part * lever_1[i]
-                if weight <= 0.0:  # no pair that is near can drive
-                    turn = math.inf
-                    break
-                turn = pushed / weight
-                dropped = False
-                for i in range(begin, end):
-                    if carries[i] and force[i] * slope[i] + lever_1[i] * (turn - closing[i]) < given[i]:
-                        carries[i] = False
-                        dropped = True
+            turn = _turn(begin, end, closing, lever_1, lever_2, force, given, slope, carries, moment)
             moved = 0.0
             for i in range(begin, end):
                 if force[i] == 0.0:

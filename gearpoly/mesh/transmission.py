@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from gearpoly.errors import GeometryError, JammedError, NoContactError, SelfCheckError, told_at_most
 from gearpoly.gear.gear import inv
 from gearpoly.gear.rack import STANDARD, free_round
-from gearpoly.mesh.bodies import WIDE_SHARE
+from gearpoly.mesh.bodies import WIDE_SHARE, Body
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
@@ -109,34 +109,14 @@ def contacts(
     bodies = pair.driving.body(flank), pair.driven.body(flank)
     poses, guesses = -sense * theta_2, sense * theta_2 / pair.ratio + expected
     reach = near / pair.r_b1
+    search = _fast_closings if fast else closing_rotations
     parts: list[Closings] = []
-    if fast:
-
-        def searched(start: int) -> Closings:
-            part = slice(start, start + FAST_CHUNK)
-            found = closing_rotations_fast(
-                *bodies, axis_distance=pair.a, poses=poses[part], guesses=guesses[part], near=reach
-            )
-            return replace(found, pose=found.pose + start)
-
-        starts = list(range(0, theta_2.size, FAST_CHUNK))
-        for k in range(0, len(starts), ABREAST):
-            for found in each(searched, starts[k : k + ABREAST]):
-                parts.append(found)
-                progress(found.positions)
-    else:
-        for found in closing_rotations(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach):
-            parts.append(found)
-            progress(found.positions)
+    for found in search(*bodies, axis_distance=pair.a, poses=poses, guesses=guesses, near=reach):
+        parts.append(found)
+        progress(found.positions)
     rows = _joined(parts)
     first = rows.first()
-    held = rows.pose[first][rows.rotation[first] <= WIDE_SHARE * pair.driving.gear.tau]
-    if held.size != theta_2.size:
-        missing = np.setdiff1d(np.arange(theta_2.size), held)[0]
-        raise NoContactError(
-            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
-            "the gears do not reach each other there"
-        )
+    _refuse_apart(rows, pair, theta_2, flank)
     if fast:
         certify_some(pair, rows, flank=flank, poses=poses, guesses=guesses, near=reach, samples=certified)
     flip = np.array([1.0, sense])
@@ -160,6 +140,35 @@ def contacts(
         repaired=int(np.count_nonzero(rows.repaired)),
         near=near,
     )
+
+
+def _refuse_apart(rows: Closings, pair: GearPair, theta_2: FloatArray, flank: Flank) -> None:
+    """Raise ``NoContactError`` at the first of the driven rotations ``theta_2`` (N,) at which nothing touches."""
+    first = rows.first()
+    held = rows.pose[first][rows.rotation[first] <= WIDE_SHARE * pair.driving.gear.tau]
+    if held.size != theta_2.size:
+        missing = np.setdiff1d(np.arange(theta_2.size), held)[0]
+        raise NoContactError(
+            f"no {flank} flanks touch at driven angle {theta_2[missing] / DEG:.4f} deg; "
+            "the gears do not reach each other there"
+        )
+
+
+def _fast_closings(
+    turning: Body, fixed: Body, *, axis_distance: float, poses: FloatArray, guesses: FloatArray, near: float
+) -> Iterator[Closings]:
+    """What ``closing_rotations`` finds, by the compiled search, some parts of the positions abreast."""
+
+    def searched(start: int) -> Closings:
+        part = slice(start, start + FAST_CHUNK)
+        found = closing_rotations_fast(
+            turning, fixed, axis_distance=axis_distance, poses=poses[part], guesses=guesses[part], near=near
+        )
+        return replace(found, pose=found.pose + start)
+
+    starts = list(range(0, poses.size, FAST_CHUNK))
+    for k in range(0, len(starts), ABREAST):
+        yield from each(searched, starts[k : k + ABREAST])
 
 
 def certify_some(

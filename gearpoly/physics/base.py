@@ -14,7 +14,7 @@ from gearpoly.keys.sections import GearSection, PairFile, Section
 from gearpoly.mesh.shafts import UNEVEN
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
@@ -199,7 +199,7 @@ class Physics:
     build: Callable[[PairFile, Parts], Parts] = lambda file, parts: parts
     """What its keys change of the pair beside the flanks."""
 
-    effect: Callable[[Scene, Place, Values], FloatArray] | None = None
+    effect: Callable[[ContactsAtSamples, Place, Values], FloatArray] | None = None
     ordinary_orders: Callable[[Gear], tuple[int, ...]] = lambda gear: ()
     """Of a physics that has an order per turn of its gear: those at which it is met most."""
 
@@ -242,11 +242,6 @@ class Physics:
     def twin(self) -> str:
         """The name of the same physics in the bench that knows nothing of this simulation."""
         return self.name
-
-    @property
-    def softens(self) -> bool:
-        """Whether it is in how far teeth give, and not on their flanks."""
-        return self.law_doubt > 0.0 and not self.mean_tooth
 
     @property
     def measures(self) -> bool:

@@ -15,7 +15,7 @@ from gearpoly.keys.kinds import Section
 from gearpoly.physics.base import Physics, Quantity
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.plugins import PHYSICS, Plugin, plugins
 from gearpoly.units import FloatArray
 
@@ -118,10 +118,10 @@ def _told(plugin: Plugin, physics: Physics) -> Physics:
     )
 
 
-def _numbers(plugin: Plugin, effect: Callable[..., Any]) -> Callable[[Scene, Place, Values], FloatArray]:
+def _numbers(plugin: Plugin, effect: Callable[..., Any]) -> Callable[[ContactsAtSamples, Place, Values], FloatArray]:
     """An ``effect`` that is one finite number for every sample."""
 
-    def told(scene: Scene, place: Place, values: Values) -> FloatArray:
+    def told(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
         made = plugin.call("its effect is no numbers", np.asarray, effect(scene, place, values), dtype=float)
         if made.shape != (scene.samples.size,) or not np.all(np.isfinite(made)):
             found = f"shape {made.shape}" if made.shape != (scene.samples.size,) else "numbers that are not finite"

@@ -13,7 +13,7 @@ from gearpoly.mesh.pair import tight_centre_distance
 from gearpoly.physics.base import MOUNTED, Physics, Quantity, Scope
 from gearpoly.physics.bounds import module
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import plain
 from gearpoly.units import UM, FloatArray
 
@@ -22,7 +22,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     yield Place()
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     moved = np.full(scene.samples.size, values[0] * UM)
     return scene.displaced(1, moved, np.zeros(scene.samples.size))
 

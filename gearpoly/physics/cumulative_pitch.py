@@ -12,7 +12,7 @@ from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, own_of, polar
 from gearpoly.units import UM, FloatArray
 
@@ -32,7 +32,7 @@ def _wave(place: Place, values: Values, z: int) -> FloatArray:
     return values[0] * np.cos(angle) + values[1] * np.sin(angle)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     z = (scene.pair.driving if gear == 0 else scene.pair.driven).gear.z
     wave = pitched_sense(scene, place) * UM * _wave(place, values, z)

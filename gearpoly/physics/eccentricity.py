@@ -16,7 +16,7 @@ from gearpoly.physics.base import MOUNTED, Physics, Quantity, Scope
 from gearpoly.physics.bounds import module
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, vector
 from gearpoly.units import DEG, UM, FloatArray
 
@@ -52,7 +52,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     return (Place(gear=gear) for gear in (0, 1))
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     """The gear's centre moves round its axis and carries all flanks along."""
     gear = place.gear or 0
     mounted = scene.pair.driving if gear == 0 else scene.pair.driven

@@ -9,11 +9,11 @@ import numpy as np
 
 from gearpoly.keys.sections import Encoder, PairFile
 from gearpoly.physics.parts import EncoderErrors, Parts
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.units import URAD, FloatArray
 
 
-def misread(scene: Scene, gear: int | None, order: int, values: tuple[float, ...]) -> FloatArray:
+def misread(scene: ContactsAtSamples, gear: int | None, order: int, values: tuple[float, ...]) -> FloatArray:
     """Change (n,) in mm of the recorded transmission error where an encoder reads ``values`` (cosine and sine, urad)
     too much, ``order`` times per turn."""
     driving = gear in (0, None)

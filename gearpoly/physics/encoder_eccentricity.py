@@ -14,7 +14,7 @@ from gearpoly.physics.bounds import half_pitch
 from gearpoly.physics.encoder import misread, misreading
 from gearpoly.physics.parts import EncoderErrors
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, vector
 from gearpoly.units import DEG, URAD, FloatArray
 
@@ -39,7 +39,7 @@ def _places(scope: Scope) -> Iterable[Place]:
             yield Place(gear=gear)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     return misread(scene, place.gear, 1, values)
 
 

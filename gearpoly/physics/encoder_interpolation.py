@@ -15,7 +15,7 @@ from gearpoly.physics.base import READ, Physics, Quantity, Scope
 from gearpoly.physics.encoder import misread, misreading
 from gearpoly.physics.parts import EncoderErrors
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, phased, wave
 from gearpoly.units import DEG, URAD, FloatArray
 
@@ -68,7 +68,7 @@ def _forward(scope: Scope, place: Place) -> float:
     return 1.0 / ((place.order or 1) * URAD)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     return misread(scene, place.gear, place.order or 1, values)
 
 

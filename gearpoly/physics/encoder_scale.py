@@ -16,7 +16,7 @@ from gearpoly.physics.bounds import recorded
 from gearpoly.physics.encoder import misreading
 from gearpoly.physics.parts import EncoderErrors
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, own_of
 from gearpoly.units import UM, FloatArray
 
@@ -50,7 +50,7 @@ def _most(scope: Scope, place: Place) -> float:
     return min(another, recorded(scope, place) * UM / (turned * scope.gears[1].r_b * PPM)) if turned > 0.0 else another
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     driving = place.gear in (0, None)
     theta = scene.samples.theta_1 if driving else scene.samples.theta_2
     part = -scene.pair.ratio if driving else 1.0

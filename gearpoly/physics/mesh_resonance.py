@@ -17,7 +17,7 @@ from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
@@ -76,7 +76,7 @@ def _places(scope: Scope) -> Iterable[Place]:
             yield Place(shape=(math.log(part * mesh), damping, HALF), probe=(1.0,))
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if scene.samples.speed is None or values[0] <= 0.0:
         return np.zeros(scene.samples.size)
     shafts = Shafts(frequency=math.exp(values[1]), damping=min(1.0, max(values[2], 1e-3)), in_mesh=values[3])

@@ -1,5 +1,5 @@
-"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page docs/reference/catalogue.md`` writes it into the page
-anew; a test compares."""
+"""The catalogue as a table for the reader: ``python -m gearpoly.physics.page docs/reference/catalogue.md`` writes it
+into the page anew; a test compares."""
 
 from __future__ import annotations
 

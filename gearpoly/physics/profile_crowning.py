@@ -10,7 +10,7 @@ from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import added_on_both
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
 
@@ -19,7 +19,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     return [Place(gear=0), Place(gear=1)]
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     return scene.deviated(gear, lambda tooth, l: -values[0] * UM * (2.0 * scene.spans[gear].u(l) - 1.0) ** 2)
 

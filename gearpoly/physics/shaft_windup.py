@@ -14,7 +14,7 @@ from gearpoly.physics.base import RUN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_pitch
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import plain
 from gearpoly.units import NM, URAD, FloatArray
 
@@ -42,7 +42,7 @@ def _most(scope: Scope, place: Place) -> float:
     return half_pitch(scope, place) / max(1.0, max(scope.torques, default=0.0) / NM)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     twist = -scene.samples.sense * values[0] * URAD / NM * scene.samples.torque * scene.pair.r_b2
     return np.full(scene.samples.size, twist) * scene.samples.loaded
 

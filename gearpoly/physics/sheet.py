@@ -10,7 +10,7 @@ from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.keys.sections import GearSection, Inspection, PairFile
 from gearpoly.physics.base import Scope
 from gearpoly.physics.place import Place
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.units import FloatArray
 
 DIGITS = 6
@@ -64,7 +64,7 @@ def pitched(file: PairFile, place: Place, more: FloatArray) -> PairFile:
     return file
 
 
-def pitched_sense(scene: Scene, place: Place) -> float:
+def pitched_sense(scene: ContactsAtSamples, place: Place) -> float:
     """Sign with which an index deviation at a place adds material to the flank of a scene; 0 where it is another's."""
     if place.flank is None:
         return scene.samples.sense

@@ -1,4 +1,4 @@
-"""What a physics is shown of a recording: the exact contacts at its own samples, and what moves with them."""
+"""What a physics sees of a recording: the exact contacts at its own samples, and what moves with them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DeviationOf = Callable[[IntArray, FloatArray], FloatArray]
 """Normal deviation in mm of tooth numbers (P, n) at roll lengths (P, n) in mm."""
 
 
-class Scene(Protocol):
+class ContactsAtSamples(Protocol):
     """A set-up simulated at the ``samples`` of one recording, (n,) of them, with rows (P, n) of touching pairs.
 
     Gears are counted 0 (driving) and 1. ``gearpoly.scene`` makes one; a physics asks no more of it than this.

@@ -14,7 +14,7 @@ from gearpoly.physics.base import MOUNTED, Physics, Quantity, Scope
 from gearpoly.physics.bounds import module
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import plain
 from gearpoly.units import NM, UM, FloatArray
 
@@ -44,7 +44,7 @@ def _most(scope: Scope, place: Place) -> float:
     return module(scope, place) / max(1.0, max(scope.torques, default=0.0) / NM)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     apart = np.full(scene.samples.size, values[0] * UM / NM * scene.samples.torque) * scene.samples.loaded
     return scene.displaced(1, apart, np.zeros(scene.samples.size))
 

@@ -15,7 +15,7 @@ from gearpoly.keys.sections import PairFile
 from gearpoly.physics.base import READ, Physics, Quantity, Scope
 from gearpoly.physics.bounds import recorded
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
 from gearpoly.units import UM, FloatArray
 
@@ -48,7 +48,7 @@ def _curve(values: Values, along: FloatArray) -> FloatArray:
     return np.asarray(np.polynomial.legendre.legval(along, (0.0, *values)) * UM)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if scene.samples.number not in place.recordings:
         return np.zeros(scene.samples.size)
     return _curve(values, scene.samples.along)

@@ -17,7 +17,7 @@ from gearpoly.keys.sections import GearSection, PairFile
 from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, own_of, plain
 from gearpoly.units import UM, FloatArray
 
@@ -81,7 +81,7 @@ def _whole_flank(scope: Scope, place: Place) -> float:
     return gear.r_a - gear.r_b
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     ideal = scene.gear(gear)
     made = scene.deviations[gear]

@@ -9,8 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from gearpoly.gear.deviations import Chip as MissingTip
-from gearpoly.gear.deviations import Deviations
+from gearpoly.gear.deviations import Deviations, MissingTip
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.root import form_point
 from gearpoly.keys.edit import gear_section, on_gear
@@ -20,7 +19,7 @@ from gearpoly.mesh.corner import corner_gap
 from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, tooth_of
 from gearpoly.units import FloatArray
 
@@ -68,7 +67,7 @@ def _whole_flank(scope: Scope, place: Place) -> float:
     return gear.r_a - math.hypot(gear.r_b, form_point(gear)[1]) - LEFT
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if values[0] <= 0.0 or values[1] <= 0.0 or place.tooth is None:
         return np.zeros(scene.samples.size)
     gear = place.gear or 0

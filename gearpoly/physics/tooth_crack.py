@@ -15,7 +15,7 @@ from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, tooth_of
 from gearpoly.units import FloatArray
 
@@ -52,7 +52,7 @@ def _places(scope: Scope) -> Iterable[Place]:
             yield Place(gear=gear, tooth=tooth)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     """A pair whose compliance grows by dc gives F dc more, and the mesh the share of it that the pair carries."""
     if scene.samples.coast or not scene.bends:
         return np.zeros(scene.samples.size)

@@ -11,7 +11,7 @@ from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import pitched, pitched_flanks, pitched_sense
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import plain, tooth_of
 from gearpoly.units import UM, FloatArray
 
@@ -23,7 +23,7 @@ def _places(scope: Scope) -> Iterable[Place]:
                 yield Place(gear=gear, tooth=tooth, flank=flank)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     by = pitched_sense(scene, place) * values[0] * UM
     return scene.deviated_tooth(place.gear or 0, place.tooth, lambda l: np.full(l.size, by))
 

@@ -17,7 +17,7 @@ from gearpoly.keys.sections import GearSection, PairFile
 from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import always, half_tooth
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, plain, tooth_of
 from gearpoly.units import UM, FloatArray
 
@@ -90,7 +90,7 @@ def _tip(scope: Scope, place: Place) -> float:
     return scope.gears[place.gear or 0].r_a
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if scene.samples.coast:
         return np.zeros(scene.samples.size)
     gear = place.gear or 0

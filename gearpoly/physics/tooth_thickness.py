@@ -13,7 +13,7 @@ from gearpoly.physics.base import MADE, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.sheet import added
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
 
@@ -24,7 +24,7 @@ def _places(scope: Scope) -> Iterable[Place]:
         yield Place(gear=1)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if not scene.samples.coast:
         return np.zeros(scene.samples.size)
     gear = place.gear or 0

@@ -17,7 +17,7 @@ from gearpoly.keys.sections import GearSection, PairFile
 from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, phased, wave
 from gearpoly.units import DEG, UM, FloatArray
 
@@ -83,7 +83,7 @@ def _instead(scope: Scope, place: Place) -> Iterable[Place]:
             yield Place(gear=place.gear, order=place.order, flank=flank)
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     if scene.samples.flank != place.flank:
         return np.zeros(scene.samples.size)
     gear, order = place.gear or 0, place.order or 1

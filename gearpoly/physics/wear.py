@@ -14,7 +14,7 @@ from gearpoly.keys.sections import GearSection, PairFile
 from gearpoly.physics.base import WORN, Physics, Quantity, Scope
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
-from gearpoly.physics.shown import Scene
+from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, plain
 from gearpoly.units import UM, FloatArray
 
@@ -36,7 +36,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     return [Place(gear=0), Place(gear=1)]
 
 
-def _effect(scene: Scene, place: Place, values: Values) -> FloatArray:
+def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:
     gear = place.gear or 0
     ideal = scene.gear(gear)
     reach = ideal.l_a - ideal.l_pitch

@@ -35,7 +35,7 @@ FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival:
+class MistakenFor:
     """What an effect may be mistaken for: ``separability`` is how far it is left over the effect's size (of small
     signals the sine of the angle between them), ``apart`` what they differ by in um rms (None: not known)."""
 
@@ -46,7 +46,7 @@ class Rival:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class NoCause:
     """What has no cause, as a rival at an effect's place: ``separability`` by the odds that so many standard deviations
     correspond to, ``left`` by distance alone, with the unknown's freedoms at no cost."""
 
@@ -77,8 +77,8 @@ class Item:
     aliases: tuple[float, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     over_limit: float = math.inf
-    rivals: tuple[Rival, ...] = ()
-    unknown: Unknown | None = None
+    rivals: tuple[MistakenFor, ...] = ()
+    unknown: NoCause | None = None
     kind: str = ""
 
     @property
@@ -93,11 +93,11 @@ class Item:
             words.append(f"order {self.order:g}")
         return " ".join(words)
 
-    def separation(self, rival: Rival) -> float:
+    def separation(self, rival: MistakenFor) -> float:
         """Standard deviations by which the recordings tell a rival from this."""
         return rival.separability * self.over_limit if rival.separability else 0.0
 
-    def acceptable(self, limits: Thresholds) -> tuple[Rival, ...]:
+    def acceptable(self, limits: Thresholds) -> tuple[MistakenFor, ...]:
         """Rivals within the evidence: those that the recordings do not tell from this, or that no model would."""
         return tuple(
             rival for rival in self.rivals
@@ -186,12 +186,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
     except (ValueError, RecursionError) as error:
         wish = "want a truth file with kind, truth and noise_um"
         raise InputFileError(path, found=f"no truth ({error})", wish=wish) from None
-    if kind not in ("none", "missing", "unknown", WRONG_FILE):
-        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
-    for one in items:
-        if kind == "missing" and one.physics and one.physics not in SIZES:
-            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
-            raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+    _check_kind(path, kind, items)
     if kind == "missing":  # what has a shape only lies beside what has a name
         background += tuple(one for one in items if not one.physics)
         items = tuple(one for one in items if one.physics)
@@ -201,14 +196,7 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         if one.physics or (one.order is None and one.hz is None):
             wish = "want waves of no physics: order and gear, or hz"
             raise InputFileError(path, where="background", found=repr(one.label), wish=wish)
-    try:
-        declared = Fields(parse(pair, read_text(pair)))
-        called = called or declared.word("name", "")
-        z = (int(declared.inner("driving").needed("teeth")), int(declared.inner("driven").needed("teeth")))
-    except (ValueError, OverflowError) as error:
-        raise InputFileError(
-            pair, found=f"no pair file ({error})", wish="want a pair file with driving.teeth and driven.teeth"
-        ) from None
+    called, z = _declared(pair, called=called)
     return Truth(
         kind=kind,
         items=items,
@@ -226,6 +214,29 @@ def read_truth(path: Path, *, pair: Path) -> Truth:
         says=says,
         tempting=any(declared_um) and colour >= COLOURED,
     )
+
+
+def _check_kind(path: Path, kind: str, items: tuple[Item, ...]) -> None:
+    """Raise ``InputFileError`` for a kind of truth that there is not, or a physics that no bench hides."""
+    if kind not in ("none", "missing", "unknown", WRONG_FILE):
+        raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
+    for one in items:
+        if kind == "missing" and one.physics and one.physics not in SIZES:
+            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
+            raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
+
+
+def _declared(pair: Path, *, called: str) -> tuple[str, tuple[int, int]]:
+    """Name of a pair, its file's where it is not ``called`` anything, and tooth numbers. Raises ``InputFileError``."""
+    try:
+        declared = Fields(parse(pair, read_text(pair)))
+        name = called or declared.word("name", "")
+        z = (int(declared.inner("driving").needed("teeth")), int(declared.inner("driven").needed("teeth")))
+    except (ValueError, OverflowError) as error:
+        raise InputFileError(
+            pair, found=f"no pair file ({error})", wish="want a pair file with driving.teeth and driven.teeth"
+        ) from None
+    return name, z
 
 
 def _place(raw: Fields) -> Item:
@@ -258,7 +269,7 @@ def _item(raw: Fields) -> Item:
         parameters={name: value for name in names if (value := raw.number(name)) is not None},
         over_limit=math.inf if limit is None else limit,
         rivals=tuple(
-            Rival(
+            MistakenFor(
                 physics=one.word("physics"),
                 gear=one.gear(),
                 separability=one.needed("separability"),
@@ -270,7 +281,7 @@ def _item(raw: Fields) -> Item:
     )
 
 
-def _unknown(raw: Fields) -> Unknown | None:
+def _unknown(raw: Fields) -> NoCause | None:
     """None where an older truth has it by odds alone."""
     left = raw.number("left")
-    return None if left is None else Unknown(separability=raw.needed("separability"), left=left)
+    return None if left is None else NoCause(separability=raw.needed("separability"), left=left)

@@ -30,6 +30,15 @@ QUICK_PER_MESH = 10
 LEAST_TURNS = 1.5
 """Driving turns of the shortest recording: of 24/36 half a hunting cycle is so long."""
 
+CONCEALED_BY = {
+    "two": "each other",
+    "one_flank": "it shows on one flank only, or differs between the flanks by a phase",
+    "look_alike": "its likeness: no recording made tells it from its rivals",
+    "beside": "noise, and waves of the measuring chain or of a bearing that nobody declares",
+    "stranger": "noise; and no mechanism of the catalogue makes it",
+}
+"""What conceals the effects of a class, in words."""
+
 Declared = tuple[float, float, float] | None
 Vector = tuple[float, float] | None
 
@@ -156,14 +165,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
             text = "60 um of declared eccentricity, and noise"
     if kind == "speeds":  # pitch errors ring even in the stiffest spring: only noise makes that small
         noise = 3.0
-    texts = {
-        "two": "each other",
-        "one_flank": "it shows on one flank only, or differs between the flanks by a phase",
-        "look_alike": "its likeness: no recording made tells it from its rivals",
-        "beside": "noise, and waves of the measuring chain or of a bearing that nobody declares",
-        "stranger": "noise; and no mechanism of the catalogue makes it",
-    }
-    text = texts.get(entry.klass, text)
+    text = CONCEALED_BY.get(entry.klass, text)
     if entry.quick:
         cycles = min(cycles, 2.0)
     if kind != "free":  # several recordings say more than long ones
@@ -171,16 +173,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
     conditions = campaign(kind, pair, rng, cycles=cycles)
     if entry.klass == "stranger" and entry.variant % 5 == 1:  # hum needs a speed at which 50 Hz is no mesh harmonic
         conditions = tuple(replace(c, speed=26.0) for c in conditions)
-    gear = int(rng.integers(1, 3))
-    effects: tuple[Effect, ...]
-    if entry.klass == "stranger":
-        effects = (stranger(entry.variant, pair, conditions, rng),)
-    else:
-        effects = tuple(
-            instance(p, pair, conditions, rng, gear=gear if k == 0 else 3 - gear) for k, p in enumerate(physics)
-        )
-    if entry.klass == "look_alike":
-        effects = (_alike(effects[0]),)
+    effects = _hidden(entry, pair, conditions, rng)
     deflect = kind not in ("free", "coast") and physics != ("tooth_deflection",)
     if deflect and kind in ("two", "all") and rng.random() < 0.3 and "tip_relief" not in physics:
         relief = _relief(pair)
@@ -201,6 +194,19 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
         relief=relief,
         eccentric=eccentric,
     )
+
+
+def _hidden(
+    entry: Entry, pair: Pair, conditions: tuple[Condition, ...], rng: np.random.Generator
+) -> tuple[Effect, ...]:
+    """The effects that are hidden, of two the second on the other gear; sizes are given later."""
+    gear = int(rng.integers(1, 3))
+    if entry.klass == "stranger":
+        return (stranger(entry.variant, pair, conditions, rng),)
+    effects = tuple(
+        instance(p, pair, conditions, rng, gear=gear if k == 0 else 3 - gear) for k, p in enumerate(entry.physics)
+    )
+    return (_alike(effects[0]),) if entry.klass == "look_alike" else effects
 
 
 def _alike(effect: Effect) -> Effect:

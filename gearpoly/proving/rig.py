@@ -23,7 +23,7 @@ class Encoder:
     """What one encoder adds to the angle of its shaft.
 
     eccentricity_urad and its angle_deg; interp_urad at interp_order per turn (a multiple of the line count) with its
-    phase; ratio: counts per turn set wrongly, or a slipping coupling; step_deg: one count."""
+    phase; ratio: counts per turn set wrongly, or a slipping coupling."""
 
     eccentricity_urad: float = 0.0
     angle_deg: float = 0.0
@@ -31,7 +31,6 @@ class Encoder:
     interp_urad: float = 0.0
     interp_phase: float = 0.0
     ratio: float = 1.0
-    step_deg: float = 0.0
 
     def error(self, theta: FloatArray) -> FloatArray:
         """Reading less truth in rad, without the counts, at shaft angles in rad."""

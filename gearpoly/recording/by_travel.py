@@ -14,8 +14,8 @@ from gearpoly.errors import InputFileError
 from gearpoly.recording.map_lines import entry, with_unit
 from gearpoly.recording.quantities import ANGLE, UNITS
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, Recording
-from gearpoly.recording.unwrapping import TURN, WRAPPED_SPAN
-from gearpoly.units import FloatArray
+from gearpoly.recording.unwrapping import WRAPPED_SPAN
+from gearpoly.units import TURN, FloatArray
 
 FIRST = 20_000
 """Readings that are looked at before all are."""

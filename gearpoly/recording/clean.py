@@ -7,7 +7,6 @@ value that comes out was recorded.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,9 +25,7 @@ from gearpoly.recording.stated_twice import check_error, check_errors
 from gearpoly.recording.steady import RAMP_SHARE, steady
 from gearpoly.recording.travel import nearest_teeth, slope
 from gearpoly.recording.unwrapping import Continuous, continuous, settle_gaps
-from gearpoly.units import DEG, BoolArray, FloatArray, IntArray, read_only
-
-TURN = 2.0 * math.pi
+from gearpoly.units import DEG, TURN, BoolArray, FloatArray, IntArray, read_only
 
 RATIO_LIMIT = 0.03
 """Relative error of the ratio from which it is another pair's recording, not a wrong encoder count or slip. One tooth

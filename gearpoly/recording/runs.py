@@ -32,8 +32,7 @@ from gearpoly.recording.reversals import (
 from gearpoly.recording.run import Run
 from gearpoly.recording.sense import FEWEST, pauses_between, turns_one_way, without_wraps
 from gearpoly.recording.spikes import single_spikes
-from gearpoly.recording.unwrapping import TURN
-from gearpoly.units import BoolArray, FloatArray, IntArray
+from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
 SHORT = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""

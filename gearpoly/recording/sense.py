@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gearpoly.recording.finite import all_finite
-from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, TURN, WRAPPED_SPAN, gaps, thinned
-from gearpoly.units import BoolArray, FloatArray, IntArray
+from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, WRAPPED_SPAN, gaps, thinned
+from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
 FEWEST = 8
 """Samples below which nothing is said of runs."""

@@ -10,9 +10,7 @@ import math
 
 import numpy as np
 
-from gearpoly.units import BoolArray, FloatArray, IntArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
 SPIKE_SIGMAS = 12.0
 """Distance from the local median, in robust standard deviations of all such distances, from which a sample may be a

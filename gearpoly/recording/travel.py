@@ -15,9 +15,7 @@ import numpy as np
 
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.unwrapping import continuous, settle_gaps
-from gearpoly.units import FloatArray, IntArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, FloatArray, IntArray
 
 BLOCKS_PER_TURN = 64
 """Means per driving turn that enter the fit; enough for the second orders."""

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.units import BoolArray, FloatArray, IntArray
-
-TURN = 2.0 * math.pi
+from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
 WRAPPED_SPAN = 1.01
 """Span of all but the outermost readings, in turns, up to which a channel counts as wrapped at one turn; the excess

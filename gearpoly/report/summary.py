@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rich.console import Console
 from rich.table import Table
 
@@ -20,6 +22,22 @@ def print_summary(
 ) -> None:
     """Print the key figures of a run; of the ``defaults`` that it stands on their number, or all where
     ``listed`` is wanted."""
+    table = Table(title=name, title_justify="left", show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column()
+    for label, text in _rows(simulation):
+        table.add_row(label, text)
+    console.print(table)
+    if defaults:
+        values = ", ".join(f"{key} = {_short(value)}" for key, value in defaults)
+        words = f"defaults: {values}" if listed else f"{len(defaults)} values are defaults; --defaults lists them"
+        console.print(words, style="dim", highlight=False)
+    for remark in remarks:
+        console.print(f"note: {remark}", style="yellow", highlight=False)
+
+
+def _rows(simulation: Simulation) -> list[tuple[str, str]]:
+    """The key figures of a run, each with its label."""
     pair, figures = simulation.pair, simulation.summary()
     gears = " and ".join(
         f"{label} z = {mounted.gear.z}, x = {mounted.gear.x:g} ({origin})"
@@ -30,9 +48,6 @@ def print_summary(
             strict=True,
         )
     )
-    table = Table(title=name, title_justify="left", show_header=False, box=None, pad_edge=False)
-    table.add_column(style="bold", no_wrap=True)
-    table.add_column()
     rows = [
         ("gears", f"m = {pair.driving.gear.m:g} mm, {gears}"),
         (
@@ -52,15 +67,7 @@ def print_summary(
             f"(mean lost motion {figures['lost_motion_mean_arcmin']:.3f} arcmin of the driving shaft, "
             f"{figures['lost_motion_mean_arcmin'] * pair.r_b1 / pair.r_b2:.3f} of the driven)",
         ),
-        (
-            "contact ratio",
-            (
-                "not counted (positions not evenly spaced)"
-                if figures["contact_ratio"] is None
-                else f"{figures['contact_ratio']:.5f} pairs touch in the mean"
-            )
-            + f", theoretical {figures['contact_ratio_theoretical']:.5f} without deviations",
-        ),
+        ("contact ratio", _contact_ratio_words(figures)),
         ("tip corners", f"touch in {figures['corner_contacts']} contacts"),
         (
             "exactness",
@@ -70,27 +77,27 @@ def print_summary(
         ),
     ]
     if simulation.load is not None:
-        rows.insert(
-            6,
-            (
-                "under load",
-                f"mean deflection {figures['deflection_mean_um']:.3f} um, mean mesh stiffness "
-                f"{figures['mesh_stiffness_mean_n_per_um']:.1f} N/um = "
-                f"{figures['mesh_stiffness_per_width_n_per_mm_um']:.2f} N/(mm um), largest share "
-                f"{figures['share_largest']:.3f}",
-            ),
-        )
+        rows.insert(6, ("under load", _bending_words(figures)))
     if "drawn" in simulation.assembled.origin:
         rows.append(("drawn with seed", str(simulation.seed)))
-    for label, text in rows:
-        table.add_row(label, text)
-    console.print(table)
-    if defaults:
-        values = ", ".join(f"{key} = {_short(value)}" for key, value in defaults)
-        words = f"defaults: {values}" if listed else f"{len(defaults)} values are defaults; --defaults lists them"
-        console.print(words, style="dim", highlight=False)
-    for remark in remarks:
-        console.print(f"note: {remark}", style="yellow", highlight=False)
+    return rows
+
+
+def _contact_ratio_words(figures: dict[str, Any]) -> str:
+    """How many pairs touch in the mean, and how many would without deviations."""
+    counted = figures["contact_ratio"]
+    found = "not counted (positions not evenly spaced)" if counted is None else f"{counted:.5f} pairs touch in the mean"
+    return f"{found}, theoretical {figures['contact_ratio_theoretical']:.5f} without deviations"
+
+
+def _bending_words(figures: dict[str, Any]) -> str:
+    """What load does to the teeth in the mean."""
+    return (
+        f"mean deflection {figures['deflection_mean_um']:.3f} um, mean mesh stiffness "
+        f"{figures['mesh_stiffness_mean_n_per_um']:.1f} N/um = "
+        f"{figures['mesh_stiffness_per_width_n_per_mm_um']:.2f} N/(mm um), largest share "
+        f"{figures['share_largest']:.3f}"
+    )
 
 
 def load_words(simulation: Simulation) -> str:

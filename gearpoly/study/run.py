@@ -80,12 +80,7 @@ def run_study(
     begun = time.monotonic()
     with opened(out, plan) as store:
         target, cuts = plan.design.rows, looks(plan.file, plan.design.combinations)
-        if plan.file.until is None and _front(store.done()) > target:
-            kept = _front(store.done())
-            raise InputFileError(
-                study.path, where="pairs", found=f"{plan.file.pairs}, fewer rows than the {kept} in {out}",
-                wish="want as many pairs or more, or another --out",
-            )  # fmt: skip
+        _refuse_fewer(study, plan, store)
         write_manifest(store, rows=target, finished=False, why="")
         done = store.done()
         there = _rows_of(done, target)
@@ -124,6 +119,16 @@ def run_study(
         _check_complete(store, target)
         write_manifest(store, rows=target, finished=True, why=why)
     return Outcome(store=store, rows=target, made=made, seconds=time.monotonic() - begun, why=why)
+
+
+def _refuse_fewer(study: Study, plan: StudyPlan, store: Store) -> None:
+    """Raise ``InputFileError`` where a study without an end of its own asks for fewer rows than there are."""
+    kept = _front(store.done())
+    if plan.file.until is None and kept > plan.design.rows:
+        raise InputFileError(
+            study.path, where="pairs", found=f"{plan.file.pairs}, fewer rows than the {kept} in {store.folder}",
+            wish="want as many pairs or more, or another --out",
+        )  # fmt: skip
 
 
 def _none_drawn(store: Store, first: int) -> bool:

@@ -75,11 +75,6 @@ def share(good: int, n: int, *, confidence: float = 0.95) -> Interval:
     return Interval(value=good / n, low=low, high=high)
 
 
-def pairs_for(share: float, *, confidence: float = 0.95) -> int:
-    """Pairs without one bad that it takes to know that more than ``share`` of all are good."""
-    return math.ceil(math.log(0.5 * (1.0 - confidence)) / math.log(share))
-
-
 @dataclass(frozen=True, kw_only=True)
 class Indices:
     """Sobol indices of one factor: ``first``, the share of the variance that it makes on its own, and ``total``, the

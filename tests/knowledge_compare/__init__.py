@@ -1,1 +1,1 @@
-"""What the comparison knows, case by case, at the level of its verdict; docs/reference/rules_compare.md has the rules."""
+"""What the comparison knows, case by case, at the level of its verdict; the rules: docs/reference/rules_compare.md."""

@@ -101,6 +101,17 @@ def _check_outline(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> 
         raise GeometryError("radius must be positive and must not fall from root to tip")
 
 
+def _check_radii(radius: FloatArray, base: float, reference: float, bore: float | None) -> None:
+    if not 0.0 < base < radius[-1] or not radius[0] < reference < radius[-1]:
+        raise GeometryError(
+            f"base radius {base} mm and reference radius {reference} mm must "
+            f"lie below the tip radius {radius[-1]} mm, "
+            f"the reference radius above the root radius {radius[0]} mm"
+        )
+    if bore is not None and not 0.0 < bore < radius[0]:
+        raise GeometryError(f"bore radius {bore} mm must lie between 0 and the root radius {radius[0]} mm")
+
+
 def _sides(
     radius: FloatArray, drive: FloatArray, coast: FloatArray
 ) -> list[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
@@ -116,6 +127,30 @@ def _sides(
             )
         sides.append((x_d, radius * np.sin(psi_d), x_c, -radius * np.sin(psi_c)))
     return sides
+
+
+def _from_centre_lines(
+    radius: FloatArray, drive: FloatArray, coast: FloatArray, reference: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Both sides (z, n) as half angles from the centre lines, where these stand (z,), and the half angles (z,) at the
+    ``reference`` radius; all in rad."""
+    at_reference = [np.array([np.interp(reference, radius, row) for row in side]) for side in (drive, coast)]
+    centre = 0.5 * (at_reference[0] + at_reference[1])
+    return drive - centre[:, None], centre[:, None] - coast, centre, 0.5 * (at_reference[0] - at_reference[1])
+
+
+def _tables(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions (z, q) along the centre lines and thickness there, mm. Raises ``GeometryError`` for a tooth that is
+    pinched to nothing."""
+    tables = [_thickness(*side) for side in _sides(radius, drive, coast)]
+    x, h = np.array([t[0] for t in tables]), np.array([t[1] for t in tables])
+    if (h <= 0.0).any():
+        tooth, at = np.unravel_index(int(np.argmin(h)), h.shape)
+        raise GeometryError(
+            f"tooth {tooth} is pinched to nothing {x[tooth, at]:.4g} mm from the axis; "
+            "less undercut or a lower tip is needed"
+        )
+    return x, h
 
 
 def tooth_section(
@@ -151,33 +186,13 @@ def tooth_section(
     single = drive_in.ndim == 1
     psi_d, psi_c = np.atleast_2d(drive_in), np.atleast_2d(np.asarray(coast, dtype=np.float64))
     _check_outline(grid, psi_d, psi_c)
-    if not 0.0 < base_radius < grid[-1] or not grid[0] < reference_radius < grid[-1]:
-        raise GeometryError(
-            f"base radius {base_radius} mm and reference radius {reference_radius} mm must "
-            f"lie below the tip radius {grid[-1]} mm, "
-            f"the reference radius above the root radius {grid[0]} mm"
-        )
-    if bore_radius is not None and not 0.0 < bore_radius < grid[0]:
-        raise GeometryError(f"bore radius {bore_radius} mm must lie between 0 and the root radius {grid[0]} mm")
-
+    _check_radii(grid, base_radius, reference_radius, bore_radius)
     r_f = float(grid[0])
     # The last vertex on the root circle; a land's radii may waver by rounding.
     foot = int(np.argmax(grid > r_f * (1.0 + ROOT_CIRCLE_TOLERANCE))) - 1
     grid, psi_d, psi_c = grid[foot:], psi_d[:, foot:], psi_c[:, foot:]
-    at_reference = [np.array([np.interp(reference_radius, grid, row) for row in side]) for side in (psi_d, psi_c)]
-    centre = 0.5 * (at_reference[0] + at_reference[1])
-    psi_d, psi_c = psi_d - centre[:, None], centre[:, None] - psi_c
-
-    tables = [_thickness(*side) for side in _sides(grid, psi_d, psi_c)]
-    x, h = np.array([t[0] for t in tables]), np.array([t[1] for t in tables])
-    if (h <= 0.0).any():
-        tooth, at = np.unravel_index(int(np.argmin(h)), h.shape)
-        raise GeometryError(
-            f"tooth {tooth} is pinched to nothing {x[tooth, at]:.4g} mm from the axis; "
-            "less undercut or a lower tip is needed"
-        )
-
-    half = 0.5 * (at_reference[0] - at_reference[1])
+    psi_d, psi_c, centre, half = _from_centre_lines(grid, psi_d, psi_c, reference_radius)
+    x, h = _tables(grid, psi_d, psi_c)
     theta_f = 0.5 * (psi_d[:, 0] + psi_c[:, 0])
     theta_e = 0.5 * (np.minimum(_involute_at_root(half, r_f, base_radius, reference_radius), theta_f) + theta_f)
     x_e = np.maximum(r_f * np.cos(theta_e), x[:, 0])

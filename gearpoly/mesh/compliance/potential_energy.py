@@ -38,15 +38,6 @@ def ring_coefficients(h: float, theta_f: FloatArray) -> FloatArray:
     return np.asarray(np.tensordot(COEFFICIENTS, terms, axes=1))
 
 
-def fitted_range(section: ToothSection) -> bool:
-    """Whether the ring polynomials are used inside the range in which they were fitted."""
-    return (
-        section.bore_radius is not None
-        and H_RANGE[0] <= section.r_f / section.bore_radius <= H_RANGE[1]
-        and bool(((section.theta_f >= THETA_RANGE[0]) & (section.theta_f <= THETA_RANGE[1])).all())
-    )
-
-
 def compliance(section: ToothSection, load: LoadPoints, blank: Blank) -> FloatArray:
     """Tooth and ring in mm/N along the line of action, (z, k); E as it stands (plane stress), as
     the method is published.
@@ -54,7 +45,7 @@ def compliance(section: ToothSection, load: LoadPoints, blank: Blank) -> FloatAr
     The tooth is integrated on its true section from where the fillet touches the root circle. Ring:
     ``cos^2(beta)/(E b) [L* (u/S)^2 + M* u/S + P* (1 + Q* tan^2(beta))]``, u from the root circle
     along the centre line, S = 2 r_f theta_f. Below about 26 teeth theta_f leaves the fitted range;
-    the polynomials are smooth there and are used (``fitted_range`` tells). Above, at very many
+    the polynomials are smooth there and are used. Above, at very many
     teeth, they fail, so coefficients that are not positive are refused.
 
     Raises ``GeometryError`` without a bore radius or where the polynomials have lost their meaning.

@@ -21,7 +21,7 @@ from gearpoly.studies.paper.base import (
     verdict,
 )
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
-from gearpoly.units import DEG, UM
+from gearpoly.units import DEG, UM, FloatArray
 
 ERRORS = (0.0, 0.025, 0.05, 0.075, 0.1)
 """mm beyond tight mesh. The paper's five are lost; it says only that their steps are equal."""
@@ -84,9 +84,20 @@ def ask(study: PaperStudy) -> PaperAnswer:
             why="involutes stay conjugate; only which scattered points meet changes",
         ),
     )
+    picture = _picture(curves, graded, theory)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=(),
+        values={"graded": graded, "ideal": ideal, "theory": theory},
+    )
+
+
+def _picture(curves: list[FloatArray], graded: FloatArray, theory: FloatArray) -> PaperPicture:
+    """The curves at all distances, and their means beside the closed form."""
     angle = POSITIONS / DEG
     um = np.array(ERRORS) / UM
-    picture = PaperPicture(
+    return PaperPicture(
         name="centre_distance",
         caption="First set of grade 4 at five centre distances: TE keeps its shape; means follow the closed form.",
         panels=(
@@ -108,12 +119,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 ),
             ),
         ),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=(),
-        values={"graded": graded, "ideal": ideal, "theory": theory},
     )
 
 

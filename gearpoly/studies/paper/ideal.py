@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.mesh.transmission import mean_pairs
+from gearpoly.mesh.transmission import FlankContacts, mean_pairs
 from gearpoly.studies.paper.base import (
     POSITIONS,
     PairRecipe,
@@ -19,7 +19,7 @@ from gearpoly.studies.paper.base import (
     verdict,
 )
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
-from gearpoly.units import DEG, UM
+from gearpoly.units import DEG, UM, FloatArray
 
 RATIO = 1.570708
 """ISO 21771 contact ratio of 18/25 teeth, 20 deg, standard addenda."""
@@ -61,9 +61,20 @@ def ask(study: PaperStudy) -> PaperAnswer:
             ),
         ),
     )
+    picture = _picture(te_um, drive)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=(),
+        values={"te_um": te_um, "j_um": j_bn / UM, "counted": counted, "exact": exact, "chord_um": chord},
+    )
+
+
+def _picture(te_um: FloatArray, drive: FlankContacts) -> PaperPicture:
+    """What chords leave of the transmission error, and how many pairs touch."""
     angle = POSITIONS / DEG
     first = angle <= 60.0
-    picture = PaperPicture(
+    return PaperPicture(
         name="ideal",
         caption="Ideal pair: what is left of TE is the height of the chords; touching pairs at the paper's positions.",
         tall=True,
@@ -79,12 +90,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 lines=(Line(x=angle[first], y=drive.pairs[first], colour=2, style="joined"),),
             ),
         ),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=(),
-        values={"te_um": te_um, "j_um": j_bn / UM, "counted": counted, "exact": exact, "chord_um": chord},
     )
 
 

@@ -187,7 +187,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
     counted = ", ".join(f"{n / 361:.4f}" for n in best.counts)
     E_4 = needed_thinning(PAPER_TIP[0], m=best.m, b=best.b, soft=soft)
     E_5 = needed_thinning(sum(PAPER_TIP), m=best.m, b=best.b, soft=soft)
-    grade_5 = handbook_thickness(best_gear(best), a=21.5 * best.m, grade=5, edition=best.edition)[1] / UM
     rows = (
         PaperRow(
             what="inverse: module and face width from contact ratios and TEpp",
@@ -213,6 +212,27 @@ def ask(study: PaperStudy) -> PaperAnswer:
             verdict=verdict(by_tip.score <= FITS, False),
             why="TEpp asks for a small module, the tip difference for a large one or for teeth thinned twice as much",
         ),
+        *_thickness_rows(best, E_4=E_4, E_5=E_5),
+    )
+    return PaperAnswer(
+        rows=rows,
+        pictures=(_picture(found),),
+        text=_text(found, sets=sets, points=points),
+        values={
+            "score": [c.score for c in found],
+            "count_chi2": good,
+            "product": products,
+            "best": [best.m, best.b, best.score],
+            "ratio": E_5 / E_4,
+            "counts": [c.counts for c in found],
+        },
+    )
+
+
+def _thickness_rows(best: PairTried, *, E_4: float, E_5: float) -> tuple[PaperRow, ...]:
+    """What the tips ask of E_sni in um of two grades, beside the handbook's rule."""
+    grade_5 = handbook_thickness(best_gear(best), a=21.5 * best.m, grade=5, edition=best.edition)[1] / UM
+    return (
         PaperRow(
             what="inverse: E_sni of grade 4 from the tip difference",
             paper="0.3797e-3 um/N",
@@ -230,6 +250,11 @@ def ask(study: PaperStudy) -> PaperAnswer:
             why="the ratio does not depend on m or b; the paper's own two numbers ask for different steps of E_sni",
         ),
     )
+
+
+def _text(found: list[PairTried], *, sets: int, points: int) -> tuple[str, ...]:
+    """What was tried, and all pairs that were."""
+    good = [float(np.min(c.chi2)) for c in found]
     lines = [
         "| edition | m / mm | b / mm | m b | counts at 5, 15, 25 N.m | chi2 | TEpp / arcmin | chi2 | E_sni by tip "
         "/ um | by rule / um |",
@@ -241,26 +266,13 @@ def ask(study: PaperStudy) -> PaperAnswer:
         f"{c.te:.2f} +- {c.te_spread:.2f} | {c.te_chi2:.1f} | {c.E_sni:.0f} | {c.handbook:.0f} |"
         for c in found
     ]
-    text = (
+    return (
         f"{sets} sets for each module, {points} points per flank, paper's counts {PAPER_COUNTS[1:]} and TEpp "
         f"{PAPER_TEPP[0]}'. Contact "
         f"ratios alone are met by every module (chi square {min(good):.1f} to {max(good):.1f}); TEpp, which is one "
         f"draw, prefers small "
         "ones. Material, law, edition and the way profiles are drawn are assumptions too.",
         "\n".join(lines),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(_picture(found),),
-        text=text,
-        values={
-            "score": [c.score for c in found],
-            "count_chi2": good,
-            "product": products,
-            "best": [best.m, best.b, best.score],
-            "ratio": E_5 / E_4,
-            "counts": [c.counts for c in found],
-        },
     )
 
 

@@ -36,7 +36,6 @@ def curves(recipe: PairRecipe, *, seed: int) -> list[FloatArray]:
 def ask(study: PaperStudy) -> PaperAnswer:
     """The three kinds for every set, with scattered (the paper's) and with smooth profiles."""
     base = PairRecipe(points=study.points)
-    first = curves(base, seed=0)
     found = {
         profile: np.array([_measures(curves(base.with_(profile=profile), seed=seed)) for seed in range(study.sets)])
         for profile in ("scatter", "smooth")
@@ -86,9 +85,29 @@ def ask(study: PaperStudy) -> PaperAnswer:
             why="the curves lie on each other but for the ripple",
         ),
     )
+    picture = _picture(curves(base, seed=0), base.gears[1].r_b)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=_text(whole, float(mean[0])),
+        values={"scatter": found["scatter"], "smooth": found["smooth"], "cycle": whole},
+    )
+
+
+def _text(whole: list[float], first_turn: float) -> tuple[str, ...]:
+    """TEpp in arcmin of ``whole`` hunting cycles beside the mean of the first turn alone."""
+    return (
+        "One turn of the driven gear holds 25 of the 450 meshes after which the same teeth meet again. Over that "
+        f"whole cycle (18 turns) TEpp is {np.mean(whole):.2f}' on average, {np.min(whole):.2f}' to "
+        f"{np.max(whole):.2f}', against {first_turn:.2f}' in the first turn: a figure of one turn depends on where it "
+        "begins.",
+    )
+
+
+def _picture(first: list[FloatArray], r_b2: float) -> PaperPicture:
+    """The curves (N,) in rad of all errors and of each kind alone; ``r_b2`` in mm."""
     angle = POSITIONS / DEG
-    r_b2 = base.gears[1].r_b
-    picture = PaperPicture(
+    return PaperPicture(
         name="kinds",
         caption="First set of grade 4: all errors, and each kind alone.",
         panels=(
@@ -101,17 +120,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 ),
             ),
         ),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=(
-            "One turn of the driven gear holds 25 of the 450 meshes after which the same teeth meet again. Over that "
-            f"whole cycle (18 turns) TEpp is {np.mean(whole):.2f}' on average, {np.min(whole):.2f}' to "
-            f"{np.max(whole):.2f}', against {mean[0]:.2f}' in the first turn: a figure of one turn depends on where it "
-            "begins.",
-        ),
-        values={"scatter": found["scatter"], "smooth": found["smooth"], "cycle": whole},
     )
 
 

@@ -21,7 +21,7 @@ from gearpoly.studies.paper.base import (
     verdict,
 )
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
-from gearpoly.units import DEG, UM, FloatArray
+from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 PAPER_COUNTS = (362, 420, 509, 580)
 PAPER_TE = (2.8083, 2.8081, 2.8079, 2.8075)
@@ -51,10 +51,46 @@ def ask(study: PaperStudy) -> PaperAnswer:
     )
     te = np.array([[peak_to_peak(load.te) for load in run] for run in runs])
     deflection = np.array([[float(np.mean(load.approach)) / UM for load in run] for run in runs])
-    mean, spread = np.mean(counts, axis=0), np.std(counts, axis=0, ddof=1)
     beyond = int(np.sum(counts[:, -1] > THEORY * 361))
+    rows = _counted_rows(counts, exact, count)
+    rows += [
+        PaperRow(
+            what="load can push the contact ratio above theory",
+            paper="1.6066 over 1.5707 at 25 N.m",
+            gearpoly=f"{beyond} of {len(runs)} sets do; largest {np.max(counts[:, -1]) / 361:.4f}",
+            verdict=verdict(beyond > 0, bool(np.all(np.diff(np.mean(counts, axis=0)) > 0.0))),
+            why="teeth that give let the next pair touch before, and the last one after, the theoretical path",
+        ),
+        _te_row(te, deflection),
+        PaperRow(
+            what="the two rules of load sharing",
+            paper="pairs join one by one",
+            gearpoly=f"equilibrium and the paper's rule differ by {apart:.1g} rad",
+            verdict=verdict(apart < 1e-12, False),
+            why=(
+                "of two near pairs the second joins without being turned back beyond its own closing rotation, so "
+                "it is "
+                "pressed under both rules (derived here); only a third pair could be made to pull, and here none "
+                "is near"
+            ),
+        ),
+    ]
+    places, ratio = _local(runs[0])
+    whole = [rms(roughness(load.te, recipe.gears[1].r_b)) for load in runs[0]]
+    rows.append(_roughness_row(whole, places, ratio))
+    return PaperAnswer(
+        rows=tuple(rows),
+        pictures=(_picture(runs[0], counts, recipe.gears[1].r_b),),
+        text=(),
+        values={"counts": counts, "te": te, "exact": exact, "apart": apart, "rough": whole, "windows": ratio},
+    )
+
+
+def _counted_rows(counts: IntArray, exact: FloatArray, count: int) -> list[PaperRow]:
+    """Contact ratios as the paper ``counts`` them (sets, loads) in 361 positions, and ``exact`` ones of ``count``."""
+    mean, spread = np.mean(counts, axis=0), np.std(counts, axis=0, ddof=1)
     low, high = np.min(counts, axis=0), np.max(counts, axis=0)
-    rows = [
+    return [
         PaperRow(
             what=f"contact ratio of grade 4 at {LOADS[k]:g} N.m",
             paper=f"{PAPER_COUNTS[k] / 361:.4f} = {PAPER_COUNTS[k]}/361",
@@ -72,64 +108,41 @@ def ask(study: PaperStudy) -> PaperAnswer:
         )
         for k in range(len(LOADS))
     ]
-    rows += [
-        PaperRow(
-            what="load can push the contact ratio above theory",
-            paper="1.6066 over 1.5707 at 25 N.m",
-            gearpoly=f"{beyond} of {len(runs)} sets do; largest {high[-1] / 361:.4f}",
-            verdict=verdict(beyond > 0, bool(np.all(np.diff(mean) > 0.0))),
-            why="teeth that give let the next pair touch before, and the last one after, the theoretical path",
-        ),
-        PaperRow(
-            what="TEpp of grade 4 under load",
-            paper="2.8083', 2.8081', 2.8079', 2.8075'",
-            gearpoly=", ".join(f"{value:.4f}'" for value in te[0]) + f" (first set); mean change at 25 N.m "
-            f"{np.mean(te[:, -1] - te[:, 0]):+.3f}'",
-            verdict=verdict(
-                bool(np.max(np.abs(te[:, -1] / te[:, 0] - 1.0)) < 1e-3),
-                bool(np.max(np.abs(te[:, -1] / te[:, 0] - 1.0)) < 0.15),
-            ),
-            why=(
-                f"pitch still decides, but at a mean deflection of {np.mean(deflection[:, -1]):.2f} um and a "
-                "stiffness that changes with the number of pairs it cannot stay within 0.03 %, nor need it fall; "
-                "it moves by far less than the deflection. A turn in rad added to degrees would make the paper's "
-                "change 57 times too small, but that is a guess"
-            ),
-        ),
-        PaperRow(
-            what="the two rules of load sharing",
-            paper="pairs join one by one",
-            gearpoly=f"equilibrium and the paper's rule differ by {apart:.1g} rad",
-            verdict=verdict(apart < 1e-12, False),
-            why=(
-                "of two near pairs the second joins without being turned back beyond its own closing rotation, so "
-                "it is "
-                "pressed under both rules (derived here); only a third pair could be made to pull, and here none "
-                "is near"
-            ),
-        ),
-    ]
-    places, ratio = _local(runs[0])
+
+
+def _roughness_row(whole: list[float], places: FloatArray, ratio: FloatArray) -> PaperRow:
+    """Where load roughens the curve: rms in um by load, and its ``ratio`` (loads, w) about ``places`` in deg."""
     worst = int(np.argmax(ratio[-1]))
-    whole = [rms(roughness(load.te, recipe.gears[1].r_b)) for load in runs[0]]
-    rows.append(
-        PaperRow(
-            what="load roughens the curve locally",
-            paper="between 90 and 150 deg of the output",
-            gearpoly=(
-                f"rms second difference {whole[0]:.3f} um unloaded, {whole[-1]:.3f} um at 25 N.m; by window of "
-                f"{WINDOW} deg "
-                f"{np.min(ratio[-1]):.2f} to {np.max(ratio[-1]):.2f} times, most about {places[worst]:.0f} deg"
-            ),
-            verdict=verdict(False, bool(np.max(ratio[-1]) > 1.0)),
-            why="steps between one and two pairs grow with load; where they stand is each draw's own",
-        )
+    return PaperRow(
+        what="load roughens the curve locally",
+        paper="between 90 and 150 deg of the output",
+        gearpoly=(
+            f"rms second difference {whole[0]:.3f} um unloaded, {whole[-1]:.3f} um at 25 N.m; by window of "
+            f"{WINDOW} deg "
+            f"{np.min(ratio[-1]):.2f} to {np.max(ratio[-1]):.2f} times, most about {places[worst]:.0f} deg"
+        ),
+        verdict=verdict(False, bool(np.max(ratio[-1]) > 1.0)),
+        why="steps between one and two pairs grow with load; where they stand is each draw's own",
     )
-    return PaperAnswer(
-        rows=tuple(rows),
-        pictures=(_picture(runs[0], counts, recipe.gears[1].r_b),),
-        text=(),
-        values={"counts": counts, "te": te, "exact": exact, "apart": apart, "rough": whole, "windows": ratio},
+
+
+def _te_row(te: FloatArray, deflection: FloatArray) -> PaperRow:
+    """What load does to TEpp (sets, loads) in arcmin, beside the mean deflection in um."""
+    return PaperRow(
+        what="TEpp of grade 4 under load",
+        paper="2.8083', 2.8081', 2.8079', 2.8075'",
+        gearpoly=", ".join(f"{value:.4f}'" for value in te[0]) + f" (first set); mean change at 25 N.m "
+        f"{np.mean(te[:, -1] - te[:, 0]):+.3f}'",
+        verdict=verdict(
+            bool(np.max(np.abs(te[:, -1] / te[:, 0] - 1.0)) < 1e-3),
+            bool(np.max(np.abs(te[:, -1] / te[:, 0] - 1.0)) < 0.15),
+        ),
+        why=(
+            f"pitch still decides, but at a mean deflection of {np.mean(deflection[:, -1]):.2f} um and a "
+            "stiffness that changes with the number of pairs it cannot stay within 0.03 %, nor need it fall; "
+            "it moves by far less than the deflection. A turn in rad added to degrees would make the paper's "
+            "change 57 times too small, but that is a guess"
+        ),
     )
 
 

@@ -19,7 +19,7 @@ from gearpoly.studies.paper.base import (
     verdict,
 )
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
-from gearpoly.units import DEG, UM, FloatArray
+from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 TORQUE = 25.0
 LENGTH = 1.1
@@ -65,7 +65,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
     rough = np.array([[rms(roughness(curve, r_b2)) for curve in curves] for _, curves in found])
     deflection = float(np.mean([d for d, _ in found])) / UM
     ideal_te = np.array([[_ideal_te(recipe, share * deflection * UM, shape) for share in SWEEP] for shape in SHAPES])
-    at = np.argmin(ideal_te, axis=1)
     equal = np.ptp(te[:, 1:4], axis=1) <= EQUAL * te[:, 1]
     larger = te[:, 4] >= te[:, 3] * (1.0 - EQUAL)
     grows = te[:, 4] > te[:, 3] * (1.0 + EQUAL)
@@ -74,7 +73,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
     n = len(found)
     story = np.flatnonzero(equal & grows & second & softer)
     shown = int(story[0]) if story.size else 0
-    mean_rough = np.mean(rough, axis=0)
     rows = (
         PaperRow(
             what="modification: TEpp of cases 1 to 3",
@@ -93,6 +91,25 @@ def ask(study: PaperStudy) -> PaperAnswer:
             verdict=verdict(float(np.mean(grows)) >= 0.5, bool(np.any(grows))),
             why="too much relief takes the flank away where the wave has its end",
         ),
+        *_smoothness_rows(rough),
+        _amount_row(ideal_te),
+    )
+    text = _text(deflection, story, n)
+    picture = _picture(found, shown, r_b2, rough, ideal_te)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=text,
+        values={"te": te, "rough": rough, "ideal_te": ideal_te, "story": story, "deflection": deflection},
+    )
+
+
+def _smoothness_rows(rough: FloatArray) -> tuple[PaperRow, ...]:
+    """Which relief is the smoothest, by the roughness (sets, 6) in um."""
+    n, mean_rough = len(rough), np.mean(rough, axis=0)
+    second = np.argmin(rough[:, 1:5], axis=1) == 1
+    softer = rough[:, 5] < rough[:, 2]
+    return (
         PaperRow(
             what="modification: smoothest of the linear ones",
             paper="the second",
@@ -111,19 +128,28 @@ def ask(study: PaperStudy) -> PaperAnswer:
             verdict=verdict(float(np.mean(softer)) > 0.5, bool(np.any(softer))),
             why="a parabola begins without a corner; scattered profiles hide much of that",
         ),
-        PaperRow(
-            what="relief helps only in the right amount",
-            paper="stated",
-            gearpoly=(
-                f"ideal pair: TEpp {ideal_te[0, 0]:.4f}' without relief, least {ideal_te[0, at[0]]:.4f}' at "
-                f"{SWEEP[at[0]]:g} times "
-                f"that deflection (linear), {ideal_te[0, -1]:.4f}' at {SWEEP[-1]:g} times"
-            ),
-            verdict=verdict(bool(np.all((at > 0) & (at < len(SWEEP) - 1))), bool(np.min(ideal_te) < ideal_te[0, 0])),
-            why="without pitch errors the same rule shows in TEpp itself, at about the deflection of one pair alone",
-        ),
     )
-    text = (
+
+
+def _amount_row(ideal_te: FloatArray) -> PaperRow:
+    """Whether there is a right amount of relief: TEpp (2, k) in arcmin of the ideal pair over the sweep."""
+    at = np.argmin(ideal_te, axis=1)
+    return PaperRow(
+        what="relief helps only in the right amount",
+        paper="stated",
+        gearpoly=(
+            f"ideal pair: TEpp {ideal_te[0, 0]:.4f}' without relief, least {ideal_te[0, at[0]]:.4f}' at "
+            f"{SWEEP[at[0]]:g} times "
+            f"that deflection (linear), {ideal_te[0, -1]:.4f}' at {SWEEP[-1]:g} times"
+        ),
+        verdict=verdict(bool(np.all((at > 0) & (at < len(SWEEP) - 1))), bool(np.min(ideal_te) < ideal_te[0, 0])),
+        why="without pitch errors the same rule shows in TEpp itself, at about the deflection of one pair alone",
+    )
+
+
+def _text(deflection: float, story: IntArray, n: int) -> tuple[str, ...]:
+    """What was relieved, and in which sets the whole story holds."""
+    return (
         f"Relief on both gears, radial length {LENGTH} mm, amounts of "
         + ", ".join(f"{share:g} ({shape})" for share, shape in CASES)
         + f" times each set's own mean deflection under {TORQUE:g} N.m, {deflection:.2f} um on average. "
@@ -132,9 +158,16 @@ def ask(study: PaperStudy) -> PaperAnswer:
             f"{story.size} of {n} sets" + (f": {', '.join(str(k) for k in story)}." if story.size else ".")
         ),
     )
+
+
+def _picture(
+    found: list[tuple[float, list[FloatArray]]], shown: int, r_b2: float, rough: FloatArray, ideal_te: FloatArray
+) -> PaperPicture:
+    """One set with each relief, the roughness of all, and the ideal pair."""
+    mean_rough = np.mean(rough, axis=0)
     names = ("none", *(f"{k + 1}: {share:g} {shape}" for k, (share, shape) in enumerate(CASES)))
     part = POSITIONS / DEG <= 90.0
-    picture = PaperPicture(
+    return PaperPicture(
         name="modification",
         caption=f"Set {shown} of grade 4 at 25 N.m, a quarter turn; the roughness of all sets; and the ideal pair.",
         panels=(
@@ -169,12 +202,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 ),
             ),
         ),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=text,
-        values={"te": te, "rough": rough, "ideal_te": ideal_te, "story": story, "deflection": deflection},
     )
 
 

@@ -85,16 +85,7 @@ def ask(study: PaperStudy) -> PaperAnswer:
     smooth = recipe.with_(profile="smooth")
     perfect = flanks_of(recipe, seed=None)
     alone = np.array([peak_to_peak(touch(mounted(perfect, sequence=0, phase=p), theta_2).te) for p in phases])
-    drawn = flanks_of(smooth, seed=0)
-    graded, bent = np.zeros((len(phases), len(sequences))), np.zeros((len(phases), len(sequences)))
-    bends = pair_compliance(mounted(drawn, sequence=0, phase=0.0), BENDING)
-    for k, sequence in enumerate(sequences):
-        teeth = replace(bends.driven, c=np.roll(bends.driven.c, sequence, axis=0))
-        for i, phase in enumerate(phases):
-            pair = mounted(drawn, sequence=sequence, phase=phase)
-            found = touch(pair, theta_2, near=NEAR + load_reach(bends, TORQUE * NM))
-            graded[i, k] = peak_to_peak(found.te)
-            bent[i, k] = peak_to_peak(loaded(found, replace(bends, pair=pair, driven=teeth), torque=TORQUE * NM).te)
+    graded, bent = _over_builds(flanks_of(smooth, seed=0), phases, sequences, theta_2)
     form = closed_form(phases)
     low, high = float(np.min(alone)), float(np.max(alone))
     least, most = float(np.min(bent)), float(np.max(bent))
@@ -134,8 +125,48 @@ def ask(study: PaperStudy) -> PaperAnswer:
             "compare with",
         ),
     )
+    picture = _picture(phases, alone, bent)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=_text(bent, graded, points=recipe.points),
+        values={"alone": alone, "form": form, "graded": graded, "bent": bent},
+    )
+
+
+def _text(bent: FloatArray, graded: FloatArray, *, points: int) -> tuple[str, ...]:
+    """What was turned, and how much the sequence and the load change TEpp (phases, sequences) in arcmin."""
+    spread = np.max(bent, axis=1) / np.min(bent, axis=1)
+    return (
+        f"{len(bent)} relative phases times {bent.shape[1]} tooth sequences of one set (seed 0, smooth profiles, "
+        f"{points} points per flank), {PER_PITCH} positions per pitch, law as published. The sequence alone "
+        f"changes TEpp by up "
+        f"to a factor {float(np.max(spread)):.2f} at one phase, so two builds of the same gears are not the same "
+        f"measurement. Load "
+        f"changes TEpp by at most {float(np.max(np.abs(bent - graded))):.2f}'.",
+    )
+
+
+def _over_builds(
+    drawn: tuple[Flanks, Flanks], phases: FloatArray, sequences: range, theta_2: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """TEpp (p, s) in arcmin of error gears over phases in rad and tooth sequences, unloaded and under load."""
+    graded, bent = np.zeros((len(phases), len(sequences))), np.zeros((len(phases), len(sequences)))
+    bends = pair_compliance(mounted(drawn, sequence=0, phase=0.0), BENDING)
+    for k, sequence in enumerate(sequences):
+        teeth = replace(bends.driven, c=np.roll(bends.driven.c, sequence, axis=0))
+        for i, phase in enumerate(phases):
+            pair = mounted(drawn, sequence=sequence, phase=phase)
+            found = touch(pair, theta_2, near=NEAR + load_reach(bends, TORQUE * NM))
+            graded[i, k] = peak_to_peak(found.te)
+            bent[i, k] = peak_to_peak(loaded(found, replace(bends, pair=pair, driven=teeth), torque=TORQUE * NM).te)
+    return graded, bent
+
+
+def _picture(phases: FloatArray, alone: FloatArray, bent: FloatArray) -> PaperPicture:
+    """TEpp in arcmin over the ``phases`` (p,) in rad: of eccentricity ``alone`` (p,), and of all sequences (p, s)."""
     degrees = phases / DEG
-    picture = PaperPicture(
+    return PaperPicture(
         name="ottewill",
         caption="TEpp over the relative phase of both eccentricities; the band is all tooth sequences of one set "
         "at 5.5 N.m.",
@@ -151,21 +182,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 ),
             ),
         ),
-    )
-    spread = np.max(bent, axis=1) / np.min(bent, axis=1)
-    text = (
-        f"{len(phases)} relative phases times {len(sequences)} tooth sequences of one set (seed 0, smooth profiles, "
-        f"{recipe.points} points per flank), {PER_PITCH} positions per pitch, law as published. The sequence alone "
-        f"changes TEpp by up "
-        f"to a factor {float(np.max(spread)):.2f} at one phase, so two builds of the same gears are not the same "
-        f"measurement. Load "
-        f"changes TEpp by at most {float(np.max(np.abs(bent - graded))):.2f}'.",
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=text,
-        values={"alone": alone, "form": form, "graded": graded, "bent": bent},
     )
 
 

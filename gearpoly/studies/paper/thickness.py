@@ -76,21 +76,7 @@ def ask(study: PaperStudy) -> PaperAnswer:
     path, mesh = along_path(gears, E_s=(driving[0], driven[0]), places=41)
     bend = np.diff(mesh, 2)
     rows = (
-        PaperRow(
-            what="tip compliance, grade 4 less perfect",
-            paper="0.3797e-3 um/N",
-            gearpoly=f"{1e3 * tip[0]:.4f}e-3 um/N (18 teeth, E_sni {steps[1] / UM:.1f} um)",
-            verdict=verdict(abs(tip[0] / PAPER_TIP[0] - 1.0) < 0.1, tip[0] > 0.0),
-            why="m, b and E_sni are lost and only E_sni/(m b) enters: see the inverse problem for what would give it",
-        ),
-        PaperRow(
-            what="tip compliance, grade 5 less grade 4",
-            paper="0.0484e-3 um/N, 0.127 of that",
-            gearpoly=f"{1e3 * tip[1]:.4f}e-3 um/N, {tip[1] / tip[0]:.3f} of that (E_sni {steps[2] / UM:.1f} um)",
-            verdict=verdict(abs(tip[1] / tip[0] / 0.1275 - 1.0) < 0.1, tip[1] > 0.0),
-            why="a tooth's compliance is nearly linear in thickness, so the ratio says how E_sni grows from grade "
-            "4 to 5",
-        ),
+        *_tip_rows(tip, steps),
         PaperRow(
             what="the same at the lowest contact",
             paper="about 0",
@@ -112,18 +98,55 @@ def ask(study: PaperStudy) -> PaperAnswer:
             verdict=verdict(bool(np.all(bend > 0.0)), bool(np.mean(bend > 0.0) > 0.9)),
             why="we read concave as hollow upwards: one tooth stiffens where the other softens",
         ),
+        _thinner_row(tip, steps),
+    )
+    picture = _picture(gear, r, curves, path, mesh)
+    return PaperAnswer(
+        rows=rows,
+        pictures=(picture,),
+        text=(),
+        values={"tip": tip, "bottom": bottom, "bend": bend, "curve": curves[1], "E_sni": steps},
+    )
+
+
+def _thinner_row(tip: FloatArray, steps: list[float]) -> PaperRow:
+    """Whether each further step of E_sni softens the tip more."""
+    return PaperRow(
+        what="thinner teeth are softer",
+        paper="stated",
+        gearpoly=f"each step of E_sni adds {1e6 * tip[1] / -(steps[2] - steps[1]) * UM:.2f}e-6 um/N per um, "
+        f"more than "
+        f"the first's {1e6 * tip[0] / -steps[1] * UM:.2f}e-6",
+        verdict=verdict(bool(np.all(tip > 0.0)) and tip[1] / (steps[1] - steps[2]) > tip[0] / -steps[1], False),
+        why="with h^-3 each further micrometre counts more",
+    )
+
+
+def _tip_rows(tip: FloatArray, steps: list[float]) -> tuple[PaperRow, ...]:
+    """How much softer the tip is from grade to grade, um/N, by the ``steps`` of E_sni in mm."""
+    return (
         PaperRow(
-            what="thinner teeth are softer",
-            paper="stated",
-            gearpoly=f"each step of E_sni adds {1e6 * tip[1] / -(steps[2] - steps[1]) * UM:.2f}e-6 um/N per um, "
-            f"more than "
-            f"the first's {1e6 * tip[0] / -steps[1] * UM:.2f}e-6",
-            verdict=verdict(bool(np.all(tip > 0.0)) and tip[1] / (steps[1] - steps[2]) > tip[0] / -steps[1], False),
-            why="with h^-3 each further micrometre counts more",
+            what="tip compliance, grade 4 less perfect",
+            paper="0.3797e-3 um/N",
+            gearpoly=f"{1e3 * tip[0]:.4f}e-3 um/N (18 teeth, E_sni {steps[1] / UM:.1f} um)",
+            verdict=verdict(abs(tip[0] / PAPER_TIP[0] - 1.0) < 0.1, tip[0] > 0.0),
+            why="m, b and E_sni are lost and only E_sni/(m b) enters: see the inverse problem for what would give it",
+        ),
+        PaperRow(
+            what="tip compliance, grade 5 less grade 4",
+            paper="0.0484e-3 um/N, 0.127 of that",
+            gearpoly=f"{1e3 * tip[1]:.4f}e-3 um/N, {tip[1] / tip[0]:.3f} of that (E_sni {steps[2] / UM:.1f} um)",
+            verdict=verdict(abs(tip[1] / tip[0] / 0.1275 - 1.0) < 0.1, tip[1] > 0.0),
+            why="a tooth's compliance is nearly linear in thickness, so the ratio says how E_sni grows from grade "
+            "4 to 5",
         ),
     )
+
+
+def _picture(gear: Gear, r: FloatArray, curves: list[FloatArray], path: FloatArray, mesh: FloatArray) -> PaperPicture:
+    """Compliances (k,) in um/N over the radii ``r`` in mm, and both teeth over the path."""
     names = ("perfect", *(f"grade {g}" for g in GRADES))
-    picture = PaperPicture(
+    return PaperPicture(
         name="thickness",
         caption="Driving tooth at the lower thickness deviation of each grade, law as published, and both teeth "
         "over the path.",
@@ -164,12 +187,6 @@ def ask(study: PaperStudy) -> PaperAnswer:
                 lines=(Line(x=path, y=1e3 * mesh, colour=1, label="grade 4", style="line"),),
             ),
         ),
-    )
-    return PaperAnswer(
-        rows=rows,
-        pictures=(picture,),
-        text=(),
-        values={"tip": tip, "bottom": bottom, "bend": bend, "curve": curves[1], "E_sni": steps},
     )
 
 

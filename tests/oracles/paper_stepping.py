@@ -24,7 +24,7 @@ The equations of the published text were not available. This is a reading of its
 
 The point arrays are vectorised over all points of all candidate pairs; the steps are not, because
 the method stops at the first that touches. Run from the repository's root:
-python -m benchmarks.paper_stepping
+python -m tests.oracles.paper_stepping
 """
 
 from __future__ import annotations
@@ -63,10 +63,10 @@ def step_until_contact(
     max_steps) where nothing touches. Late by less than one step except at driven tip corners
     (see above), never early beyond rounding.
     """
-    pairs = _candidates(turning_faces, fixed_faces, axis_distance, pose, start)
+    pairs = candidates(turning_faces, fixed_faces, axis_distance, pose, start)
     if not pairs:
         return math.nan, max_steps
-    flanks = [(turning_faces[i], _chords(fixed_faces[j], pose)) for i, j in pairs]
+    flanks = [(turning_faces[i], chords(fixed_faces[j], pose)) for i, j in pairs]
     for k in range(max_steps + 1):
         rotation = start + k * step
         c, s = math.cos(rotation), math.sin(rotation)
@@ -83,7 +83,7 @@ def step_until_contact(
     return math.nan, max_steps
 
 
-def _candidates(
+def candidates(
     turning_faces: FloatArray,
     fixed_faces: FloatArray,
     axis_distance: float,
@@ -106,7 +106,7 @@ def _candidates(
     return pairs
 
 
-def _chords(face: FloatArray, pose: float) -> tuple[FloatArray, ...]:
+def chords(face: FloatArray, pose: float) -> tuple[FloatArray, ...]:
     """The held flank about its own axis: squared radii, first points, inward unit normals."""
     c, s = math.cos(pose), math.sin(pose)
     x = c * face[:, 0] - s * face[:, 1]
