@@ -142,6 +142,22 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
     assert (tmp_path / "page.html").stat().st_size > 100_000
 
 
+def test_comparisons_and_plans_write_what_the_commands_do(
+    bench: Path,  # noqa: F811
+    tmp_path: Path,
+    gearpoly_command: Command,
+) -> None:
+    pair = gearpoly.load(bench / "pair.toml")
+    pair.compare(bench / "rec.csv").to_json(tmp_path / "mine.json")
+    pair.plan().to_json(tmp_path / "plan.json")
+    theirs = {"mine.json": ("compare", "rec.csv"), "plan.json": ("plan",)}
+    for name, (command, *files) in theirs.items():
+        paths = [str(bench / one) for one in files]
+        ran = gearpoly_command(command, str(bench / "pair.toml"), *paths, "--json", str(tmp_path / f"their_{name}"))
+        assert ran.code == 0
+        assert (tmp_path / name).read_bytes() == (tmp_path / f"their_{name}").read_bytes()
+
+
 def test_recordings_are_files_or_what_was_read(bench: Path) -> None:  # noqa: F811
     pair, file = gearpoly.load(bench / "pair.toml"), bench / "rec.csv"
     read = gearpoly.read(file)

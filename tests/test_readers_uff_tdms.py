@@ -106,7 +106,7 @@ def test_single_precision_text_from_pyuff(tmp_path: Path) -> None:
 
 @needs("pyuff")
 def test_where_pyuff_fails_its_own_round_trip(tmp_path: Path) -> None:
-    """pyuff 2.5.8; where one of these turns, docs/reference/recordings.md can be mended."""
+    """pyuff 2.5.8; where one of these turns, docs/explanation/libraries.md can be mended."""
     pyuff = importlib.import_module("pyuff")
     file = tmp_path / "rec.uff"
     x = np.arange(100.0)

@@ -164,6 +164,12 @@ class Compared:
 
         return comparison_json(self.comparison)
 
+    def to_json(self, target: Path | str) -> None:
+        """Write the same."""
+        from gearpoly.report.compare_report import json_text
+
+        write_text(target, json_text(self.comparison))
+
     def to_pandas(self) -> DataFrame:
         """A row per sample: ``recording`` (from 0), ``time_s``, ``driven_angle_deg`` from angle zero, and in um
         ``recorded_um``, ``simulated_um``, ``residual_um``."""

@@ -150,6 +150,12 @@ class Planned:
         document: dict[str, Any] = json.loads(json_text(self.plan))
         return document
 
+    def to_json(self, target: Path | str) -> None:
+        """Write the same."""
+        from gearpoly.report.plan_report import json_text
+
+        write_text(target, json_text(self.plan))
+
     def to_pandas(self) -> DataFrame:
         """A row per two physics, a column per number of recordings: the sine of the angle between them, none as long as
         either is not seen."""

@@ -5,7 +5,7 @@ semicolons, in any of the data sets. The abscissa, where it is time, is ``time_s
 there. The format keeps abscissas to six digits in text and their start and step to six digits everywhere, so a column
 ``time_s`` is better.
 
-This reader stands on its own, since pyuff 2.5.8 does not stand its round trip (docs/reference/recordings.md says what
+This reader stands on its own, since pyuff 2.5.8 does not stand its round trip (docs/explanation/libraries.md says what
 fails): it drops a data set that is cut off without a word, takes bytes of binary numbers for the end of a set, and does
 not look at the stated number of values. Here the stated sizes decide, and what is not there is an error.
 """
