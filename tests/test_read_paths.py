@@ -252,6 +252,38 @@ def test_structs_in_an_array_are_named_by_their_number(tmp_path: Path) -> None:
     check(read_recording(file, chart=chart(tmp_path, lines(BARE, prefix="rig.run(2)."))), by=2)
 
 
+@needs("h5py")
+@pytest.mark.parametrize("inner", ["", "log"])
+def test_structs_in_an_array_of_mat_73_are_named_as_those_of_mat_5(tmp_path: Path, inner: str) -> None:
+    """Each field is a list of references to its values, one for each struct, as -v7.3 writes them; a value may be a
+    struct again (rig.run(2).log.B)."""
+    h5py = importlib.import_module("h5py")
+    file = tmp_path / "a.mat"
+    with h5py.File(file, "w", userblock_size=512) as root:
+        rig, kept = root.create_group("rig"), root.create_group("#refs#")
+        runs = rig.create_group("run")
+        for group in (rig, runs):
+            group.attrs["MATLAB_class"] = np.bytes_("struct")
+        held = {}
+        for k in range(2):
+            struct = kept.create_group(f"s{k}")
+            struct.attrs["MATLAB_class"] = np.bytes_("struct")
+            for name, values in zip(BARE, RUN.values(), strict=True):
+                data = struct.create_dataset(name, data=values[None, :: k + 1])
+                data.attrs["MATLAB_class"] = np.bytes_("double")
+            if inner:
+                held.setdefault(inner, []).append(struct.ref)
+            else:
+                for name in BARE:
+                    held.setdefault(name, []).append(struct[name].ref)
+        for name, references in held.items():
+            runs.create_dataset(name, data=np.array(references, dtype=object)[:, None], dtype=h5py.ref_dtype)
+    with file.open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM")
+    prefix = f"rig.run(2).{inner}." if inner else "rig.run(2)."
+    check(read_recording(file, chart=chart(tmp_path, lines(BARE, prefix=prefix))), by=2)
+
+
 @needs("nptdms")
 def test_channels_of_other_names_that_begin_apart(tmp_path: Path) -> None:
     """Each channel has a wf_start_time of its own: times count from the first, and the later one begins 2 s after."""

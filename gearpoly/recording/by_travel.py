@@ -27,6 +27,9 @@ between the factors of two units, 57.3, 360 and 6.28, lie ten times as much."""
 TURNS_LEAST = 1.0
 """Turns of both shafts in the unit that is told: in part of one a deviation is as large as the travel."""
 
+TOLD = ("deg", "rad", "rev", "arcmin", "arcsec")
+"""Units that are told."""
+
 APART = 3.0
 """Least factor between the units that are told apart. Gons and degrees are 0.9 apart, as counts of encoders may be."""
 
@@ -48,7 +51,7 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
     for shaft, column, power in zip(SHAFTS, ANGLE_COLUMNS, (-1.0, 1.0), strict=True):
         line = recording.entries.get(column) or entry(column, column, None)
         read = next((one for one in UNITS[ANGLE].values() if f'unit = "{one.name}"' in line), UNITS[ANGLE]["deg"])
-        for name in ("deg", "rad", "rev"):
+        for name in TOLD:
             factor = UNITS[ANGLE][name].size / read.size
             true = [one * (factor if other == shaft else 1.0) for one, other in zip(travel, SHAFTS, strict=True)]
             if max(factor, 1.0 / factor) > APART and abs(off * factor**power - 1.0) <= SAME and min(true) > TURNS_LEAST:
@@ -56,9 +59,11 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
     if len(found) == 1:
         column, stated, name, line = found[0]
         says = f"read in {stated}, and the shafts travel {off:.4g} times what the teeth let them, as with {name} in it"
-        raise InputFileError(
-            recording.source, where=f"column {column}", found=says, wish=f"want in a map, if so: {line}"
-        )
+        wish = f"want in a map, if so: {line}"
+        if name.startswith("arc"):  # 60 may be a gear as well
+            gear = column.partition("_")[0]
+            wish += f"; of an encoder behind such a gear state [{gear}.encoder] scale in the pair file"
+        raise InputFileError(recording.source, where=f"column {column}", found=says, wish=wish)
 
 
 def _travel(angle: FloatArray) -> float:

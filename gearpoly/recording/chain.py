@@ -57,7 +57,7 @@ def corrected(
     Where the rig computed the transmission error itself, only the shaft whose angle was recorded can be put right.
     Raises ``InputFileError`` where the travel of both shafts says that one was read in another unit than its own.
     """
-    check_units_by_travel(recording, ratio)
+    check_units_by_travel(recording, ratio * driven.scale / driving.scale)
     if driving.none and driven.none:
         return recording
     changes: dict[str, Any] = {}

@@ -196,7 +196,7 @@ def _listed(
         if beside:
             # data_names belongs to data, block0_items to block0_values.
             return max(beside.items(), key=lambda one: (alike(one[0], name), "name" in one[0].lower()))[1]
-        if found := _of_attributes(root[place].attrs, count, called):
+        if place in root and (found := _of_attributes(root[place].attrs, count, called)):
             return found
     return []
 

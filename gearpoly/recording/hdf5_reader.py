@@ -43,6 +43,12 @@ EMPTY = "MATLAB_empty"
 UNSIGNED = "_Unsigned"
 """Attribute of netCDF 3 by which stored numbers are of another type than they are."""
 
+CLASS = "MATLAB_class"
+"""Attribute of MATLAB's own type of a variable; the fields of an array of structs have none."""
+
+ELEMENTS_LIMIT = 10_000
+"""Most fields of all elements of an array of structs: runs of a test are some dozen."""
+
 DEPTH = 4
 """Groups within groups that are looked through: data of a run of a test of a rig."""
 
@@ -62,7 +68,8 @@ def read_table(file: Path) -> Table:
         where = own_group(groups)
         table = Table(columns={}, keys={})
         for holder in dict.fromkeys(("/", *list(above(where or "/"))[::-1], where or "/")):
-            _take_attributes(file, root[holder], table.keys, own=where is not None)
+            if holder in root:  # an element of an array of structs has no place of its own
+                _take_attributes(file, root[holder], table.keys, own=where is not None)
         left = take_datasets(file, root, table, groups, where, wrong=no_numbers)
         take_own(file, table)
         check_held(file, where or "/", table, left)
@@ -143,9 +150,34 @@ def nested(file: Path, h5py: Any, groups: dict[str, dict[str, Any]]) -> dict[str
             if isinstance(member, h5py.Group)
         }
         check_few(file, "", len(out) + len(inner), "groups")
-        level = {path: members(file, h5py, member) for path, member in inner.items()}
+        level = {}
+        for path, member in inner.items():
+            held = members(file, h5py, member)
+            level |= _elements(h5py, path, member, held) or {path: held}
+        check_few(file, "", len(out) + len(level), "groups")
         out |= level
     return out
+
+
+def _elements(h5py: Any, path: str, group: Any, held: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """The elements of an array of structs of MATLAB, each by its path with its number from 1: every field is a list of
+    references, one to the value of each element. None of any other group."""
+    fields = list(held.values())
+    of_references = all(
+        isinstance(one, h5py.Dataset) and one.shape and h5py.check_ref_dtype(one.dtype) is h5py.Reference
+        for one in fields
+    )  # fmt: skip
+    if not fields or not of_references or any(CLASS in one.attrs for one in fields) or CLASS not in group.attrs:
+        return {}
+    count = fields[0].size
+    if any(one.size != count for one in fields) or count * len(fields) > ELEMENTS_LIMIT:
+        return {}
+    # HDF5 has the dimensions the other way round, so that its order is MATLAB's.
+    values = {name: one[()].reshape(-1) for name, one in held.items()}
+    return {
+        f"{path}({k + 1})": {name: group.file[each[k]] for name, each in values.items() if each[k]}
+        for k in range(count)
+    }
 
 
 def members(file: Path, h5py: Any, group: Any) -> dict[str, Any]:

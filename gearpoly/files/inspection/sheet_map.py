@@ -60,6 +60,9 @@ class SheetMap(Section):
     columns: Annotated[dict[str, Meaning], Field(max_length=500)] = field(
         "column heads and what they hold, a table", {}
     )
+    blocks: Annotated[dict[str, Literal["left", "right"]], Field(max_length=500)] = field(
+        "lines or titles of blocks, and the flank of each, a table", {}
+    )
     gear: StatedGear = field("what is known of the gear beside its sheet, a table", StatedGear())
 
     @property

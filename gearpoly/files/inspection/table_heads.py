@@ -1,18 +1,11 @@
-"""What the heads of an inspection table say: quantity, flank and unit of each column, in five languages or by a map."""
+"""What the heads of an inspection table say: quantity, flank and unit of each column, in five languages."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import get_args
 
-from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side
 from gearpoly.files.inspection.klingelnberg_text import SIDE
-from gearpoly.files.inspection.measured import SIDES
-from gearpoly.files.inspection.sheet_map import Meaning, SheetMap
 
 FLANKS: dict[str, Side] = {
     **SIDE,
@@ -54,20 +47,10 @@ HEAD_LIMIT = 200
 
 SIGNED = ("single_pitch", "cumulative_pitch", "profile_slope", "profile_crowning")
 
-_UNIT = re.compile(r"[\[(]\s*(.*?)\s*[\])]")
+VALUES = ("", "wert", "werte", "messwert", "value", "values", "abweichung", "deviation", "valeur", "valor", "valore")
+"""Heads that name no quantity: that of the block's title is meant."""
 
-WORDS = ", ".join(get_args(Meaning))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Heads:
-    """By column: what it holds ("ignored": nothing that is taken) and of which flank, and its size in um. ``unstated``
-    are the heads of deviations without a unit."""
-
-    meanings: list[tuple[str, Side | None]]
-    factors: list[float]
-    unstated: list[str]
-    says: list[str]
+UNIT = re.compile(r"[\[(]\s*(.*?)\s*[\])]")
 
 
 def meaning_of(head: str) -> tuple[str, Side | None]:
@@ -86,67 +69,6 @@ def meaning_of(head: str) -> tuple[str, Side | None]:
     return ("not taken", side) if NOT_TAKEN.match(plain) else ("", side)
 
 
-def stated(column: str) -> tuple[str, Side | None]:
-    """What a map says that a column holds, and of which side."""
-    stem, _, tail = column.rpartition("_")
-    return (stem, SIDE[tail]) if tail in SIDES else (column, None)
-
-
-def by_map(layout: SheetMap, head: str, k: int) -> str | None:
-    """What a map says of the column of that head and number from 1; the number tells heads of one name apart."""
-    return layout.columns.get(f"column {k}", layout.columns.get(head))
-
-
-def heads_of(file: Path, line: int, heads: Sequence[str], units: Sequence[str], layout: SheetMap) -> Heads:
-    """What each column holds by its head in that line, by the ``units`` below, or by the map.
-
-    Raises ``InputFileError`` where a head says nothing known, stands twice, or has no length for a unit.
-    """
-    meanings: list[tuple[str, Side | None]] = []
-    factors, unstated, says = [], [], []
-    named = {stated(one) for k, head in enumerate(heads, start=1) if (one := by_map(layout, head, k)) is not None}
-    flanks = ("flank", None) in named or any(meaning_of(head)[0] == "flank" for head in heads)
-    for k, head in enumerate(heads, start=1):
-        given = by_map(layout, head, k)
-        meaning, side = stated(given) if given is not None else meaning_of(head)
-        # A map speaks of the columns that it names; what it leaves out may go unread, but is not doubled.
-        open_ = not meaning or (meaning, side) in named or (meaning in SIGNED and side is None and not flanks)
-        if given is None and layout.columns and open_:
-            meaning, side = "ignored", None
-        if meaning == "not taken":
-            says.append(f'"{shown(head)}" is not taken: a pair file has no place for it')
-            meaning, side = "ignored", None
-        where = f"line {line}, column {k}"
-        if not meaning:
-            wish = f'say in a file that --map names what it holds: [columns] "{shown(head)}" = "ignored", or {WORDS}'
-            raise InputFileError(file, where=where, found=f'"{shown(head)}"', wish=wish)
-        if (meaning, side) in meanings and meaning != "ignored":
-            wish = (
-                'want each once; state [columns] in a file that --map names, and "ignored" for the others; '
-                f'"column {k}" = "{meaning}_right" names one by its number'
-            )
-            raise InputFileError(file, where=where, found=f'"{shown(head)}" again', wish=wish)
-        factor = 1.0
-        if meaning not in ("tooth", "flank", "ignored"):
-            written = _UNIT.search(head[:HEAD_LIMIT])
-            text = written[1] if written is not None else units[k - 1]
-            factor = _factor(file, where, text or layout.unit or "")
-            if not (text or layout.unit):
-                unstated.append(head)
-        factors.append(factor)
-        meanings.append((meaning, side))
-    found = [meaning for meaning, _ in meanings]
-    if "tooth" not in found:
-        wish = '[columns] in the map wants "NAME" = "tooth"'
-        raise InputFileError(file, where=f"line {line}", found="no column of teeth", wish=wish)
-    sided = [side for meaning, side in meanings if meaning in SIGNED]
-    if "flank" not in found and None in sided:
-        head = next(h for h, (meaning, side) in zip(heads, meanings, strict=True) if meaning in SIGNED and not side)
-        wish = "want left or right in its name, or a column of flanks; or say it in a file that --map names"
-        raise InputFileError(file, where=f"line {line}", found=f'"{shown(head)}" of which flank', wish=wish)
-    return Heads(meanings=meanings, factors=factors, unstated=unstated, says=says)
-
-
 def length_of(text: str) -> float | None:
     """The size in um of a unit of length, or of a multiple of one (0.0001 in); ``None`` where it is none."""
     many = re.fullmatch(r"(\d{0,6}(?:[.,]\d{1,9})?)\s*(\D+)", text.strip().lower())
@@ -154,12 +76,3 @@ def length_of(text: str) -> float | None:
         return None
     size = LENGTHS[many[2].strip()] * (float(many[1].replace(",", ".")) if many[1] else 1.0)
     return size if size > 0.0 else None
-
-
-def _factor(file: Path, where: str, text: str) -> float:
-    """The size in um of a deviation in the unit ``text``, um where none is stated."""
-    size = length_of(text) if text else 1.0
-    if size is None:
-        wish = "want a length: um, mm, nm, m, in, mil (an angle in rad times the radius is one)"
-        raise InputFileError(file, where=where, found=f'unit "{shown(text)}"', wish=wish)
-    return size
