@@ -72,6 +72,23 @@ def sheet(
     )
 
 
+ELEVEN = "[gear]\nmodule_mm = 2.0\nteeth = 11\n"
+PITCHES = [1.0, -2.0, 3.0, -1.0, 0.0, 2.0, -3.0, 1.0, -1.0, 2.0, -2.0]
+
+
+def blocks() -> str:
+    """Eleven teeth of either flank, one block after the other."""
+    sums = [sum(PITCHES[: n + 1]) for n in range(11)]
+    rows = "".join(f"{n + 1},{PITCHES[n]:.1f},{sums[n]:.1f}\n" for n in range(11))
+    return "".join(f"{side} flank\nTooth,fp (um),Fp (um)\n{rows}" for side in ("Left", "Right"))
+
+
+def across() -> str:
+    """The same with a column per tooth, of the left flank."""
+    numbers = ",".join(str(n + 1) for n in range(11))
+    return f"Tooth,{numbers}\nfp left [um]," + ",".join(f"{one:.1f}" for one in PITCHES) + "\n"
+
+
 def edited(*changes: tuple[str, str], text: str = "") -> str:
     """The export of curves with pieces changed once."""
     text = text or curves()
@@ -265,5 +282,32 @@ CURES = [
         curves(),
         pair=MINE.replace("profile_shift = 0.1\n", ""),
         good_pair=MINE,
+    ),
+    sheet(
+        "no such block",
+        "want the title of a block, or its line of heads: line 2, line 15",
+        blocks(),
+        file="a.csv",
+        layout=f'{ELEVEN}[blocks]\n"line 99" = "left"\n',
+        cured=f'{ELEVEN}[blocks]\n"line 2" = "left"\n"line 15" = "right"\n',
+        asked=(*ASKED, "--count", "clockwise"),
+    ),
+    sheet(
+        "no such head of several blocks",
+        "want one of Fp (um), Tooth, fp (um)",
+        blocks(),
+        file="a.csv",
+        layout=f'{ELEVEN}[columns]\n"fp [um]" = "single_pitch"\n',
+        cured=f'{ELEVEN}[columns]\n"fp (um)" = "single_pitch"\n',
+        asked=(*ASKED, "--count", "clockwise"),
+    ),
+    sheet(
+        "row of teeth in columns cut off",
+        "want 12, as in line 1",
+        across().rstrip().rpartition(",")[0] + "\n",
+        across(),
+        file="a.csv",
+        layout=ELEVEN,
+        asked=(*ASKED, "--count", "clockwise"),
     ),
 ]
