@@ -16,7 +16,8 @@ from gearpoly.errors import GearpolyError
 
 SUFFICE = 12_000
 """Samples of all recordings together that propose: of an 18/25 pair 13 to the mesh of two hunting cycles. Recordings
-are thinned from twice as many on, where proposing costs less than half of what a whole search does. A judgement."""
+are thinned from twice as many on, where proposing costs less than half of what a whole search does. A broken tip in two
+recordings of 26 000 samples, which time had left without a name, was then weighed within 94 s. A judgement."""
 
 
 def search_thinned_first(fit: Fit) -> tuple[Fit, list[Candidate]]:
