@@ -11,7 +11,7 @@ from gearpoly.diagnose.residuals import locate_residuals
 from gearpoly.errors import OutOfRangeError
 
 
-class Enough(Exception):
+class AskedTwiceError(Exception):
     """The second set of curves was asked for."""
 
 
@@ -22,10 +22,10 @@ def test_gears_that_bend_too_far_between_the_samples_share_as_the_declared_ones(
 
     def templates_of(assembled: str, conditions: Any) -> Any:
         asked.append(assembled)
-        raise OutOfRangeError("teeth bend by more than 5% of the module") if len(asked) == 1 else Enough
+        raise OutOfRangeError("teeth bend by more than 5% of the module") if len(asked) == 1 else AskedTwiceError
 
     monkeypatch.setattr("gearpoly.diagnose.residuals.templates_of", templates_of)
     model = SimpleNamespace(assembled=lambda file="fitted": file, declared="declared")
-    with pytest.raises(Enough):
+    with pytest.raises(AskedTwiceError):
         locate_residuals(SimpleNamespace(model=model, scenes=[]), SimpleNamespace(gears=()), [])  # type: ignore[arg-type]
     assert asked == ["fitted", "declared"]
