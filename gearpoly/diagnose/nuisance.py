@@ -43,7 +43,8 @@ touch elsewhere on their teeth. 60 um and 33 um in a pair of module 2 left 0.08 
 
 LACKING, HARMONICS = 0.03, 8
 """Part of the mean deflection, one standard deviation, that no law of compliance has right, as a curve of so many
-harmonics of the mesh."""
+harmonics of the mesh: on a bench with a law 4 % off all of them 0.010 of it was left at every mesh, and 0.0013 beside
+such a curve; another simulator left 0.024 to 0.033."""
 
 BEYOND = 1.5
 """Truth may lie outside what the laws span, by half of their spread."""
