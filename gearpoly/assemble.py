@@ -251,15 +251,17 @@ class _Making:
         return points_for(self.gear, l_form=self.l_form, chord_error=chord_error)
 
 
-def stated_limits(section: GearSection, gear: Gear, *, a: float) -> Limits:
+def stated_limits(section: GearSection, gear: Gear, *, a: float, nearest: bool = False) -> Limits:
     """Limits in mm of a graded gear: its ``[limits]`` over its grade's; ``a`` centre distance in mm for the default
     backlash.
 
-    Raises ``OutOfRangeError`` where the gear lies outside the standard's range.
+    Raises ``OutOfRangeError`` where the gear lies outside the standard's range; with ``nearest`` it has the limits of
+    the nearest size there.
     """
+    d, grade, edition = 2.0 * gear.r, section.grade, section.grade_edition
     graded = (
-        tolerances(d=2.0 * gear.r, m=gear.m, b=gear.b, grade=section.grade, edition=section.grade_edition)
-        if section.grade is not None
+        tolerances(d=d, m=gear.m, b=gear.b, grade=grade, edition=edition, nearest=nearest)
+        if grade is not None
         else None
     )
     stated = {

@@ -142,6 +142,16 @@ def test_no_extrapolation(edition: int, quantity: str) -> None:
                 tolerances(edition=edition, **values)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("edition", [2013, 1995])
+def test_the_nearest_size_in_range_says_what_is_likely_of_a_gear_beyond_it(edition: int) -> None:
+    """A transfer gear of a telescope mount, 9 teeth of module 0.5, and a watch wheel of module 0.2."""
+    least = tolerances(d=5.0, m=0.5, grade=5, edition=edition)
+    for d, m in ((4.5, 0.5), (3.0, 0.2)):
+        assert tolerances(d=d, m=m, b=1.0, grade=5, edition=edition, nearest=True) == least
+    inside = tolerances(d=50.0, m=2.0, b=20.0, grade=5, edition=edition)
+    assert tolerances(d=50.0, m=2.0, b=20.0, grade=5, edition=edition, nearest=True) == inside
+
+
 def test_tooth_numbers_are_limited_in_2013_only() -> None:
     with pytest.raises(OutOfRangeError, match="z = 4 "):
         tolerances(d=8.0, m=2.0, grade=5)

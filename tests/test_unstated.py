@@ -17,7 +17,7 @@ from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.prepare import graded_prior
+from gearpoly.diagnose.prepare import base_prior, graded_prior
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import (
@@ -110,6 +110,15 @@ def test_what_is_hardly_more_than_its_doubt_counts_as_nothing() -> None:
     scale = SEEN * KNOWN
     assert seen(0.3 * scale * pitch) == 0.0
     assert seen(3.0 * scale * pitch) > 0.0
+
+
+def test_a_gear_smaller_than_the_standard_holds_has_a_prior_where_nobody_stated_a_grade() -> None:
+    """9 teeth of module 0.5 are 4.5 mm across, and ISO 1328-1 begins at 5 mm: a mount's pair file could not be
+    diagnosed. Single pitches of grade 5 are 5 + 0.4 m + 0.001 d um = 5.2 um there, rounded to 5.0 or 5.5 um."""
+    small = PairFile(driving=GearSection(teeth=9, module_mm=0.5), driven=GearSection(teeth=47, module_mm=0.5))
+    one = base_prior(small.driving, nominal_gears(small), 0)
+    assert one.z == 9
+    assert one.single == pytest.approx(5.0 * math.cos(math.radians(20.0)), abs=0.5)
 
 
 def test_grades_are_a_root_of_two_apart() -> None:

@@ -179,8 +179,7 @@ def _like_its_sheet(section: GearSection, sheet: Inspection, gears: tuple[Gear, 
     measured slopes are of, or where none were measured the steps of the pitches; None where nothing tells."""
     if section.grade is not None or section.limits is not None:
         return graded_prior(section, gears, which)
-    section = changed(section, grade=BASE)
-    base = graded_prior(section, gears, which)
+    base = base_prior(section, gears, which)
     if sheet.profile_slope_um is not None:
         scatter, usual = np.var(np.atleast_1d(sheet.profile_slope_um)), base.slope
         doubt = sheet.uncertainty_um**2
@@ -190,16 +189,31 @@ def _like_its_sheet(section: GearSection, sheet: Inspection, gears: tuple[Gear, 
         scatter, usual = np.mean(np.square(pitch - np.roll(pitch, 1))), base.single / math.sqrt(3.0)
         doubt = 2.0 * sheet.uncertainty_um**2
     variance = float(scatter) - doubt
-    return graded_prior(section, gears, which, by=math.sqrt(variance) / usual) if variance > 0.0 else None
+    return base_prior(section, gears, which, by=math.sqrt(variance) / usual) if variance > 0.0 else None
+
+
+def base_prior(
+    section: GearSection, gears: tuple[Gear, Gear], which: int, *, by: float = 1.0, others: float = 1.0
+) -> GearPrior:
+    """The same of a gear of which nobody stated a grade, as ``BASE`` has it; one of a size that the standard does not
+    hold is as the nearest that it holds."""
+    section = changed(section, grade=BASE)
+    return graded_prior(section, gears, which, by=by, others=others, nearest=True)
 
 
 def graded_prior(
-    section: GearSection, gears: tuple[Gear, Gear], which: int, *, by: float = 1.0, others: float = 1.0
+    section: GearSection,
+    gears: tuple[Gear, Gear],
+    which: int,
+    *,
+    by: float = 1.0,
+    others: float = 1.0,
+    nearest: bool = False,
 ) -> GearPrior:
     """What a gear is like that keeps to its limits, or to so many times these, ``others`` than that of single pitches
     to as many times that again."""
     mine, mate = gears[which], gears[1 - which]
-    limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate))
+    limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate), nearest=nearest)
     rest = by * others
     slope = rest * limits.f_HalphaT / WITHIN / UM
     cosine = math.cos(mine.alpha)  # from the reference circle to the line of action

@@ -12,11 +12,11 @@ import numpy as np
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.prepare import BASE, form_of, graded_prior
+from gearpoly.diagnose.prepare import BASE, base_prior, form_of
 from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.teeth_scale import COARSEST, is_unstated, wider
 from gearpoly.gear.nominal import nominal_gears
-from gearpoly.keys.edit import changed, gear_section
+from gearpoly.keys.edit import gear_section
 from gearpoly.units import FloatArray
 
 ROUNDS = 8
@@ -116,8 +116,7 @@ def limited(model: Model, by: dict[int, float], *, others: float = 1.0) -> Model
     gears = nominal_gears(model.declared)
     priors: list[GearPrior] = list(model.as_built.gears)
     for gear, times in by.items():
-        section = changed(gear_section(model.declared, gear), grade=BASE)
-        priors[gear] = graded_prior(section, gears, gear, by=times, others=others)
+        priors[gear] = base_prior(gear_section(model.declared, gear), gears, gear, by=times, others=others)
     both = priors[0], priors[1]
     scope = replace(
         model.scope,
@@ -145,7 +144,7 @@ def _over_limits(fit: Fit, gear: int) -> float:
 
 def _finer(model: Model, gear: int) -> GearPrior:
     """The gear as grade 5 has it."""
-    return graded_prior(changed(gear_section(model.declared, gear), grade=BASE), nominal_gears(model.declared), gear)
+    return base_prior(gear_section(model.declared, gear), nominal_gears(model.declared), gear)
 
 
 def _block(covariance: FloatArray, start: int, z: int) -> FloatArray:

@@ -91,6 +91,7 @@ def tolerances(
     edition: int = 2013,
     b: float | None = None,
     rounded: bool = True,
+    nearest: bool = False,
 ) -> Tolerances:
     """Flank tolerances of a spur gear of reference diameter ``d``, module ``m`` and face width
     ``b`` (mm; None: not checked).
@@ -98,12 +99,18 @@ def tolerances(
     ``grade`` is the flank tolerance class A of the 2013 edition or the accuracy grade of 1995. With
     ``rounded`` the values are those that the standard states, without it those of the bare
     formulas. Raises ``OutOfRangeError`` outside the edition's ranges, since neither edition may be
-    extrapolated. ISO 1328-1:2013, 5.3.1 to 5.3.3, Formulas (5) to (9); ISO 1328-1:1995, 6.1, 6.3,
-    6.4, B.2.1 and B.2.2. The total F_alphaT of 2013 comes from unrounded parts.
+    extrapolated; with ``nearest`` a gear of another size has the values of the nearest in range:
+    what is likely of a gear is no statement that it keeps a grade. ISO 1328-1:2013, 5.3.1 to 5.3.3,
+    Formulas (5) to (9); ISO 1328-1:1995, 6.1, 6.3, 6.4, B.2.1 and B.2.2. The total F_alphaT of 2013
+    comes from unrounded parts.
     """
     if edition not in RANGES:
         raise OutOfRangeError(f"edition {edition} of ISO 1328-1 is not known; 2013 or 1995 would do")
-    _check_ranges(edition, grade=grade, z=round(d / m), d=d, m=m, b=b)
+    if nearest:
+        (d_low, d_high), (m_low, m_high) = RANGES[edition]["d"], RANGES[edition]["m"]
+        d, m = min(max(d, d_low), d_high), min(max(m, m_low), m_high)
+    else:
+        _check_ranges(edition, grade=grade, z=round(d / m), d=d, m=m, b=b)
     # 5.2.2 in 2013, clause 5 in 1995: both step by sqrt(2) from grade 5.
     step = math.sqrt(2.0) ** (grade - 5)
     values = _grade_5_2013(d, m) if edition == 2013 else _grade_5_1995(d, m)
