@@ -23,7 +23,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
-from gearpoly.diagnose.tooth_forms import with_forms
+from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
 from gearpoly.keys.also_turns import parts_of
@@ -74,7 +74,7 @@ def begin(
     def stood(now: Begun) -> Begun:
         # Teeth of one form are placed wrongly where they have many: a sound gear of grade 10 needed another shape then.
         preparing = watch.stage("prepare")
-        model = with_forms(now.model, now.waves, preparing)
+        model = with_forms(now.model, now.waves, preparing, orders=whole_orders(now.comparison.located.entries))
         return replace(now, model=placed(model, now.waves, preparing))
 
     now = beside(file, recordings)

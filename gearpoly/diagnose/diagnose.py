@@ -47,7 +47,7 @@ from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.softness import declared_ratio
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
-from gearpoly.diagnose.tooth_forms import with_forms
+from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import LACK_OF_FIT, checked
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival, Status
@@ -90,7 +90,7 @@ def diagnose(
     start = begin(file, recordings, path=Path(path), method=method or Method(), budget=budget, watch=watch)
     file, comparison, model, waves = start.file, start.comparison, start.model, start.waves
     preparing = watch.stage("prepare")
-    model = with_forms(model, waves, preparing)
+    model = with_forms(model, waves, preparing, orders=whole_orders(comparison.located.entries))
     found = searched(model, start, watch)
     search, comparison, stopped = found.search, found.comparison, found.stopped
     search.step("holding the names against unseen data")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.as_built import AsBuilt, GearPrior, make_as_built
 from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
@@ -42,6 +43,13 @@ MESH_WAVES = 8
 """Harmonics of the mesh that are free in every recording meanwhile: beyond those a hand-over holds little, and at 16
 samples per mesh nothing shows. Without them a wear of 32 times what shows turned forms on."""
 
+STRONGEST = 6
+"""Waves of whole orders that are free beside forms of inspected gears. One part of a drive makes one or two, an
+eccentricity under load its side bands; forms make dozens."""
+
+Order = tuple[int, float]
+"""A shaft (0 driving, 1 driven) and a whole order of it."""
+
 FINER, COARSER = 0.1, 1.3
 """Mean square of what forms come out as, over what they are beforehand, below and above which they are none. Of
 fifteen drawn pairs it was 0.35 to 1.1 (the teeth that differ most are not asked), of recordings of another pair mostly
@@ -49,10 +57,13 @@ fifteen drawn pairs it was 0.35 to 1.1 (the teeth that differ most are not asked
 cannot do."""
 
 
-def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Model:
-    """The model with a form of its own for every tooth of graded gears, if that makes the recordings likelier beside
-    the ``foreign`` columns (n_k, q) in mm; else as it was. Where gears cannot run so, nothing is asked. For the
-    evidence of a linear model see MacKay 1992, Neural Computation 4, 415."""
+def with_forms(
+    model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, orders: Sequence[Order] = ()
+) -> Model:
+    """The model with a form of its own for every tooth whose form nobody measured, if that makes the recordings
+    likelier beside the ``foreign`` columns (n_k, q) in mm, and of inspected gears beside waves of these whole
+    ``orders``; else as it was. Where gears cannot run so, nothing is asked. For the evidence of a linear model see
+    MacKay 1992, Neural Computation 4, 415."""
     told = _open(model.as_built)
     if told is model.as_built or has_forms(model) or model.budget.over:
         return model
@@ -61,7 +72,20 @@ def with_forms(model: Model, foreign: list[FloatArray], step: Callable[[str], No
         fit = Fit.begun(*shortened(_in_common(model), foreign, few=FEW[-1]), step, trial=ROUNDS)
     except GearpolyError:  # teeth that cannot run so are told where they are to run
         return model
-    return replace(model, as_built=told, built=np.zeros(told.size)) if _differ(fit, told) else model
+    if all(one.graded for one in told.gears if one.form):
+        orders = ()  # teeth of a grade may have any pitch, and waves with it
+    return replace(model, as_built=told, built=np.zeros(told.size)) if _differ(fit, told, orders) else model
+
+
+def whole_orders(entries: Sequence[Entry]) -> tuple[Order, ...]:
+    """The whole orders of either shaft at which most was located, and those once and twice per turn of both: an
+    eccentricity, a ghost order or another part of the drive, which no form makes."""
+    found = [
+        (0 if one.gear == "driving" else 1, float(one.order))
+        for one in entries
+        if one.kind == "shaft_order" and one.order is not None and float(one.order).is_integer()
+    ]
+    return tuple(dict.fromkeys([(0, 1.0), (1, 1.0), (0, 2.0), (1, 2.0), *found[:STRONGEST]]))
 
 
 def has_forms(model: Model) -> bool:
@@ -103,9 +127,8 @@ def gain_beside_form(model: Model, scenes: list[Scene], linear: Linear, k: int, 
 
 
 def _asked(one: GearPrior) -> bool:
-    """Whether it is asked if a gear's teeth differ in form. Beside the pitches of an inspected gear, which are known
-    well, an eccentricity, a ghost order or a relief that nobody declared looks like forms."""
-    return one.graded and one.wave > 0.0
+    """Whether it is asked if a gear's teeth differ in form: nobody measured it."""
+    return one.wave > 0.0
 
 
 def _open(as_built: AsBuilt) -> AsBuilt:
@@ -127,9 +150,9 @@ def _in_common(model: Model) -> Model:
     return replace(model, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks))
 
 
-def _differ(fit: Fit, told: AsBuilt) -> bool:
-    """Whether forms make what a ``fit`` without them leaves likelier where none of those teeth touches that differ
-    most."""
+def _differ(fit: Fit, told: AsBuilt, orders: Sequence[Order]) -> bool:
+    """Whether forms make what a ``fit`` without them leaves likelier beside waves of these ``orders``, where none of
+    those teeth touches that differ most."""
     teeth = [
         _Tooth(flank=flank, gear=gear, tooth=tooth, at=told.form_at(flank, gear, tooth))
         for flank in told.flanks
@@ -140,6 +163,8 @@ def _differ(fit: Fit, told: AsBuilt) -> bool:
     columns = whitened(fit.noises, [told.columns(scene) for scene in fit.scenes])
     every = np.concatenate([one.at for one in teeth])
     system = _beside_every_mesh(fit).with_columns(_of_all_teeth(columns, teeth))
+    if orders:
+        system = system.with_columns(_waves(fit, orders))
     score, information = _scores(system, columns, every, size=told.size)
     found = np.array([_evidence(score, information, told.precision, one.at) for one in teeth])
     asked, masks = [], [np.ones(scene.samples.size, dtype=np.bool_) for scene in fit.scenes]
@@ -174,6 +199,21 @@ def _beside_every_mesh(fit: Fit) -> System:
         columns.append(np.zeros((scene.samples.size, 2 * MESH_WAVES * len(fit.scenes))))
         columns[k][:, 2 * MESH_WAVES * k : 2 * MESH_WAVES * (k + 1)] = waves
     return fit.linear.system.with_columns(columns)
+
+
+def _waves(fit: Fit, orders: Sequence[Order]) -> list[FloatArray]:
+    """Whitened waves (n_k, 2 q) of whole ``orders``, the same in all recordings of a flank."""
+    flanks = list(dict.fromkeys(scene.samples.flank for scene in fit.scenes))
+    out = []
+    for scene, noise in zip(fit.scenes, fit.noises, strict=True):
+        angles = scene.samples.theta_1, scene.samples.theta_2
+        turned = np.stack([order * angles[gear] for gear, order in orders], axis=1)
+        waves = noise.whitened(np.concatenate((np.cos(turned), np.sin(turned)), axis=1))
+        wide = np.zeros((scene.samples.size, waves.shape[1] * len(flanks)))
+        at = waves.shape[1] * flanks.index(scene.samples.flank)
+        wide[:, at : at + waves.shape[1]] = waves
+        out.append(wide)
+    return out
 
 
 def _of_all_teeth(columns: list[Sparse], teeth: Sequence[_Tooth]) -> list[FloatArray]:
