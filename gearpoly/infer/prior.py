@@ -40,8 +40,8 @@ ONCE_PER_TURN = 0.02
 the two is off its axis nearly always. What else sits on that shaft (a coupling out of line, a bearing) seldom shows."""
 
 TURNS_WITH_IT = 0.5
-"""The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with: a worm,
-a part of the drive that the pair file states, or what makes a whole order that no tooth of the pair makes, as another
+"""The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with: the
+worm or the motor of a telescope mount, a part of the drive that the pair file states, or what makes a whole order that no tooth of the pair makes, as another
 wheel does."""
 
 LOW_ORDERS, LOW = 0.8, 2
@@ -165,7 +165,7 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
     place, kind, order = claim.place, kind_of(claim), order_of(claim)
     if kind == "wave" and order == 1:
         gear = place.gear or 0
-        stated = (gear == 1 and scope.file.worm is not None) or scope.others_at(gear, 1)
+        stated = scope.file.worm is not None or scope.others_at(gear, 1)
         return TURNS_WITH_IT if stated or scope.others_turn[gear] else ONCE_PER_TURN
     if kind == "wave":
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]

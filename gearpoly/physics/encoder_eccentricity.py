@@ -35,7 +35,8 @@ def _errors(stated: Encoder, errors: EncoderErrors) -> EncoderErrors:
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        if scope.encoders[gear]:
+        # Nothing reads the shafts before the worm of a telescope mount: their angles are time and guiding pulses.
+        if scope.encoders[gear] and scope.file.worm is None:
             yield Place(gear=gear)
 
 
