@@ -145,7 +145,7 @@ class _Weighing:
         return judge(
             search.model, search.scenes, search.linear, k,
             refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
-            without=without, gone={one.claim.key for one in self.gone},
+            without=without, gone={one.claim.key for one in self.gone}, deflection=search.deflection,
         )  # fmt: skip
 
     def _in_the_stead(self, claim: Claim) -> tuple[Refitted, ...]:

@@ -12,7 +12,7 @@ from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.absent import misfit_without_mesh, misfit_without_sheet, of_the_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
-from gearpoly.diagnose.fidelity import FAINT, OF_CORNERS
+from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT, OF_CORNERS
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
@@ -79,6 +79,7 @@ def judge(
     places: int = 1,
     without: float | None = None,
     gone: Collection[Key] = (),
+    deflection: float = 0.0,
 ) -> Judged:
     """Fit claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
     of its kind were looked at; ``without``: by how much the misfit rises where all is fitted to its end without it
@@ -138,7 +139,10 @@ def judge(
     less -= 0.5 * min(as_graded, gain) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     if claim.physics.once_per_turn:
-        explanations = _as_far_as_simulated(trial, claim, explanations, effect)
+        corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
+        explanations = _as_far_as_simulated(trial, claim, explanations, max(FAINT, corners))
+    if claim.physics.mean_tooth:
+        explanations = _as_far_as_simulated(trial, claim, explanations, max(FAINT, BESIDE_ANOTHER * deflection))
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
@@ -194,14 +198,15 @@ def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float)
 
 
 def _as_far_as_simulated(
-    trial: Trial, claim: Claim, explanations: Sequence[Explanation], effect: Sequence[FloatArray]
+    trial: Trial, claim: Claim, explanations: Sequence[Explanation], known_to: float
 ) -> list[Explanation]:
-    """The same where the claim is ahead of each other, or behind it, only by more than the simulation itself is known
-    to: what turns once with a shaft differs in second order alone, and chords and contacts leave as much now and then,
-    corners a part of its ``effect``."""
+    """The same where the claim is ahead of each other, or behind it, only by more than the simulation itself is
+    ``known_to`` in mm rms. What turns once with a shaft differs in second order alone, of which chords, contacts and
+    corners leave as much now and then; what is the same at every mesh under load differs by what no law of compliance
+    has right. Of plastic gears the driven one was called worn by 18.7 um: the driving one was, by 14.5 um, and came out
+    behind by 32 of misfit in 24 000 samples, 0.036 um rms, where teeth gave by some 15 um."""
     mine = next(one for one in explanations if one.claim is not None and one.claim.key == claim.key)
-    rms = math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
-    faint = math.sqrt(trial.plain.samples) * max(FAINT, OF_CORNERS * rms) / mean_innovation(trial.linear.noises)
+    faint = math.sqrt(trial.plain.samples) * known_to / mean_innovation(trial.linear.noises)
 
     def told(one: Explanation) -> Explanation:
         ahead = mine.log_evidence - one.log_evidence
