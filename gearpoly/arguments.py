@@ -99,6 +99,15 @@ SECONDS = Number(least=1.0, unit="s", finite=False)
 WORKERS = Count(least=1)
 """Processes of a study."""
 
+STAGE = Count(least=0)
+"""A stage of a design, by its id."""
+
+SHARE = Number(least=0.0, most=1.0)
+"""Share of pairs that shall keep a limit."""
+
+CONFIDENCE = Number(least=0.5, most=0.9999)
+"""Confidence of intervals."""
+
 ANGLE = Number(unit="rad")
 """A rotation."""
 

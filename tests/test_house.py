@@ -29,7 +29,7 @@ ORDER = (
     "recording inspected",
     "assemble positions",
     "simulate touching",
-    "scene",
+    "scene course",
     "infer",
     "export compare",
     "diagnose view",

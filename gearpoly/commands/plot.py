@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -45,7 +45,7 @@ def plot(
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written
     from gearpoly.files.pairfile import read_pair
-    from gearpoly.report import gear_plots
+    from gearpoly.report.gear_plots import pair_figure
     from gearpoly.report.plots import check_format, save
     from gearpoly.units import DEG
 
@@ -55,13 +55,7 @@ def plot(
         raise OutOfRangeError(f"--at {at:g}: want an angle in deg")
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
-    side: Literal["drive", "coast"] = "coast" if flank is FlankToDraw.coast else "drive"
     with blamed(pair, "driving, driven, pair"):
-        if what is What.deviations:
-            figure = gear_plots.deviation_figure(assembled, name=file.name)
-        elif what is What.gaps:
-            figure = gear_plots.gap_figure(assembled, at * DEG, flank=side, name=file.name)
-        else:
-            figure = gear_plots.mesh_figure(assembled, at * DEG, flank=side, name=file.name)
+        figure = pair_figure(assembled, what.value, at * DEG, flank=flank.value, name=file.name)
     save(figure, to)
     say_written(to, what.value)

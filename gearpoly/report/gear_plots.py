@@ -15,7 +15,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import rotate, tooth_outline
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import FlankContacts, contacts
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 from gearpoly.units import DEG, UM, BoolArray, FloatArray
 
 CLOSE = 0.06
@@ -40,6 +40,19 @@ STYLES = ("-", "--", "-.", ":")
 """Besides colour, line styles tell neighbouring pairs apart."""
 
 
+PICTURES = ("mesh", "deviations", "gaps")
+"""What can be drawn of a pair."""
+
+
+def pair_figure(assembled: Assembled, what: str, theta_2: float, *, flank: Flank, name: str) -> Figure:
+    """One of ``PICTURES`` at driven rotation ``theta_2`` (rad); deviations stand in no rotation."""
+    if what == "deviations":
+        return deviation_figure(assembled, name=name)
+    if what == "gaps":
+        return gap_figure(assembled, theta_2, flank=flank, name=name)
+    return mesh_figure(assembled, theta_2, flank=flank, name=name)
+
+
 def mesh_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str) -> Figure:
     """The teeth about the line of centres at driven rotation ``theta_2`` (rad), and the leading contact close up."""
     pair = assembled.pair
@@ -47,7 +60,7 @@ def mesh_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str
     theta_1 = float((found.theta_2[0] - found.te[0]) / pair.ratio)
     lead = int(np.argmin(found.gap))
     teeth = f"driving tooth {found.driving[lead]} on driven tooth {found.driven[lead]}"
-    figure = Figure(figsize=(13.0, 7.2))
+    figure = ShownFigure(figsize=(13.0, 7.2))
     axes = figure.subplots(1, 2)
     # Square panels of fixed size: the automatic layout lets titles run into each other there.
     figure.subplots_adjust(left=0.06, right=0.985, bottom=0.08, top=0.88, wspace=0.16)
@@ -168,7 +181,7 @@ def _close_up(axis: Any, found: FlankContacts, lead: int, teeth: str) -> None:
 def deviation_figure(assembled: Assembled, *, name: str) -> Figure:
     """Maps of the deviation of every tooth over the roll length, both flanks of both gears, pitch beside them."""
     pair = assembled.pair
-    figure = Figure(figsize=(13.5, 9.5), layout="constrained")
+    figure = ShownFigure(figsize=(13.5, 9.5), layout="constrained")
     rows: Any = figure.subplots(2, 3, width_ratios=(4, 4, 2.6), squeeze=False)
     for k, mounted in enumerate((pair.driving, pair.driven)):
         _maps(figure, rows[k], mounted, assembled.deviations[k], NAMES[k], assembled.origin[k])
@@ -236,7 +249,7 @@ def gap_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str)
     at = theta_2 + np.linspace(-0.5, 0.5, round(PITCHES * STEPS) + 1) * PITCHES * tau
     found = contacts(pair, at, flank=flank, near=REACH)
     angle = at / DEG
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    figure = ShownFigure(figsize=(11.0, 7.5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     meetings = sorted({(int(i), int(j)) for i, j in zip(found.driving, found.driven, strict=True)})
     first = {pair_: float(angle[found.position[_rows(found, pair_)]].min()) for pair_ in meetings}

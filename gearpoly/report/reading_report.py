@@ -119,8 +119,13 @@ def _places(what: str, places: Sequence[str]) -> str:
 
 
 def json_text(surveys: Sequence[Survey]) -> str:
-    """All recordings as JSON; what is no number there is null."""
-    return json.dumps({"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}, indent=2) + "\n"
+    """All recordings as JSON."""
+    return json.dumps(surveys_json(surveys), indent=2) + "\n"
+
+
+def surveys_json(surveys: Sequence[Survey]) -> dict[str, Any]:
+    """All that is seen of the recordings; what is no number is None."""
+    return {"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}
 
 
 def _held(found: Survey) -> dict[str, Any]:
