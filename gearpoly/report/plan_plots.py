@@ -15,7 +15,10 @@ from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 ROW = 0.3
 """Height of a row in inches: names of 9 points with air between them."""
 
-_KEY = "a number is what recordings 1 to that number give; all of them in green beyond the border, in blue before it"
+KEY = (
+    "Below, a number is what recordings 1 to that number give: all of them in green beyond the border, in blue before."
+)
+"""How the picture is read, in its last line above it."""
 
 WIDTH = 110
 """Characters of a line above the picture."""
@@ -30,18 +33,19 @@ def plan_figure(plan: Plan) -> ShownFigure:
         textwrap.fill(f"{number}. {one.says}", WIDTH, subsequent_indent="    ")
         for number, one in enumerate((plan.first, *plan.further), 1)
     ]
-    lines = sum(one.count("\n") + 1 for one in says)
+    lines = 2 + sum(one.count("\n") + 1 for one in says)
     rows = [max(1, len(part)) + 2.5 for part in (alike, hidden)]
-    figure = ShownFigure(figsize=(11.0, 0.6 + 0.2 * lines + ROW * sum(rows)), layout="constrained")
+    figure = ShownFigure(figsize=(11.0, 0.4 + 0.2 * lines + ROW * sum(rows)), layout="constrained")
     axes: Any = figure.subplots(2, 1, height_ratios=rows)
-    figure.suptitle("\n".join([shown(plan.name), *says]), ha="left", x=0.01, fontsize=9)
+    figure.suptitle("\n".join([shown(plan.name), *says, KEY]), ha="left", x=0.01, fontsize=9)
     _rows(axes[0], alike, border=TOLD)
     axes[0].set_xlim(-0.02, 1.02)
     axes[0].set_xlabel(f"sine of the angle between two physics, told apart from {TOLD:g}")
     _rows(axes[1], hidden, border=SHOWS)
-    axes[1].set_xscale("symlog", linthresh=SHOWS)  # from a tenth of the border to a hundred times it
+    axes[1].set_xscale("symlog", linthresh=SHOWS)  # what is hidden may be none of it or a hundred times the border
+    most = max((value for _, values in hidden for value in values), default=SHOWS)
+    axes[1].set_xlim(-0.1 * SHOWS, 1.5 * max(most, SHOWS))
     axes[1].set_xlabel(f"standard deviations of an ordinary fault, shown from {SHOWS:g}")
-    axes[0].set_title(_KEY, loc="left", fontsize=9, color=GREY)
     return figure
 
 
