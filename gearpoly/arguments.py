@@ -11,13 +11,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
+from typing import Literal
 
 from gearpoly.errors import OutOfRangeError, shown_value
 
 FLANKS = ("drive", "coast")
 """Flanks that may carry."""
 
-GEARS = ("driving", "driven")
+GEARS: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 """The gears of a pair."""
 
 

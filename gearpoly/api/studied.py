@@ -16,7 +16,7 @@ from gearpoly.files.output import write_text
 from gearpoly.study.answers import Answers, answer
 from gearpoly.study.answers_json import answers_json, json_text
 from gearpoly.study.limits import parse_limits
-from gearpoly.study.models import Limit
+from gearpoly.study.models import OutputLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +28,7 @@ class Studied:
     """The table of a study in ``folder`` and what it answers; ``limits`` instead of the study's own."""
 
     folder: Path
-    limits: tuple[Limit, ...] | None = None
+    limits: tuple[OutputLimit, ...] | None = None
     confidence: float = 0.95
 
     @cached_property

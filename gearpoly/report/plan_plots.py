@@ -20,7 +20,7 @@ KEY = (
 )
 """How the picture is read, in its last line above it."""
 
-WIDTH = 110
+LINE_LENGTH = 110
 """Characters of a line above the picture."""
 
 
@@ -30,7 +30,7 @@ def plan_figure(plan: Plan) -> ShownFigure:
     alike = [(words(f"{one.one} and {one.other}"), (one.first, *one.after)) for one in plan.look_alikes]
     hidden = [(words(one.physics), (one.first, *one.after)) for one in plan.hidden]
     says = [
-        textwrap.fill(f"{number}. {one.says}", WIDTH, subsequent_indent="    ")
+        textwrap.fill(f"{number}. {one.says}", LINE_LENGTH, subsequent_indent="    ")
         for number, one in enumerate((plan.first, *plan.further), 1)
     ]
     lines = 2 + sum(one.count("\n") + 1 for one in says)

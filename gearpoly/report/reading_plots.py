@@ -15,10 +15,10 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.survey import Seen, Survey
 from gearpoly.report.plots import BLUE, GREY, ORANGE, ShownFigure, save
 
-SHOWN = 8
+COLUMNS_DRAWN = 8
 """Columns that are drawn; a picture of more is not small."""
 
-POINTS = 4000
+CURVE_POINTS = 4000
 """Points of a curve, each pair of which keeps the least and the largest reading of its stretch."""
 
 
@@ -30,7 +30,7 @@ def plot_surveys(surveys: Sequence[Survey], *, target: Path) -> None:
 def surveys_figure(surveys: Sequence[Survey]) -> Figure:
     """Every recording beside the next."""
     drawn = [[one for one in found.channels if one.span is not None and not _is_axis(found, one)] for found in surveys]
-    drawn = [channels[:SHOWN] for channels in drawn]
+    drawn = [channels[:COLUMNS_DRAWN] for channels in drawn]
     rows = max(1, max(len(channels) for channels in drawn))
     figure = ShownFigure(figsize=(1.5 + 6.5 * len(surveys), 1.2 + 1.35 * rows), layout="constrained")
     axes: Any = figure.subplots(rows, len(surveys), squeeze=False)
@@ -104,9 +104,9 @@ def _marks(found: Survey) -> str:
 def _thinned(values: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.int64]]:
     """The samples of a curve of few points that looks as the whole one does."""
     size = values.size
-    if size <= POINTS:
+    if size <= CURVE_POINTS:
         return np.arange(size)
-    edges = np.linspace(0, size, POINTS // 2 + 1).astype(np.int64)
+    edges = np.linspace(0, size, CURVE_POINTS // 2 + 1).astype(np.int64)
     keep = []
     for first, end in itertools.pairwise(edges):
         part = values[first:end]

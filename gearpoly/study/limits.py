@@ -10,13 +10,13 @@ from pydantic import ValidationError
 
 from gearpoly.errors import OutOfRangeError, shown_value
 from gearpoly.files.traces import nearest
-from gearpoly.study.models import Limit
+from gearpoly.study.models import OutputLimit
 from gearpoly.study.store import read_store
 
 _LIMIT = re.compile(r"^\s*(\w+)\s*(<=|>=)\s*(\S+)\s*$")
 
 
-def parse_limits(texts: Sequence[str] | None, *, share: float, folder: Path) -> list[Limit] | None:
+def parse_limits(texts: Sequence[str] | None, *, share: float, folder: Path) -> list[OutputLimit] | None:
     """Limits as a caller words them, or None where there are none. Raises ``OutOfRangeError`` for one that is none."""
     if not texts:
         return None
@@ -33,7 +33,7 @@ def parse_limits(texts: Sequence[str] | None, *, share: float, folder: Path) -> 
         try:
             bound = float(match[3])
             keys = {"at_most" if match[2] == "<=" else "at_least": bound}
-            out.append(Limit(output=match[1], share=share, **keys))
+            out.append(OutputLimit(output=match[1], share=share, **keys))
         except ValidationError:
             raise OutOfRangeError(f"--share {share:g}: want a share above 0 and below 1") from None
         except ValueError:
