@@ -39,6 +39,7 @@ ORDER = (
     "api",
     "proving",
     "prove",
+    "options",
     "commands",
     "cli",
 )

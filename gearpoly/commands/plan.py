@@ -7,11 +7,13 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.options import PairArgument
+
 ORDER = 35
 
 
 def plan(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     json: Annotated[Path | None, typer.Option(help="Write the plan (JSON; - for standard output).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw what each recording tells apart (png, svg or pdf).")] = None,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from gearpoly.arguments import SEED
+from gearpoly.options import FlankChoice, PairArgument, SeedOption
 
 ORDER = 45
 
@@ -21,22 +21,15 @@ class What(StrEnum):
     gaps = "gaps"
 
 
-class FlankToDraw(StrEnum):
-    """Which flanks touch."""
-
-    drive = "drive"
-    coast = "coast"
-
-
 def plot(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     to: Annotated[Path, typer.Option(help="Picture to write: png, svg or pdf.")],
     what: Annotated[
         What, typer.Option(help="mesh: close-up at a contact; deviations: maps of all teeth; gaps: of near pairs.")
     ] = What.mesh,
     at: Annotated[float, typer.Option(help="Driven angle in deg.")] = 0.0,
-    flank: Annotated[FlankToDraw, typer.Option(help="Which flanks touch.")] = FlankToDraw.drive,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
+    flank: Annotated[FlankChoice, typer.Option(help="Which flanks touch.")] = FlankChoice.drive,
+    seed: SeedOption = 0,
 ) -> None:
     """Draw still pictures of a pair: the mesh at a contact, tooth deviations, gaps of near pairs."""
     import math

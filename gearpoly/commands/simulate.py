@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearpoly.arguments import POINTS_PER_MESH, SEED, TURNS
+from gearpoly.arguments import POINTS_PER_MESH, TURNS
+from gearpoly.options import FlankChoice, MapOption, PairArgument, SeedOption
 
 if TYPE_CHECKING:
     from gearpoly.assemble import Assembled
@@ -19,15 +19,8 @@ if TYPE_CHECKING:
 ORDER = 10
 
 
-class FlankChoice(StrEnum):
-    """Which flank carries."""
-
-    drive = "drive"
-    coast = "coast"
-
-
 def simulate(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     csv: Annotated[
         Path | None,
         typer.Option(help="Write TE, backlash and pairs over the driven angle (CSV; - for standard output)."),
@@ -51,12 +44,12 @@ def simulate(
         int | None, typer.Option(help="Positions per pitch; default 40.", min=POINTS_PER_MESH.least)
     ] = None,
     at: Annotated[Path | None, typer.Option(help="Simulate at the samples and condition of this recording.")] = None,
-    map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
+    map: MapOption = None,
     fast: Annotated[
         bool,
         typer.Option("--fast", help="Compiled search, exact to 1e-12 rad; polygons certify a sample of positions."),
     ] = False,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
+    seed: SeedOption = 0,
     every_default: Annotated[
         bool, typer.Option("--defaults", help="List every value that the pair file left to its default.")
     ] = False,

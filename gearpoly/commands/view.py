@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gearpoly.arguments import SEED
-from gearpoly.commands.simulate import FlankChoice
+from gearpoly.options import FlankChoice, MapOption, PairArgument
 
 if TYPE_CHECKING:
     from gearpoly.files.models import PairFile
@@ -19,7 +19,7 @@ ORDER = 40
 
 
 def view(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     html: Annotated[
         Path | None,
         typer.Option(help="The page to write (- for standard output); default: the pair file's name, ending in .html."),
@@ -28,7 +28,7 @@ def view(
     recording: Annotated[
         Path | None, typer.Option(help="Show this recording's mismatch beside the geometry, under its condition.")
     ] = None,
-    map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
+    map: MapOption = None,
     flank: Annotated[
         FlankChoice | None, typer.Option(help="Which flank carries; default drive, or the recording's.")
     ] = None,
