@@ -73,6 +73,7 @@ bench: $(VENV)/.test
 	$(BIN)/python -m benchmarks.reading
 	$(BIN)/python -m benchmarks.viewing
 	$(BIN)/python -m benchmarks.study
+	$(BIN)/python -m benchmarks.uneven
 
 paper: $(VENV)/.core
 	$(BIN)/python -m gearpoly.studies.paper --out docs/explanation

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ SIZE = 12.0
 
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
 source_suffix = {".md": "myst-nb"}
-exclude_patterns = ["tutorial/pictures.py"]
+exclude_patterns = ["tutorial/pictures.py", "reference/gallery.py"]
 myst_enable_extensions = ["dollarmath", "attrs_inline"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]
@@ -51,7 +52,8 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {
-    name: name for name in ("BoolArray", "Flank", "FloatArray", "IntArray", "Recorded", "Status", "Which")
+    name: name
+    for name in ("BoolArray", "Flank", "FloatArray", "IntArray", "Maps", "Recorded", "Side", "Status", "Turn", "Which")
 }
 python_use_unqualified_type_names = True
 
@@ -110,10 +112,43 @@ def _aliases_by_name(
     return plain(signature), plain(result)
 
 
+def _text(node: nodes.Node) -> str:
+    """What a search shows of a page: its words, in sections that its anchors find."""
+    if isinstance(node, nodes.Text):
+        return html.escape(node.astext())
+    if isinstance(node, nodes.Invisible | nodes.raw | nodes.image):
+        return ""
+    if isinstance(node, nodes.math | nodes.math_block):
+        return " "  # a formula's source is no sentence
+    inside = "".join(_text(child) for child in node.children)
+    if isinstance(node, nodes.TextElement) and not isinstance(node, nodes.Inline):
+        inside = f" {inside} "
+    for name in node["ids"] if isinstance(node, nodes.section) else []:
+        inside = f'<section id="{html.escape(name, quote=True)}">{inside}</section>'
+    return inside
+
+
+def _write_text(app: Sphinx, tree: nodes.document, page: str) -> None:
+    """The text of a page as a script, for `static/search_texts.js`."""
+    target = Path(app.outdir) / "_texts" / f"{page}.js"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    words = re.sub(r"\s+", " ", _text(tree))
+    text = json.dumps(f'<div role="main">{words}</div>', ensure_ascii=False)
+    target.write_text(f"searchText({json.dumps(page)}, {text});\n", encoding="utf-8")
+
+
+def _excerpts(app: Sphinx, page: str, template: str, context: dict[str, Any], tree: object) -> None:
+    """The page of the search shows its excerpts from disk too."""
+    if page == "search":
+        app.add_js_file("search_texts.js")
+
+
 def setup(app: Sphinx) -> None:
     """Draw equations by matplotlib, which gearpoly brings anyway."""
     app.connect("source-read", _made_by_the_package)
     app.connect("autodoc-process-signature", _aliases_by_name)
     app.connect("html-page-context", _options_whole)
+    app.connect("html-page-context", _excerpts)
+    app.connect("doctree-resolved", _write_text)
     app.add_html_math_renderer("drawn", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.config.html_math_renderer = "drawn"

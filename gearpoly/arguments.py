@@ -11,13 +11,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Integral, Real
+from typing import Literal
 
 from gearpoly.errors import OutOfRangeError, shown_value
 
 FLANKS = ("drive", "coast")
 """Flanks that may carry."""
 
-GEARS = ("driving", "driven")
+GEARS: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 """The gears of a pair."""
 
 
@@ -98,6 +99,15 @@ SECONDS = Number(least=1.0, unit="s", finite=False)
 
 WORKERS = Count(least=1)
 """Processes of a study."""
+
+STAGE = Count(least=0)
+"""A stage of a design, by its id."""
+
+SHARE = Number(least=0.0, most=1.0)
+"""Share of pairs that shall keep a limit."""
+
+CONFIDENCE = Number(least=0.5, most=0.9999)
+"""Confidence of intervals."""
 
 ANGLE = Number(unit="rad")
 """A rotation."""

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.errors import blamed
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.pairfile import profile_csv_path
@@ -43,8 +44,6 @@ from gearpoly.mesh.shafts import Shafts
 from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.parts import EncoderErrors, Parts
 from gearpoly.units import GPA, UM, FloatArray, read_only
-
-NAMES: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -111,7 +110,7 @@ def with_sheets_stated(file: PairFile, *, path: Path | str) -> PairFile:
     that what is found can be added to them; traces stay where they are. Raises ``InputFileError``."""
     sections: dict[str, GearSection] = {}
     for k, gear in enumerate(nominal_gears(file)):
-        name = NAMES[k]
+        name = GEARS[k]
         section: GearSection = getattr(file, name)
         if section.inspection is not None:
             sheet, _ = measured(path, section, section.inspection, gear, name)
@@ -125,7 +124,7 @@ def root_remarks(file: PairFile) -> list[str]:
     return [
         f"the {name} gear's root_radius is {gear.rack.rho_fP:.4f}, the largest that fits and leaves its mate's tip "
         f"free; the usual {Rack.rho_fP:g} does not"
-        for name, gear, section in zip(NAMES, nominal_gears(file), (file.driving, file.driven), strict=True)
+        for name, gear, section in zip(GEARS, nominal_gears(file), (file.driving, file.driven), strict=True)
         if section.root_radius in (None, Rack.rho_fP) and gear.rack.rho_fP != Rack.rho_fP
     ]
 
@@ -142,7 +141,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float 
     with blamed(path, "driving, driven"):
         a_w = tight_centre_distance(gears[0], gears[1])
     flanks, origins, limits, made_of = [], [], [], []
-    for k, name in enumerate(NAMES):
+    for k, name in enumerate(GEARS):
         section = sections[k]
         gear, mate = gears[k], gears[1 - k]
         with blamed(path, name):
@@ -156,13 +155,13 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float 
             )
             if section.inspection is not None:
                 shapes, origin, limit = (
-                    _inspected(made, section.inspection, path, NAMES[k]),
+                    _inspected(made, section.inspection, path, GEARS[k]),
                     "inspected",
                     None,
                 )
             elif section.grade is not None or section.limits is not None:
                 limit = stated_limits(section, gear, a=a_w)
-                shapes, origin = _drawn(made, limit, streams(seed)[k], NAMES[k]), "drawn"
+                shapes, origin = _drawn(made, limit, streams(seed)[k], GEARS[k]), "drawn"
             else:
                 shapes, origin, limit = Deviations(), "ideal", None
             shapes = shapes + brought_shapes(section, gear, k)
@@ -195,7 +194,7 @@ def assemble(file: PairFile, *, path: Path | str, seed: int, chord_error: float 
 def _nominal(sections: tuple[GearSection, GearSection], path: Path | str) -> list[Gear]:
     """Both deviation-free gears. Raises ``InputFileError`` naming the section of one that cannot be cut."""
     gears: list[Gear] = []
-    for name, section, other in zip(NAMES, sections, sections[::-1], strict=True):
+    for name, section, other in zip(GEARS, sections, sections[::-1], strict=True):
         with blamed(path, name):
             gears.append(nominal_gear(section, other))
     return gears

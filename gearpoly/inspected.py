@@ -15,7 +15,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.metrology import index_deviations, thickness_from_pins, thickness_from_span
 from gearpoly.units import UM
 
-CLOSING = 0.05
+CLOSING_UM = 0.05
 """um. What each single pitch may add to the sum that closes the circle, where the sheet prints more digits: sheets
 print 0.1 um, and machines resolve no less than half of it."""
 
@@ -67,7 +67,7 @@ def _refuse_open(path: Path | str, where: str, values: np.ndarray[tuple[int, ...
     """Single pitches go once round, so they add up to 0 but for their rounding; index deviations do not."""
     digits = min(int(Decimal(repr(float(value))).normalize().as_tuple().exponent) for value in values)
     sum_ = float(np.sum(values))
-    if abs(sum_) > values.size * max(CLOSING, 0.5 * 10.0 ** min(digits, 0)):
+    if abs(sum_) > values.size * max(CLOSING_UM, 0.5 * 10.0 ** min(digits, 0)):
         raise InputFileError(
             path,
             where=where,

@@ -16,7 +16,7 @@ from gearpoly.units import BoolArray, FloatArray
 POINTS_PER_MESH = 40
 """Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
 
-ROUNDING = 1e-12
+MESH_ROUNDING = 1e-12
 """Part of a mesh count that the product of turns and teeth may round up: 0.1 turns of 30 teeth are 3 meshes, not 4."""
 
 
@@ -29,7 +29,7 @@ def cycle_positions(
     if turns is not None:
         arguments.TURNS.check("--turns", turns)
     arguments.POINTS_PER_MESH.check("--points-per-mesh", points_per_mesh)
-    meshes = pair.meshes_per_cycle if turns is None else math.ceil(turns * pair.driven.gear.z * (1.0 - ROUNDING))
+    meshes = pair.meshes_per_cycle if turns is None else math.ceil(turns * pair.driven.gear.z * (1.0 - MESH_ROUNDING))
     count = max(1, meshes) * points_per_mesh
     return np.arange(count, dtype=np.float64) * (pair.driven.gear.tau / points_per_mesh)
 

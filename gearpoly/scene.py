@@ -27,7 +27,7 @@ SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
 
-CERTIFIED = 5
+CERTIFIED_POSITIONS = 5
 """Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so some 600
 times, so that as many as of a user's fifty simulations are seen."""
 
@@ -151,7 +151,7 @@ class Scene(TouchingPairs):
 
 def _met(mesh: Meshing, samples: Samples, *, near: float) -> Met:
     # Within one hunting cycle: whole cycles change nothing, and small angles keep their digits.
-    return mesh.at(np.mod(samples.theta_2, mesh.pair.cycle), near=near, fast=True, certified=CERTIFIED)
+    return mesh.at(np.mod(samples.theta_2, mesh.pair.cycle), near=near, fast=True, certified=CERTIFIED_POSITIONS)
 
 
 def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:

@@ -24,6 +24,9 @@ LONGEST = 35
 MEAN = 25
 """Words in a page's sentences, on average."""
 
+WORTH = 7
+"""Words of a sentence from which it is not said in two places by chance."""
+
 # A full stop ends a sentence where a capital, a digit, code or a bracket goes on; after these it does not.
 SHORT = re.compile(r"\b(e\.g|i\.e|cf|vs|No|Eqs?|Fig|Figs|Dr|St|et al|J|Cent|Univ|approx|incl)\.$")
 END = re.compile(r"(?<=[.!?:])[\"')\]]*\s+(?=[\"'(\[]?[A-Z0-9`])")
@@ -37,18 +40,20 @@ ABBREVIATION = re.compile(r"\b[A-Z][A-Z0-9]+\b")
 
 @dataclass(frozen=True)
 class Sentence:
-    """``text`` with its number of ``words`` on a ``page`` (a path in the repository), in the block at ``line``."""
+    """``text`` with its number of ``words`` on a ``page`` (a path in the repository), in the block at ``line``.
+    A ``cell`` is of a table."""
 
     page: str
     line: int
     text: str
     words: int
+    cell: bool = False
 
 
 def pages() -> list[Path]:
     """The pages that people read: README, docs, what stands beside data and examples."""
     found = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "data").rglob("*.md")]
-    found += [ROOT / name for name in ("CONTRIBUTING.md", "SECURITY.md") if (ROOT / name).is_file()]
+    found += [ROOT / name for name in ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md") if (ROOT / name).is_file()]
     return sorted(path for path in found if str(path.relative_to(ROOT)) not in WRITTEN_ELSEWHERE)
 
 
@@ -103,6 +108,7 @@ def sentences(path: Path) -> list[Sentence]:
                         line,
                         piece.strip(),
                         words,
+                        cell,
                     )
                 )
     return out
@@ -111,6 +117,23 @@ def sentences(path: Path) -> list[Sentence]:
 def too_long(path: Path) -> list[Sentence]:
     """Sentences beyond ``LONGEST`` words."""
     return [one for one in sentences(path) if one.words > LONGEST]
+
+
+def said_twice() -> dict[str, list[str]]:
+    """Sentences of ``WORTH`` words or more that stand in the text of two places, and where; code counts as one word.
+
+    Cells of tables may agree, since rows are read alone, so may a page that a program writes from the commands, and the
+    changelog says once more what came.
+    """
+    places: dict[str, list[str]] = {}
+    for page in pages():
+        if page.name in ("CHANGELOG.md", "commands.md"):
+            continue
+        for one in sentences(page):
+            words = [word.lower() for word in WORD.findall(one.text)]
+            if not one.cell and len(words) >= WORTH and words.count("code") < len(words) / 2:
+                places.setdefault(" ".join(words), []).append(f"{one.page}:{one.line}")
+    return {text: where for text, where in places.items() if len(where) > 1}
 
 
 def mean_words(path: Path) -> float:
@@ -139,7 +162,7 @@ def used(path: Path) -> set[str]:
 
 
 def main() -> None:
-    """Print every sentence that is too long and every term that the glossary lacks."""
+    """Print every sentence that is too long or stands twice, and every term that the glossary lacks."""
     known = explained() if GLOSSARY.is_file() else set()
     for path in pages():
         for one in too_long(path):
@@ -148,6 +171,8 @@ def main() -> None:
             print(f"{path.relative_to(ROOT)}: {mean_words(path):.1f} words per sentence")
         for term in sorted(used(path) - known):
             print(f"{path.relative_to(ROOT)}: the glossary lacks {term!r}")
+    for text, where in said_twice().items():
+        print(f"{' and '.join(where)}: {text}")
 
 
 if __name__ == "__main__":

@@ -262,7 +262,7 @@ def test_certificates_hold_on_whole_faces_of_all_teeth() -> None:
             moved = np.stack((c * x - s * y + shift, s * x + c * y), axis=-1)
             return shapely.multilinestrings(list(shapely.linestrings(moved)))
 
-        slack = 2.0 * certificate.CERTIFIED  # the bracket is 2.5e-13 either way; coordinates round at 1e-15 rad
+        slack = 2.0 * certificate.HALF_BRACKET  # the bracket is 2.5e-13 either way; coordinates round at 1e-15 rad
         for row in found.first():
             p = found.pose[row]
             at = guesses[p] + found.rotation[row]
@@ -466,12 +466,12 @@ def uncertified(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_small_windows_without_certificates_turn_the_oracle_red(monkeypatch: pytest.MonkeyPatch) -> None:
     turning, fixed, a = deviated()
     with monkeypatch.context() as patch:
-        patch.setattr(bodies, "WINDOW", 3)
+        patch.setattr(bodies, "WINDOW_VERTICES", 3)
         uncertified(patch)
         assert worst_error(turning, fixed, a) > 1e-9
     with monkeypatch.context() as patch:
         # The same windows under certificates: slower, but right.
-        patch.setattr(bodies, "WINDOW", 3)
+        patch.setattr(bodies, "WINDOW_VERTICES", 3)
         assert worst_error(turning, fixed, a) < PROMISED
     with monkeypatch.context() as patch:
         uncertified(patch)

@@ -18,7 +18,7 @@ from gearpoly.diagnose.heldout import repeatable
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.page.pack import unpacked
 from gearpoly.page.typeset import typeset
-from gearpoly.report.diagnosis_data import POINTS, curves, places, shares, spectrum
+from gearpoly.report.diagnosis_data import CURVE_VALUES, curves, places, shares, spectrum
 from gearpoly.report.diagnosis_page import page
 from gearpoly.report.diagnosis_report import how_sure, verdict_json
 from gearpoly.report.diagnosis_words import MINUS, capital, chance, large, measured, number, parameter
@@ -208,9 +208,9 @@ def test_a_long_recording_is_thinned_without_losing_a_peak(diagnosis: Diagnosis)
 
 
 def test_long_recordings_share_what_short_ones_leave() -> None:
-    assert shares([18_000] * 3, POINTS) == [18_000] * 3
+    assert shares([18_000] * 3, CURVE_VALUES) == [18_000] * 3
     assert shares([1000, 10**6, 10**7], 61_000) == [1000, 30_000, 30_000]
-    assert sum(shares([10**5] * 50, POINTS)) <= POINTS
+    assert sum(shares([10**5] * 50, CURVE_VALUES)) <= CURVE_VALUES
 
 
 def test_places_survive_rounding_however_far_they_go() -> None:

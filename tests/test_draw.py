@@ -174,7 +174,8 @@ def test_chains_are_those_of_chance(z: int, F: float, chains: int) -> None:
         lambda c: np.mean(c, axis=1),
         lambda c: np.sum(np.diff(c, axis=1) ** 2, axis=1),
     ):
-        assert ks_2samp(number(ours), number(chance)).pvalue > UNLIKELY
+        # Six numbers of eight cases: one of them all falls below UNLIKELY in 5 of 100 runs of a right law.
+        assert ks_2samp(number(ours), number(chance)).pvalue > UNLIKELY / 48
 
 
 @pytest.mark.parametrize("chains", [150, pytest.param(500, marks=pytest.mark.slow)])

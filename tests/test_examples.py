@@ -75,3 +75,9 @@ def assert_one_picture(folder: Path, name: str) -> None:
 def test_the_page_lists_every_example() -> None:
     page = (ROOT / "docs" / "reference" / "examples.md").read_text(encoding="utf-8")
     assert sorted(re.findall(r"^\| `(\w+)\.py`", page, re.MULTILINE)) == [path.stem for path in EXAMPLES]
+    gallery = re.findall(r"\(figures/(\w+)\.png\)", page)
+    assert sorted(gallery) == [path.stem for path in EXAMPLES]
+    figures = ROOT / "docs" / "reference" / "figures"
+    assert (
+        sum((figures / f"{name}.png").stat().st_size for name in gallery) < 1_000_000
+    )  # of 1.5 MB that a page may weigh

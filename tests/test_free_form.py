@@ -13,7 +13,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.gear.deviations import total
 from gearpoly.keys.edit import on_gear
-from gearpoly.keys.sections import Form
+from gearpoly.keys.sections import FormSection
 from gearpoly.report.diagnosis_report import verdict_json
 from gearpoly.units import UM, FloatArray
 from tests.made_pairfile import refusal
@@ -57,7 +57,7 @@ def wavy(file: PairFile) -> PairFile:
     made = assemble(file, path=Path("pair.toml"), seed=0)
     span = made.pair.driving.flanks.span
     u = np.linspace(0.0, 1.0, 60)
-    form = Form(
+    form = FormSection(
         tooth=4,
         roll_length_mm=tuple((span.l_start + u * (span.l_a - span.l_start)).tolist()),
         deviation_um=tuple((6.0 * np.sin(2.0 * np.pi * 1.5 * u)).tolist()),

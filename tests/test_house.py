@@ -29,7 +29,7 @@ ORDER = (
     "recording inspected",
     "assemble positions",
     "simulate touching",
-    "scene",
+    "scene course",
     "infer",
     "export compare",
     "diagnose view",
@@ -39,6 +39,7 @@ ORDER = (
     "api",
     "proving",
     "prove",
+    "options",
     "commands",
     "cli",
 )

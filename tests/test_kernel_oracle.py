@@ -174,7 +174,7 @@ def test_planted_faults_turn_the_oracle_red(tmp_path: Path, monkeypatch: pytest.
     assert worst() <= PROMISED
     with monkeypatch.context() as patch:
         # Windows of 3 vertices miss; certificates repair it.
-        patch.setattr(bodies, "WINDOW", 3)
+        patch.setattr(bodies, "WINDOW_VERTICES", 3)
         assert worst() <= PROMISED
         # Without certificates nothing does.
         patch.setattr(contact, "certify", trusting)
@@ -189,7 +189,7 @@ def test_planted_faults_turn_the_oracle_red(tmp_path: Path, monkeypatch: pytest.
 
         patch.setattr(contact, "refine", displaced)
         assert worst() <= PROMISED
-        patch.setattr(certificate, "CERTIFIED", 2.5e-10)
+        patch.setattr(certificate, "HALF_BRACKET", 2.5e-10)
         assert worst() > 10.0 * PROMISED
 
 

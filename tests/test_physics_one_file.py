@@ -21,7 +21,7 @@ from gearpoly.physics import catalogue
 from gearpoly.physics.base import MADE, READ, Physics
 from gearpoly.physics.page import table, unsearched, written
 from gearpoly.physics.place import Place
-from gearpoly.prove.truth import SIZES
+from gearpoly.prove.truth import SIZE_PARAMETERS
 from gearpoly.proving.physics import PHYSICS as BENCH
 from gearpoly.study.keys import known_keys
 from gearpoly.units import UM
@@ -171,7 +171,7 @@ def test_every_physics_has_its_twin_in_the_bench_and_the_scorer_its_size() -> No
     for one in catalogue().values():
         assert one.twin in BENCH, f"write gearpoly/proving/physics/{one.twin}.py too (docs/howto/add_physics.md)"
         assert not BENCH[one.twin].outside
-        assert SIZES[one.twin] == one.parameters[0] == BENCH[one.twin].size
+        assert SIZE_PARAMETERS[one.twin] == one.parameters[0] == BENCH[one.twin].size
 
 
 def test_no_key_of_a_physics_is_a_key_of_another_or_of_any_pair() -> None:

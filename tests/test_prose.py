@@ -37,6 +37,22 @@ def test_every_physics_of_the_catalogue_is_in_the_glossary() -> None:
         assert words in known or parts <= known | {"profile", "tip", "mesh", "centre"}, f"the glossary lacks {words}"
 
 
+def test_nothing_is_said_twice() -> None:
+    assert not prose.said_twice()
+
+
+def test_what_is_said_twice_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, text in (
+        ("a.md", "The pair runs in the morning sun. Short."),
+        ("b.md", "So: the pair runs in the\nmorning sun."),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.setattr(prose, "pages", lambda: sorted(tmp_path.glob("*.md")))
+    assert not prose.said_twice()  # "So:" goes on
+    (tmp_path / "b.md").write_text("So it is. The pair runs in the\nmorning sun.", encoding="utf-8")
+    assert prose.said_twice() == {"the pair runs in the morning sun": ["a.md:1", "b.md:1"]}
+
+
 def test_a_long_sentence_and_a_foreign_term_are_seen(tmp_path: Path) -> None:
     words = " ".join(["word"] * 36)
     text = f"# Head\n\nShort one. {words.capitalize()}.\n\n| a | b |\n| --- | --- |\n| {words}; {words} | a QZX |\n"

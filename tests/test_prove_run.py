@@ -246,8 +246,8 @@ def test_workers_that_die_leave_what_is_finished(
 def test_what_takes_long_is_named_in_the_progress(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(pool, "TICK", 0.05)
-    monkeypatch.setattr(pool, "SLOW", 0.2)
+    monkeypatch.setattr(pool, "LOOK_EVERY", 0.05)
+    monkeypatch.setattr(pool, "SLOW_JOB", 0.2)
     monkeypatch.setattr(progress, "EVERY", 0.0)
     pool.each(nap, [0.0, 0.01, 1.5], workers=2, what="naps", name=lambda job: f"nap {job:g}")
     said = capsys.readouterr().err

@@ -18,7 +18,7 @@ from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.study.answers import Answers, answer
 from gearpoly.study.keys import known_keys
 from gearpoly.study.labels import asked_words, row_label
-from gearpoly.study.models import Limit, Sweep
+from gearpoly.study.models import OutputLimit, Sweep
 from gearpoly.study.pictures import pictures
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
@@ -64,10 +64,10 @@ def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(plain: A
     worst = [
         max(g.sample("te_pp_um").values[-1] for g in plain.groups if g.values["driving.grade"] == n) for n in (5, 6, 7)
     ]
-    limit = Limit(output="te_pp_um", at_most=0.5 * (worst[1] + worst[2]), share=0.7)
+    limit = OutputLimit(output="te_pp_um", at_most=0.5 * (worst[1] + worst[2]), share=0.7)
     groups, design = plain.groups, plain.store.plan.design
 
-    def asked(limit: Limit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    def asked(limit: OutputLimit) -> tuple[tuple[str, ...], tuple[str, ...]]:
         (found,) = yields((limit,), groups, confidence=0.95)
         grade = cheapest(found, groups, design)
         assert grade is not None
@@ -80,7 +80,7 @@ def test_the_cheapest_grade_is_the_coarsest_that_surely_keeps_the_limit(plain: A
     if verdicts[-1] != "keeps it":
         assert "grade 6" in says[0]
     assert "which so few pairs do not settle" in asked(limit.model_copy(update={"share": 0.9}))[1][0]
-    assert asked(Limit(output="te_pp_um", at_most=0.01))[1][0].endswith("none of the grades keeps it")
+    assert asked(OutputLimit(output="te_pp_um", at_most=0.01))[1][0].endswith("none of the grades keeps it")
 
 
 def test_the_bore_drives_nothing_and_the_grade_much(plain: Answers) -> None:
@@ -98,8 +98,8 @@ def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def _limit(output: str = "te_pp_um", **bound: float) -> Limit:
-    return Limit(output=output, share=0.5, **bound)
+def _limit(output: str = "te_pp_um", **bound: float) -> OutputLimit:
+    return OutputLimit(output=output, share=0.5, **bound)
 
 
 def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -> None:
@@ -176,8 +176,8 @@ def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -
     found = plain.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um", "backlash_least_um"])
     te, gap = (float(np.median(found[name])) for name in ("te_pp_um", "backlash_least_um"))
     limits = [
-        Limit(output="te_pp_um", at_most=te, share=0.9),
-        Limit(output="backlash_least_um", at_least=gap, share=0.2),
+        OutputLimit(output="te_pp_um", at_most=te, share=0.9),
+        OutputLimit(output="backlash_least_um", at_least=gap, share=0.2),
     ]
     answers = answer(table, limits=limits)
     assert [len(one.limits) for one in answers.yields] == [1, 1, 2]
@@ -218,7 +218,7 @@ def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
 
 def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> None:
     """Long names of combinations once ran into one another along an axis."""
-    limits = tuple(Limit(output=name, at_most=50.0, share=0.9) for name in ("te_pp_um", "backlash_least_um"))
+    limits = tuple(OutputLimit(output=name, at_most=50.0, share=0.9) for name in ("te_pp_um", "backlash_least_um"))
     answers = answer(plain.store.folder, limits=list(limits))
     longer = tuple(
         replace(one, words=f"{one.words}, inspection tooth thickness of the driven gear = -60 um")

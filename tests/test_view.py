@@ -202,9 +202,9 @@ def test_forces_in_the_page_balance_the_torque(tmp_path: Path) -> None:
 
 def test_an_opening_angle_is_taken_within_the_cycle_and_must_be_a_number(tmp_path: Path) -> None:
     pair = made(small(tmp_path)).pair
-    assert opening_angle(pair, 12.5) == pytest.approx(12.5 * DEG, abs=1e-15)
+    assert opening_angle(pair, 12.5 * DEG) == pytest.approx(12.5 * DEG, abs=1e-15)
     # 1e-12: rounding of a cycle of 11 turns in rad.
-    assert opening_angle(pair, 12.5 - pair.cycle / DEG) == pytest.approx(12.5 * DEG, abs=1e-12)
+    assert opening_angle(pair, 12.5 * DEG - pair.cycle) == pytest.approx(12.5 * DEG, abs=1e-12)
     for bad in (math.nan, math.inf):
         with pytest.raises(OutOfRangeError, match="--at"):
             opening_angle(pair, bad)

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly import arguments
 from gearpoly.errors import OutOfRangeError, shown, shown_value
-from gearpoly.export.magnify import LARGEST
+from gearpoly.export.magnify import LARGEST_MAGNIFICATION
 from gearpoly.export.outline import LEAST_POINTS, MOST_POINTS
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
@@ -24,7 +24,7 @@ CURVES = ("lines", "arcs", "splines")
 POINTS = arguments.Count(least=LEAST_POINTS, most=MOST_POINTS)
 """Points per flank of what is exported."""
 
-MAGNIFICATION = arguments.Number(least=0.0, most=LARGEST)
+MAGNIFICATION = arguments.Number(least=0.0, most=LARGEST_MAGNIFICATION)
 """How many times as far along the normal deviations are drawn."""
 
 

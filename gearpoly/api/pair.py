@@ -5,23 +5,26 @@ Angles are rad and lengths mm, as everywhere inside; keys of pair files keep the
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from pydantic import ValidationError
 from shapely.geometry import Polygon
 
 from gearpoly import arguments
-from gearpoly.api.given import CURVES, MAGNIFICATION, POINTS, Recorded, each_of, row
-from gearpoly.api.results import Compared, Simulated
+from gearpoly.api.given import CURVES, MAGNIFICATION, POINTS, Recorded, row
+from gearpoly.api.readings import Maps, read_each, read_one
+from gearpoly.api.results import Compared, Simulated, simulated
 from gearpoly.api.verdicts import Diagnosed, Planned
+from gearpoly.api.viewed import Viewed, view_of
 from gearpoly.api.words import told_in_python
-from gearpoly.assemble import Assembled, assemble, root_remarks
+from gearpoly.assemble import Assembled, assemble
+from gearpoly.course import along, over_turns
+from gearpoly.diagnose.budget import USUAL
 from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
@@ -39,22 +42,17 @@ from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.gear.deviations import Deviations, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
-from gearpoly.keys.sections import WormSection
-from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
-from gearpoly.positions import POINTS_PER_MESH, cycle_positions
-from gearpoly.recording.read import read_set
+from gearpoly.positions import POINTS_PER_MESH
 from gearpoly.recording.recording import Recording
-from gearpoly.simulate import simulate, strength_remarks
-from gearpoly.units import NM, RPM, FloatArray, read_only
+from gearpoly.units import FloatArray, read_only
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 GLANCE = Detail(points=24)
 """Detail of pictures in notebooks: under 150 kB a pair, and no edge shows on a screen."""
-
-
-def _quiet(done: int) -> None:
-    """Nobody watches."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,49 +191,105 @@ class Pair:
 
         Raises ``OutOfRangeError`` for an argument that the command refuses.
         """
+        arguments.check_choice("flank", flank, arguments.FLANKS)
         if torque_nm is not None:
             arguments.TORQUE.check("torque_nm", torque_nm)
-        speed = self.file.pair.speed_rpm
-        made = simulate(
+        course = over_turns(
             self.assembled,
-            cycle_positions(self.mesh, turns=turns, points_per_mesh=points_per_mesh),
-            Condition(
-                flank=flank,
-                torque=(self.file.torque_nm if torque_nm is None else torque_nm) * NM,
-                speed=None if speed is None else speed * RPM,
-            ),
-            seed=self.seed,
-            evenly=True,
-            fast=fast,
-            progress=_quiet,
+            self.file,
+            flank=flank,
+            turns=turns,
+            points_per_mesh=points_per_mesh,
+            torque_nm=torque_nm,
         )
-        remarks = (*root_remarks(self.file), *strength_remarks(made))
-        return Simulated(name=self.file.name, simulation=made, remarks=remarks)
+        return simulated(self.assembled, self.file, course, seed=self.seed, fast=fast)
 
     @told_in_python()
-    def compare(self, recordings: Recorded, *, map: Path | str | None = None) -> Compared:
+    def simulate_at(
+        self,
+        recording: Path | str | Recording,
+        *,
+        map: Path | str | None = None,
+        flank: Flank | None = None,
+        fast: bool = False,
+    ) -> Simulated:
+        """What ``gearpoly simulate --at`` computes: the samples of one recording, under its condition; ``flank`` other
+        than the recording's where it is given. Raises ``InputFileError`` as the command does."""
+        one = read_one(recording, map=map, worm=self.file.worm)
+        if flank is not None:
+            arguments.check_choice("flank", flank, arguments.FLANKS)
+        course = along(self.assembled, self.file, one, flank=flank)
+        return simulated(self.assembled, self.file, course, seed=self.seed, fast=fast)
+
+    @told_in_python()
+    def compare(self, recordings: Recorded, *, map: Maps = None) -> Compared:
         """Lay recordings of one set-up on the simulation of this pair, as ``gearpoly compare`` does; ``map`` says what
-        their columns are. Raises ``InputFileError`` as the command does."""
-        return Compared(comparison=compare_as_built(self.file, self._read(recordings, map), path=self.source))
+        their columns are, one for all or a list with one for each. Raises ``InputFileError`` as the command does."""
+        read = read_each(recordings, map=map, worm=self.file.worm)
+        return Compared(comparison=compare_as_built(self.file, read, path=self.source))
 
     @told_in_python()
-    def diagnose(self, recordings: Recorded, *, map: Path | str | None = None, within: float = math.inf) -> Diagnosed:
+    def diagnose(self, recordings: Recorded, *, map: Maps = None, within: float = USUAL) -> Diagnosed:
         """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
         ``within`` seconds of work. Raises ``InputFileError`` as the command does, ``OutOfRangeError`` for less
         than 1 s."""
         arguments.SECONDS.check("within", within)
-        found = diagnose(self.file, self._read(recordings, map), path=self.source, within=within)
+        read = read_each(recordings, map=map, worm=self.file.worm)
+        found = diagnose(self.file, read, path=self.source, within=within)
         return Diagnosed(source=self.source, diagnosis=found)
 
     def plan(self) -> Planned:
         """Which recordings would tell the look-alikes of this pair apart, as ``gearpoly plan`` says."""
         return Planned(plan=plan(self.file, path=self.source))
 
-    def _read(self, recordings: Recorded, map: Path | str | None) -> list[Recording]:
-        out: list[Recording] = []
-        for one in each_of(recordings):
-            out += [one] if isinstance(one, Recording) else read(one, map=map, worm=self.file.worm)
-        return out
+    @told_in_python()
+    def view(
+        self,
+        *,
+        theta_2: float = 0.0,
+        recording: Path | str | Recording | None = None,
+        map: Path | str | None = None,
+        flank: Flank | None = None,
+    ) -> Viewed:
+        """The contact debugger, as ``gearpoly view`` writes it, opened at ``theta_2`` in rad.
+
+        A ``recording`` brings its mismatch and its flank, and nothing is drawn by chance beside it. Raises
+        ``OutOfRangeError`` for a ``flank`` or a ``map`` that does not go with that.
+        """
+        return view_of(
+            self.assembled,
+            self.file,
+            source=self.source,
+            seed=self.seed,
+            theta_2=theta_2,
+            recording=recording,
+            map=map,
+            flank=flank,
+        )
+
+    @told_in_python()
+    def plot(
+        self,
+        target: Path | str | None = None,
+        *,
+        what: Literal["mesh", "deviations", "gaps"] = "mesh",
+        theta_2: float = 0.0,
+        flank: Flank = "drive",
+    ) -> Figure:
+        """A still picture as ``gearpoly plot`` draws it, at ``theta_2`` in rad; written to ``target`` if given.
+
+        The ``mesh`` close up at a contact, ``deviations`` of all teeth, or ``gaps`` of near pairs.
+        """
+        from gearpoly.report.gear_plots import PICTURES, pair_figure
+        from gearpoly.report.plots import save
+
+        arguments.check_choice("what", what, PICTURES)
+        arguments.ANGLE.check("theta_2", theta_2)
+        arguments.check_choice("flank", flank, arguments.FLANKS)
+        figure = pair_figure(self.assembled, what, theta_2, flank=flank, name=self.file.name)
+        if target is not None:
+            save(figure, Path(target))
+        return figure
 
     def save(self, target: Path | str) -> None:
         """Write what is known of the pair as a pair file."""
@@ -298,13 +352,3 @@ def _glance(drawing: Drawing) -> str:
 def load(path: Path | str, *, seed: int = 0) -> Pair:
     """The pair of a pair file; ``seed`` decides what a grade leaves to chance."""
     return Pair.read(path, seed=seed)
-
-
-@told_in_python()
-def read(path: Path | str, *, map: Path | str | None = None, worm: WormSection | None = None) -> list[Recording]:
-    """All recordings of one file, in any format that ``gearpoly read`` knows; ``map`` says what its columns are, and
-    ``worm`` turns the error of a telescope's axis into the pair's. Raises ``InputFileError``."""
-    arguments.check_file("path", path)
-    if map is not None:
-        arguments.check_file("map", map)
-    return read_set([Path(path)], None if map is None else [Path(map)], worm=worm)

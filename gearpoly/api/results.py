@@ -9,9 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearpoly.api.tables import data_frame
+from gearpoly.assemble import Assembled
 from gearpoly.compare.beside import Comparison
+from gearpoly.course import Course, remarks_on, simulate_course
 from gearpoly.errors import shown
+from gearpoly.files.models import PairFile
 from gearpoly.files.output import write_text
+from gearpoly.files.pairfile import effective_defaults
 from gearpoly.mesh.pair import Flank
 from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, UM, FloatArray, IntArray, read_only
@@ -24,11 +28,12 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Simulated:
     """One pair over its positions (N,): what ``gearpoly simulate`` computes. ``name`` is the pair's; ``simulation`` has
-    the rest, in mm and rad."""
+    the rest, in mm and rad. ``defaults`` are the keys that the pair file left to their defaults, with their values."""
 
     name: str
     simulation: Simulation
     remarks: tuple[str, ...] = ()
+    defaults: tuple[tuple[str, object], ...] = ()
 
     def __repr__(self) -> str:
         figures = (
@@ -101,11 +106,31 @@ class Simulated:
 
         write_text(target, csv_text(self.simulation))
 
+    def to_dict(self) -> dict[str, Any]:
+        """What ``gearpoly simulate --json`` writes: key figures, curves, every contact."""
+        from gearpoly.report.simulation_files import run_json
+
+        return run_json(self.simulation, name=self.name, defaults=self.defaults, remarks=self.remarks)
+
+    def to_json(self, target: Path | str) -> None:
+        """Write the same."""
+        from gearpoly.report.simulation_files import json_text
+
+        text = json_text(self.simulation, name=self.name, defaults=self.defaults, remarks=self.remarks)
+        write_text(target, text)
+
     def to_pandas(self) -> DataFrame:
         """A row per position, the columns of ``to_csv``."""
         from gearpoly.report.simulation_files import CSV_HEADER
 
         return data_frame(dict(zip(CSV_HEADER.split(","), self.simulation.table().T, strict=True)))
+
+
+def simulated(assembled: Assembled, file: PairFile, course: Course, *, seed: int, fast: bool) -> Simulated:
+    """The pair of the ``file`` on a ``course``, and nobody watches."""
+    made = simulate_course(assembled, course, seed=seed, fast=fast, progress=lambda done: None)
+    remarks, defaults = remarks_on(file, course, made), tuple(effective_defaults(file))
+    return Simulated(name=file.name, simulation=made, remarks=remarks, defaults=defaults)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,8 +12,11 @@ from gearpoly import arguments
 from gearpoly.api.tables import data_frame
 from gearpoly.api.words import told_in_python
 from gearpoly.errors import OutOfRangeError, shown_value
+from gearpoly.files.output import write_text
 from gearpoly.study.answers import Answers, answer
-from gearpoly.study.answers_json import answers_json
+from gearpoly.study.answers_json import answers_json, json_text
+from gearpoly.study.limits import parse_limits
+from gearpoly.study.models import OutputLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,14 +25,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Studied:
-    """The table of a study in ``folder`` and what it answers."""
+    """The table of a study in ``folder`` and what it answers; ``limits`` instead of the study's own."""
 
     folder: Path
+    limits: tuple[OutputLimit, ...] | None = None
+    confidence: float = 0.95
 
     @cached_property
     def answers(self) -> Answers:
         """Percentiles with intervals, yields, sensitivity."""
-        return answer(self.folder)
+        return answer(self.folder, limits=self.limits, confidence=self.confidence)
 
     @property
     def pairs(self) -> int:
@@ -39,6 +44,15 @@ class Studied:
     def to_dict(self) -> Mapping[str, Any]:
         """What ``gearpoly study-report --json`` writes."""
         return answers_json(self.answers)
+
+    def to_json(self, target: Path | str) -> None:
+        """Write the same."""
+        write_text(target, json_text(self.answers))
+
+    def to_csv(self, target: Path | str) -> None:
+        """Write the whole table, as ``gearpoly study --csv`` does."""
+        arguments.check_file("target", target)
+        self.answers.store.to_csv(Path(target))
 
     def to_html(self, target: Path | str) -> None:
         """Write the answers as one page."""
@@ -84,7 +98,18 @@ def run_study(path: Path | str, folder: Path | str, *, workers: int = 1, schedul
     return Studied(folder=Path(folder))
 
 
-def open_study(folder: Path | str) -> Studied:
-    """The table that a study left in ``folder``, finished or not."""
+@told_in_python()
+def open_study(
+    folder: Path | str, *, limits: Sequence[str] = (), share: float = 0.99, confidence: float = 0.95
+) -> Studied:
+    """The table that a study left in ``folder``, finished or not, read as ``gearpoly study-report`` reads it.
+
+    ``limits`` such as ``"te_pp_um<=12"`` stand instead of the study's own, each to be kept by a ``share`` of the pairs;
+    ``confidence`` is that of all intervals. Raises ``OutOfRangeError`` for a limit that is none.
+    """
     arguments.check_file("folder", folder)
-    return Studied(folder=Path(folder))
+    arguments.SHARE.check("share", share)
+    arguments.CONFIDENCE.check("confidence", confidence)
+    texts = [limits] if isinstance(limits, str) else list(limits)
+    found = parse_limits(texts, share=share, folder=Path(folder))
+    return Studied(folder=Path(folder), limits=None if found is None else tuple(found), confidence=confidence)

@@ -143,6 +143,16 @@ class Planned:
         """What to record, the most useful first."""
         return tuple(one.says for one in (self.plan.first, *self.plan.further))
 
+    def plot(self, target: Path | str | None = None) -> Figure:
+        """What each recording tells apart and shows; written to ``target`` if given."""
+        from gearpoly.report.plan_plots import plan_figure
+        from gearpoly.report.plots import save
+
+        figure = plan_figure(self.plan)
+        if target is not None:
+            save(figure, Path(target))
+        return figure
+
     def to_dict(self) -> dict[str, Any]:
         """What ``gearpoly plan --json`` writes."""
         from gearpoly.report.plan_report import json_text

@@ -13,6 +13,15 @@ from gearpoly.units import UM
 WORDS = (
     ("gearpoly study --out", "gearpoly.run_study"),
     ("--gear driving or --gear driven", 'which="driving" or which="driven"'),
+    ("--as driving or --as driven", 'which="driving" or which="driven"'),
+    ("--flank left or --flank right", 'flank="left" or flank="right"'),
+    ("--count clockwise or counterclockwise", 'count="clockwise" or count="counterclockwise"'),
+    ("--as driving", 'which="driving"'),
+    ("--as driven", 'which="driven"'),
+    ("--count clockwise", 'count="clockwise"'),
+    ("--count counterclockwise", 'count="counterclockwise"'),
+    ("run this command for that gear too", "call it for that gear too"),
+    ("leave out --write, or --map to write a new one", "leave out map to write a new one"),
     ("a single --gear", "a single gear (which)"),
     ("(--apart draws", "(apart=True draws"),
     ("--map map.toml", 'map="map.toml"'),
@@ -23,21 +32,32 @@ WORDS = (
     ("--chord-um", "chord"),
     ("--out", "folder"),
     ("--apart", "apart"),
+    ("--as", "which"),
+    ("--confidence", "confidence"),
+    ("--count", "count"),
     ("--curves", "curves"),
     ("--flank", "flank"),
+    ("--html", "target"),
+    ("--limit", "limits"),
     ("--magnify", "magnify"),
     ("--map", "map"),
+    ("--mount", "name"),
     ("--points-per-mesh", "points_per_mesh"),
     ("--points", "points"),
     ("--scheduler", "scheduler"),
+    ("--share", "share"),
+    ("--sheet", "sheet"),
+    ("--stage", "stage"),
     ("--turns", "turns"),
     ("--workers", "workers"),
+    ("--write", "target"),
 )
 """What the command line says and what Python says instead, whole phrases before the options in them. Other options
 stay: they are of a command that a message names."""
 
 _CHORD = re.compile(r"--chord-um ([0-9.e+-]+)")
-_SAID = re.compile("|".join(f"{re.escape(said)}(?![\\w-])" for said, _ in WORDS))
+_COMMAND = "(?<!gearpoly pair )(?<!gearpoly read FILE )"
+_SAID = re.compile(_COMMAND + "(?:" + "|".join(f"{re.escape(said)}(?![\\w-])" for said, _ in WORDS) + ")")
 
 
 def in_words_of_python(text: str) -> str:
@@ -56,5 +76,6 @@ def told_in_python() -> Iterator[None]:
         if isinstance(error, ImportError):  # which keeps its text beside its arguments
             error.msg = error.args[0]
         if isinstance(error, InputFileError):
+            error.file = in_words_of_python(error.file) if error.file.startswith("--") else error.file
             error.found, error.wish = in_words_of_python(error.found), in_words_of_python(error.wish)
         raise

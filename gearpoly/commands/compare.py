@@ -7,18 +7,15 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.options import MapsOption, PairArgument, RecordingsArgument
+
 ORDER = 20
 
 
 def compare(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
-    recordings: Annotated[
-        list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
-    ],
-    map: Annotated[
-        list[Path] | None,
-        typer.Option(help="Read recordings by this map (TOML, from gearpoly read): one for all, or one for each."),
-    ] = None,
+    pair: PairArgument,
+    recordings: RecordingsArgument,
+    map: MapsOption = None,
     json: Annotated[
         Path | None, typer.Option(help="Write alignment, noise and where they differ (JSON; - for standard output).")
     ] = None,

@@ -9,19 +9,15 @@ import typer
 
 from gearpoly.arguments import SECONDS
 from gearpoly.diagnose.budget import USUAL
+from gearpoly.options import MapsOption, PairArgument, RecordingsArgument
 
 ORDER = 30
 
 
 def diagnose(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
-    recordings: Annotated[
-        list[Path], typer.Argument(help="Recordings of one set-up (CSV, Parquet, HDF5, MAT, TDMS, UFF58).")
-    ],
-    map: Annotated[
-        list[Path] | None,
-        typer.Option(help="Read recordings by this map (TOML, from gearpoly read): one for all, or one for each."),
-    ] = None,
+    pair: PairArgument,
+    recordings: RecordingsArgument,
+    map: MapsOption = None,
     json: Annotated[Path | None, typer.Option(help="Write the verdict (JSON; - for standard output).")] = None,
     html: Annotated[
         Path | None, typer.Option(help="Write one page with zoomable plots that opens without a network (- likewise).")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from gearpoly.arguments import SEED
+from gearpoly.options import FlankChoice, PairArgument, SeedOption
 
 ORDER = 50
 
@@ -21,13 +21,6 @@ class GearChoice(StrEnum):
     driven = "driven"
 
 
-class TouchingFlank(StrEnum):
-    """Which flanks touch in mesh."""
-
-    drive = "drive"
-    coast = "coast"
-
-
 class CurveChoice(StrEnum):
     """How curves are written."""
 
@@ -37,7 +30,7 @@ class CurveChoice(StrEnum):
 
 
 def export(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     to: Annotated[
         Path,
         typer.Option(
@@ -47,7 +40,7 @@ def export(
     ],
     gear: Annotated[GearChoice, typer.Option(help="Which gears.")] = GearChoice.both,
     at: Annotated[float, typer.Option(help="Driven angle in deg at which the gears stand in mesh.")] = 0.0,
-    flank: Annotated[TouchingFlank, typer.Option(help="Which flanks touch in mesh.")] = TouchingFlank.drive,
+    flank: Annotated[FlankChoice, typer.Option(help="Which flanks touch in mesh.")] = FlankChoice.drive,
     apart: Annotated[bool, typer.Option("--apart", help="Gears side by side, clear of each other.")] = False,
     magnify: Annotated[
         float, typer.Option(help="Exaggerate deviations from the ideal gear K times along the normal.", metavar="K")
@@ -60,7 +53,7 @@ def export(
     curves: Annotated[
         CurveChoice | None, typer.Option(help="dxf: lines, arcs or splines; step: splines or lines; else lines.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
+    seed: SeedOption = 0,
 ) -> None:
     """Write error gears in the format of the file's ending: drawings, solids, points, inspection files, designs."""
     import sys

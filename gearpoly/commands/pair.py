@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
+
+if TYPE_CHECKING:
+    from gearpoly.files.pair_from import MadeFiles
 
 ORDER = 5
 
@@ -83,6 +86,8 @@ def pair(
 ) -> None:
     """Write a pair file: one to fill in, a known telescope mount's, or from an inspection sheet or a design."""
     from gearpoly.errors import OutOfRangeError
+    from gearpoly.files.new_pair import write_mount, write_new
+    from gearpoly.files.pair_from import Choices, pair_from
 
     given = {"--as": which, "--flank": flank, "--count": count, "--map": layout, "--stage": stage}
     if sum(one is not None for one in (new, source, mount)) != 1:
@@ -98,86 +103,30 @@ def pair(
     if new is not None:
         if target is not None:
             raise OutOfRangeError("PAIR goes with --from FILE and --mount NAME; leave it out with --new")
-        _new(new, sheet)
+        _told(write_new(new, sheet))
     elif mount is not None:
-        _mount(mount, target)
+        _told(write_mount(mount, target))
     elif target is None or source is None:
         raise OutOfRangeError("--from FILE wants the pair file to write as well: gearpoly pair --from FILE PAIR")
     else:
-        _from(source, target, which=which, flank=flank, count=count, layout=layout, stage=stage)
+        choices = Choices(
+            which=None if which is None else which.value,
+            drive=None if flank is None else flank.value,
+            count=None if count is None else count.value,
+            layout=layout,
+            stage=stage,
+        )
+        _told(pair_from(source, target, choices))
 
 
-def _mount(name: str, target: Path | None) -> None:
-    from gearpoly.errors import InputFileError
-    from gearpoly.files.mounts import find_mount, mount_text
-    from gearpoly.files.output import say_written, write_text
-
-    mount = find_mount(name)
-    if target is None:
-        raise InputFileError("--mount", found=f"{name} without a file", wish=f"want --mount {name} PAIR.toml")
-    _check_new(target)
-    write_text(target, mount_text(mount))
-    ready = "gearpoly compare reads it as it stands" if mount.driving else "state the teeth of its transfer gears"
-    say_written(target, f"{mount.maker} {mount.names[0]}; {ready}")
-
-
-def _new(new: Path, sheet: Path | None) -> None:
-    import os
-
-    from gearpoly.files.output import say_written, write_text
-    from gearpoly.files.sheet_csv import sheet_text
-    from gearpoly.files.template import TEETH, pair_template
-
-    _check_new(new, sheet)
-    beside = None if sheet is None else Path(os.path.relpath(sheet.resolve(), new.resolve().parent)).as_posix()
-    if sheet is not None:
-        write_text(sheet, sheet_text(TEETH))
-    write_text(new, pair_template(sheet=beside))
-    say_written(sheet, "an inspection sheet to fill in, one row per tooth")
-    say_written(new, "a pair file to fill in; gearpoly simulate reads it as it stands")
-
-
-def _from(
-    source: Path,
-    target: Path,
-    *,
-    which: OneGear | None,
-    flank: SideChoice | None,
-    count: CountChoice | None,
-    layout: Path | None,
-    stage: int | None,
-) -> None:
+def _told(made: MadeFiles) -> None:
+    """Say what was written, and what is open."""
     import sys
 
     from gearpoly.errors import escaped
-    from gearpoly.files.output import check_targets, say_written
-    from gearpoly.files.pair_from import Choices, pair_from
+    from gearpoly.files.output import say_written
 
-    check_targets([target], inputs=[source, *([layout] if layout is not None else [])])
-    choices = Choices(
-        which=None if which is None else which.value,
-        drive=None if flank is None else flank.value,
-        count=None if count is None else count.value,
-        layout=layout,
-        stage=stage,
-    )
-    made = pair_from(source, target, choices)
     for one in made.says:
         print(f"note: {escaped(one)}", file=sys.stderr)
     for file, what in made.files:
         say_written(file, what)
-
-
-def _check_new(*targets: Path | None) -> None:
-    """Refuse what exists, and standard output: what is written is there to be filled in."""
-    from gearpoly.errors import InputFileError
-    from gearpoly.files.output import check_targets
-    from gearpoly.files.paths import look
-
-    check_targets(targets, inputs=[])
-    for target in targets:
-        if target is not None and str(target) == "-":
-            raise InputFileError(target, found="standard output", wish="want the name of a file")
-        if target is not None and look(target) is not None:
-            wish = "want a new name, since what was filled in would be lost"
-            raise InputFileError(target, found="this file exists", wish=wish)

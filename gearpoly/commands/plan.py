@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
+from gearpoly.options import PairArgument
+
 ORDER = 35
 
 
 def plan(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     json: Annotated[Path | None, typer.Option(help="Write the plan (JSON; - for standard output).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw what each recording tells apart (png, svg or pdf).")] = None,
 ) -> None:
     """Say which recordings would tell the pair's look-alikes apart."""
     from gearpoly.diagnose.plan import plan as run
@@ -23,12 +26,20 @@ def plan(
     from gearpoly.report.progress import steps
     from gearpoly.report.terminal import Terminal
 
-    check_targets([json], inputs=[pair])
+    check_targets([json, plot], inputs=[pair])
+    if plot is not None:
+        from gearpoly.report.plan_plots import plan_figure
+        from gearpoly.report.plots import check_format, save
+
+        check_format(plot)
     file = read_pair(pair)
     with steps() as step, blamed(pair, "driving, driven, pair"):
         made = run(file, path=pair, step=step)
     if json is not None:
         write_text(json, json_text(made))
+    if plot is not None:
+        save(plan_figure(made), plot)
     if str(json) != "-":
         print_plan(Terminal(), made)
     say_written(json, "the plan")
+    say_written(plot, "what each recording tells apart")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
-from gearpoly.arguments import SEED
+from gearpoly.options import FlankChoice, PairArgument, SeedOption
 
 ORDER = 45
 
@@ -21,22 +21,15 @@ class What(StrEnum):
     gaps = "gaps"
 
 
-class FlankToDraw(StrEnum):
-    """Which flanks touch."""
-
-    drive = "drive"
-    coast = "coast"
-
-
 def plot(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     to: Annotated[Path, typer.Option(help="Picture to write: png, svg or pdf.")],
     what: Annotated[
         What, typer.Option(help="mesh: close-up at a contact; deviations: maps of all teeth; gaps: of near pairs.")
     ] = What.mesh,
     at: Annotated[float, typer.Option(help="Driven angle in deg.")] = 0.0,
-    flank: Annotated[FlankToDraw, typer.Option(help="Which flanks touch.")] = FlankToDraw.drive,
-    seed: Annotated[int, typer.Option(help="Decides what a grade leaves to chance.", min=SEED.least)] = 0,
+    flank: Annotated[FlankChoice, typer.Option(help="Which flanks touch.")] = FlankChoice.drive,
+    seed: SeedOption = 0,
 ) -> None:
     """Draw still pictures of a pair: the mesh at a contact, tooth deviations, gaps of near pairs."""
     import math
@@ -45,7 +38,7 @@ def plot(
     from gearpoly.errors import OutOfRangeError, blamed
     from gearpoly.files.output import check_targets, say_written
     from gearpoly.files.pairfile import read_pair
-    from gearpoly.report import gear_plots
+    from gearpoly.report.gear_plots import pair_figure
     from gearpoly.report.plots import check_format, save
     from gearpoly.units import DEG
 
@@ -55,13 +48,7 @@ def plot(
         raise OutOfRangeError(f"--at {at:g}: want an angle in deg")
     file = read_pair(pair)
     assembled = assemble(file, path=pair, seed=seed)
-    side: Literal["drive", "coast"] = "coast" if flank is FlankToDraw.coast else "drive"
     with blamed(pair, "driving, driven, pair"):
-        if what is What.deviations:
-            figure = gear_plots.deviation_figure(assembled, name=file.name)
-        elif what is What.gaps:
-            figure = gear_plots.gap_figure(assembled, at * DEG, flank=side, name=file.name)
-        else:
-            figure = gear_plots.mesh_figure(assembled, at * DEG, flank=side, name=file.name)
+        figure = pair_figure(assembled, what.value, at * DEG, flank=flank.value, name=file.name)
     save(figure, to)
     say_written(to, what.value)

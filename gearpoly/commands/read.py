@@ -23,7 +23,7 @@ def read(
     from gearpoly.errors import OutOfRangeError
     from gearpoly.files.output import check_targets, say_written, write_text
     from gearpoly.recording.map_file import read_map
-    from gearpoly.recording.map_text import map_text
+    from gearpoly.recording.map_text import check_one_file, map_text
     from gearpoly.recording.survey import survey
     from gearpoly.report.reading_report import json_text, print_survey
     from gearpoly.report.terminal import Terminal
@@ -34,8 +34,8 @@ def read(
         from gearpoly.report.reading_plots import plot_surveys
 
         check_format(plot)
-    if write is not None and len(files) > 1:
-        raise OutOfRangeError(f"--write {write}: a map is of one file, and {len(files)} are given; want one of them")
+    if write is not None:
+        check_one_file(write, files=len(files))
     if write is not None and map is not None:
         raise OutOfRangeError(
             f"--write {write}: the map is there, {map}; leave out --write, or --map to write a new one"

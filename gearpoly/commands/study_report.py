@@ -21,14 +21,13 @@ def study_report(
     confidence: Annotated[float, typer.Option(help="Confidence of all intervals.", min=0.5, max=0.9999)] = 0.95,
 ) -> None:
     """Percentiles with their intervals, yield, cheapest grade, sensitivity; as text, page and JSON."""
-    from json import dumps
-
     from gearpoly.files.output import check_target, say_written, write_text
     from gearpoly.report.terminal import Terminal
     from gearpoly.study.answers import answer
-    from gearpoly.study.answers_json import answers_json
+    from gearpoly.study.answers_json import json_text
+    from gearpoly.study.limits import parse_limits
     from gearpoly.study.page import write_page
-    from gearpoly.study.summary import parse_limits, print_answers
+    from gearpoly.study.summary import print_answers
 
     for target in (html, json):
         if target is not None:
@@ -37,7 +36,7 @@ def study_report(
     page = html if html is not None else folder / "report.html"
     write_page(answers, page)
     if json is not None:
-        write_text(json, dumps(answers_json(answers), allow_nan=False, indent=1))
+        write_text(json, json_text(answers))
     if str(json) != "-":
         console = Terminal()
         # Tables of intervals are wider than the 80 columns that a pipe is taken for.

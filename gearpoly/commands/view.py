@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from gearpoly.arguments import SEED
-from gearpoly.commands.simulate import FlankChoice
+from gearpoly.options import FlankChoice, MapOption, PairArgument
 
 if TYPE_CHECKING:
     from gearpoly.files.models import PairFile
@@ -19,7 +19,7 @@ ORDER = 40
 
 
 def view(
-    pair: Annotated[Path, typer.Argument(help="Pair file (TOML): what is known of the two gears.")],
+    pair: PairArgument,
     html: Annotated[
         Path | None,
         typer.Option(help="The page to write (- for standard output); default: the pair file's name, ending in .html."),
@@ -28,7 +28,7 @@ def view(
     recording: Annotated[
         Path | None, typer.Option(help="Show this recording's mismatch beside the geometry, under its condition.")
     ] = None,
-    map: Annotated[Path | None, typer.Option(help="Read the recording by this map (TOML, from gearpoly read).")] = None,
+    map: MapOption = None,
     flank: Annotated[
         FlankChoice | None, typer.Option(help="Which flank carries; default drive, or the recording's.")
     ] = None,
@@ -38,20 +38,18 @@ def view(
 ) -> None:
     """Write the contact debugger: gears, contacts, gaps and TE in one page that any browser opens from disk."""
     from gearpoly.errors import OutOfRangeError
-    from gearpoly.files.output import check_target, say_written, write_text
+    from gearpoly.files.output import say_written, write_text
     from gearpoly.files.pairfile import read_pair
     from gearpoly.report.terminal import Terminal
     from gearpoly.view.document import document
-    from gearpoly.view.html import page_text
+    from gearpoly.view.html import check_page, page_text
 
     if not math.isfinite(at):
         raise OutOfRangeError(f"--at {at}: want a driven angle in deg, such as 12.5")
     if map is not None and recording is None:
         raise OutOfRangeError(f"--map {map}: a map is of a recording; want --recording beside it")
     target = Path(f"{pair.stem}.html") if html is None else html
-    if str(target) != "-" and target.suffix.lower() not in {".html", ".htm"}:
-        raise OutOfRangeError(f"--html {target}: the contact debugger is a page; want a name ending in .html")
-    check_target(target)
+    check_page(target)
     file = read_pair(pair)
     if recording is not None:
         if flank is not None or seed is not None:
@@ -76,6 +74,7 @@ def _beside_recording(file: PairFile, path: Path, recording: Path, *, map: Path 
     from gearpoly.recording.map_file import read_map
     from gearpoly.recording.read import read_recording
     from gearpoly.report.progress import steps, watched
+    from gearpoly.units import DEG
     from gearpoly.view.scene import positions, scene_beside
 
     with steps() as step:
@@ -83,7 +82,7 @@ def _beside_recording(file: PairFile, path: Path, recording: Path, *, map: Path 
         read = read_recording(recording, worm=file.worm, chart=None if map is None else read_map(map))
         comparison = compare_as_built(file, [read], path=path, step=step)
     with watched(2 * positions(comparison.assembled.pair), "turning the gears") as progress:
-        return scene_beside(comparison, path=path, at_deg=at, progress=progress)
+        return scene_beside(comparison, path=path, theta_2=at * DEG, progress=progress)
 
 
 def _as_asked(file: PairFile, path: Path, *, at: float, flank: FlankChoice | None, seed: int) -> ViewScene:
@@ -91,7 +90,7 @@ def _as_asked(file: PairFile, path: Path, *, at: float, flank: FlankChoice | Non
     from gearpoly.assemble import assemble
     from gearpoly.mesh.condition import Condition
     from gearpoly.report.progress import watched
-    from gearpoly.units import NM
+    from gearpoly.units import DEG, NM
     from gearpoly.view.scene import positions, scene_of
 
     assembled = assemble(file, path=path, seed=seed)
@@ -101,7 +100,7 @@ def _as_asked(file: PairFile, path: Path, *, at: float, flank: FlankChoice | Non
             name=file.name,
             path=path,
             condition=Condition(flank="coast" if flank == FlankChoice.coast else "drive", torque=file.torque_nm * NM),
-            at_deg=at,
+            theta_2=at * DEG,
             seed=seed,
             progress=progress,
         )

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from gearpoly.export.drawing import Drawing, Placed
-from gearpoly.export.outline import FINER, Outline, OutlinePart
+from gearpoly.export.outline import CHORD_DIVISIONS, Outline, OutlinePart
 from gearpoly.units import FloatArray
 
 
@@ -99,7 +99,7 @@ def _outline_error(outline: Outline, curves: str) -> float:
 
 def _spline_error(points: FloatArray, true: FloatArray) -> float:
     curve = make_interp_spline(np.arange(points.shape[0], dtype=np.float64), points, k=3)
-    at = np.arange(true.shape[0]) / FINER
+    at = np.arange(true.shape[0]) / CHORD_DIVISIONS
     off, along = curve(at) - true, curve(at, 1)
     # Only what stands off across the curve counts; along it the parameter may slip.
     return float(np.max(np.abs(off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / np.hypot(along[:, 0], along[:, 1])))
@@ -113,11 +113,11 @@ def _arc_error(points: FloatArray, true: FloatArray) -> float:
         # The centre is where both perpendicular bisectors meet.
         sides = 2.0 * np.array([b - a, c - a])
         centre = a + np.linalg.solve(sides, np.array([(b - a) @ (b - a), (c - a) @ (c - a)]))
-        rows = true[start * FINER : (start + 2) * FINER + 1] - centre
+        rows = true[start * CHORD_DIVISIONS : (start + 2) * CHORD_DIVISIONS + 1] - centre
         worst = max(worst, float(np.max(np.abs(np.hypot(rows[:, 0], rows[:, 1]) - np.hypot(*(a - centre))))))
     if edges % 2:
         chord = points[-1] - points[-2]
-        rows = true[-FINER - 1 :] - points[-2]
+        rows = true[-CHORD_DIVISIONS - 1 :] - points[-2]
         worst = max(
             worst, float(np.max(np.abs(chord[0] * rows[:, 1] - chord[1] * rows[:, 0]))) / float(np.hypot(*chord))
         )

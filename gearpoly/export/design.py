@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gearpoly.assemble import NAMES, Assembled
+from gearpoly.arguments import GEARS
+from gearpoly.assemble import Assembled
 from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Request
 from gearpoly.files.models import GearSection, PairFile
@@ -74,7 +75,7 @@ def left_out(file: PairFile) -> list[str]:
     keys = [key for key in GearSection.model_fields if key in brought - {"tip_relief"} or key in MEASURED]
     found = [
         f"{name}.{key}"
-        for name in NAMES
+        for name in GEARS
         for key in keys
         if key in getattr(file, name).model_fields_set and getattr(getattr(file, name), key)
     ]
@@ -107,7 +108,7 @@ def design_model(file: PairFile, assembled: Assembled) -> RexsModel:
     stage = build.add("cylindrical_stage", file.name, {"center_distance": (pair.a, "mm")})
     build.relate("assembly", ("assembly", unit), ("part", stage))
     gears = []
-    for name, section, mounted in zip(NAMES, (file.driving, file.driven), (pair.driving, pair.driven), strict=True):
+    for name, section, mounted in zip(GEARS, (file.driving, file.driven), (pair.driving, pair.driven), strict=True):
         gear = mounted.gear
         speed = file.pair.speed_rpm
         if speed is not None and name == "driven":

@@ -17,7 +17,8 @@ from shapely import is_valid_reason
 from shapely.geometry import Polygon
 
 from gearpoly import __version__, arguments
-from gearpoly.assemble import NAMES, Assembled
+from gearpoly.arguments import GEARS
+from gearpoly.assemble import Assembled
 from gearpoly.errors import (
     GearpolyError,
     GeometryError,
@@ -27,7 +28,7 @@ from gearpoly.errors import (
     OutOfRangeError,
     shown,
 )
-from gearpoly.export.magnify import LARGEST, magnified, onset
+from gearpoly.export.magnify import LARGEST_MAGNIFICATION, magnified, onset
 from gearpoly.export.outline import Detail, Outline, OutlinePart, draw_outline
 from gearpoly.gear.deviations import Deviations
 from gearpoly.gear.flank import Flanks
@@ -39,10 +40,10 @@ from gearpoly.units import DEG, UM, FloatArray, read_only
 
 Which = Literal["driving", "driven", "both"]
 
-COARSE = Detail(points=64)
+ONSET_DETAIL = Detail(points=64)
 """Detail at which the onset of crossing teeth is searched: it is wanted to a few parts in a thousand."""
 
-APART = 2.0
+CLEAR_SPACE = 2.0
 """Clear space between the tip circles of gears drawn apart, in modules."""
 
 
@@ -65,8 +66,8 @@ class Request:
     def __post_init__(self) -> None:
         arguments.check_choice("--gear", self.which, (*arguments.GEARS, "both"))
         arguments.check_choice("--flank", self.flank, arguments.FLANKS)
-        if not 0.0 <= self.magnify <= LARGEST:
-            raise OutOfRangeError(f"--magnify {self.magnify:g}: want 0 (the ideal gear) to {LARGEST:g}")
+        if not 0.0 <= self.magnify <= LARGEST_MAGNIFICATION:
+            raise OutOfRangeError(f"--magnify {self.magnify:g}: want 0 (the ideal gear) to {LARGEST_MAGNIFICATION:g}")
         if not math.isfinite(self.at):
             raise OutOfRangeError(f"--at {self.at:g}: want an angle in deg")
         if self.at and (self.apart or self.which != "both"):
@@ -207,7 +208,7 @@ def draw(assembled: Assembled, request: Request, *, title: str, source: str, see
     pair = _mounted(assembled, [outline.flanks for outline in outlines])
     found = _in_mesh(assembled, pair, request, source) if meet else None
     theta_1 = 0.0 if found is None else float((found.theta_2[0] - found.te[0]) / pair.ratio)
-    apart = pair.driving.gear.r_a + pair.driven.gear.r_a + APART * pair.driving.gear.m
+    apart = pair.driving.gear.r_a + pair.driven.gear.r_a + CLEAR_SPACE * pair.driving.gear.m
     apart += pair.driving.eccentricity[0] + pair.driven.eccentricity[0]
     place = {"driving": 0.0, "driven": pair.a if meet else apart if request.which == "both" else 0.0}
     turn = {"driving": theta_1, "driven": -request.at if meet else 0.0}
@@ -221,7 +222,7 @@ def draw(assembled: Assembled, request: Request, *, title: str, source: str, see
             axis=read_only([place[name], 0.0]),
             angle=turn[name],
         )
-        for k, (name, mounted) in enumerate(zip(NAMES, (pair.driving, pair.driven), strict=True))
+        for k, (name, mounted) in enumerate(zip(GEARS, (pair.driving, pair.driven), strict=True))
         if request.which in (name, "both")
     )
     return Drawing(
@@ -239,7 +240,7 @@ def draw(assembled: Assembled, request: Request, *, title: str, source: str, see
 def _outline(assembled: Assembled, k: int, request: Request, source: str) -> Outline:
     mounted = (assembled.pair.driving, assembled.pair.driven)[k]
 
-    def attempt(K: float, detail: Detail = COARSE) -> Outline:
+    def attempt(K: float, detail: Detail = ONSET_DETAIL) -> Outline:
         outline = draw_outline(
             mounted.gear,
             magnified(assembled.deviations[k], K),
@@ -256,7 +257,7 @@ def _outline(assembled: Assembled, k: int, request: Request, source: str) -> Out
     try:
         return attempt(request.magnify, request.detail)
     except (GeometryError, NotConvergedError) as error:
-        raise _too_much(source, NAMES[k], "teeth cross", attempt, request.magnify, error) from None
+        raise _too_much(source, GEARS[k], "teeth cross", attempt, request.magnify, error) from None
 
 
 def _in_mesh(assembled: Assembled, pair: GearPair, request: Request, source: str) -> FlankContacts:
@@ -264,7 +265,7 @@ def _in_mesh(assembled: Assembled, pair: GearPair, request: Request, source: str
 
     def attempt(K: float, drawn: GearPair | None = None) -> FlankContacts:
         if drawn is None:
-            coarse = Request(magnify=K, detail=COARSE)
+            coarse = Request(magnify=K, detail=ONSET_DETAIL)
             drawn = _mounted(assembled, [_outline(assembled, k, coarse, source).flanks for k in range(2)])
         both = both_flanks(drawn, np.array([request.at]))
         return both.drive if request.flank == "drive" else both.coast

@@ -15,10 +15,10 @@ from gearpoly.errors import GearpolyError
 from gearpoly.gear.deviations import Deviations, Scatter, Shape, Span
 from gearpoly.units import FloatArray, read_only
 
-LARGEST = 1e6
+LARGEST_MAGNIFICATION = 1e6
 """Magnification beyond which 1 nm would be a tooth of module 0.5; a larger one is a slip of the keyboard."""
 
-STEP = 1e-6
+TANGENT_STEP = 1e-6
 """Share of the tip's roll length over which the tangent there is taken: curvature spoils 1e-6 of it, rounding less."""
 
 RESOLUTION = 1e-3
@@ -38,7 +38,7 @@ class Scaled:
 
     def __call__(self, l: FloatArray, span: Span) -> FloatArray:
         inside = np.clip(l, 0.0, span.l_a)
-        step = STEP * span.l_a
+        step = TANGENT_STEP * span.l_a
         ends = self.shape(np.broadcast_to([[span.l_a - step, span.l_a]], (l.shape[0], 2)), span)
         slope = (ends[:, -1:] - ends[:, :1]) / step
         return self.K * (self.shape(inside, span) + slope * np.maximum(0.0, l - span.l_a))

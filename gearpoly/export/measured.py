@@ -16,7 +16,7 @@ from gearpoly.gear.deviations import Index, Relief, Shape, total
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import FloatArray, read_only
 
-POINTS = 481
+TRACE_POINTS = 481
 """Points per trace unless asked otherwise: ISO 1328-1:2013 asks for 150 at least, and this resolves a relief's corner
 to 0.05 um."""
 
@@ -53,7 +53,7 @@ class Measured:
         ]
 
 
-def measure(gear: Placed, *, points: int = POINTS) -> Measured:
+def measure(gear: Placed, *, points: int = TRACE_POINTS) -> Measured:
     """What ``gear`` deviates by, at ``points`` roll lengths evenly over the flanks that it has.
 
     A flank that stands in by d meets the tip circle where its involute is d longer, so that traces go on past the tip.

@@ -36,7 +36,7 @@ PLENTY = 500
 """Points per flank at which the default detail stops: profiles that scatter from point to point would otherwise ask
 for all of them."""
 
-FINER = 8
+CHORD_DIVISIONS = 8
 """Divisions of each chord on which its error is measured; the greatest stand-off between them is missed by 1 part in
 64."""
 
@@ -97,7 +97,7 @@ class Outline:
 
     ``parts`` follow one another counter-clockwise; ``centre`` (2,) in mm is the gear's own centre; ``bore`` (k, 2) the
     bore's points, counter-clockwise, and ``r_bore`` its radius in mm; ``flanks`` what was drawn, ``fine`` the same
-    ``FINER`` times as fine; ``chord_error`` in mm, measured: no point of the true outline is farther away;
+    ``CHORD_DIVISIONS`` times as fine; ``chord_error`` in mm, measured: no point of the true outline is farther away;
     ``flank_error`` that of the involutes alone and ``fillet_error`` that of root, tip and bore.
     """
 
@@ -158,7 +158,7 @@ def _flanks(gear: Gear, deviations: Deviations, l_start: float, detail: Detail) 
         # Deviations magnified beyond all measure run away; draw_flanks says so.
         with np.errstate(over="ignore", invalid="ignore"):
             flanks = draw_flanks(gear, deviations, l_start=l_start, points=n)
-            fine = draw_flanks(gear, deviations, l_start=l_start, points=FINER * (n - 1) + 1)
+            fine = draw_flanks(gear, deviations, l_start=l_start, points=CHORD_DIVISIONS * (n - 1) + 1)
         error = stand_off(flanks, fine)
         if detail.points is not None or error <= wanted or (n == most and detail.chord is None):
             return flanks, fine, error
@@ -179,7 +179,7 @@ def stand_off(flanks: Flanks, fine: Flanks) -> float:
         between = dense[:, fine.root.n - 1 :]
         chord = np.diff(ends, axis=1)
         z, n = chord.shape[:2]
-        rows = between[:, :-1].reshape(z, n, FINER, 2) - ends[:, :-1, None]
+        rows = between[:, :-1].reshape(z, n, CHORD_DIVISIONS, 2) - ends[:, :-1, None]
         off = rows[..., 0] * chord[:, :, None, 1] - rows[..., 1] * chord[:, :, None, 0]
         worst = max(worst, float(np.max(np.abs(off) / np.hypot(chord[..., 0], chord[..., 1])[..., None])))
     return worst

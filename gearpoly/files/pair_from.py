@@ -11,7 +11,7 @@ from gearpoly.files.inspection.into_pair import read_target, stated, write_gear
 from gearpoly.files.inspection.measured import Which, translated
 from gearpoly.files.inspection.read import read_sheet
 from gearpoly.files.inspection.sheet_map import read_map
-from gearpoly.files.output import check_target
+from gearpoly.files.output import check_targets
 from gearpoly.files.paths import unreadable
 from gearpoly.files.rexs.into_pair import write_design
 from gearpoly.files.rexs.source import is_design
@@ -45,8 +45,8 @@ def pair_from(source: Path, target: Path, choices: Choices) -> MadeFiles:
 
     Raises ``InputFileError`` for a file that cannot be read, and asking for what it does not say.
     """
+    check_targets([target], inputs=[source, *([choices.layout] if choices.layout is not None else [])])
     check_file(source, limit_bytes=TEXT_LIMIT_BYTES)
-    check_target(target)
     if str(target) == "-":
         raise InputFileError(target, found="standard output", wish="want the name of a pair file")
     try:

@@ -41,7 +41,7 @@ LEAST_GEARS, TEETH = 40, 20_000
 at least."""
 MAX_FLANKS = 1000
 """Profiles drawn for one flank before its profile limits count as contradicting one another."""
-SLACK = 1e-12
+SUM_ROUNDING = 1e-12
 """mm. Rounding in sums of a thousand deviations; no measurement resolves it. 0 refuses gears that
 lie on their limit."""
 FORM_WAVES = 4
@@ -149,7 +149,7 @@ def _refuse_apart(limits: Limits, cosine: float) -> None:
     apart pass no gear."""
     low = max(limits.E_sni, limits.W_kni / cosine)
     high = min(limits.E_sns, limits.W_kns / cosine)
-    if low > high + SLACK:
+    if low > high + SUM_ROUNDING:
         raise NoGearPassesError(
             f"no gear passes: E_s from {limits.E_sni / UM:.2f} to {limits.E_sns / UM:.2f} um means "
             f"W_k from "
@@ -188,7 +188,7 @@ def _graded(
     E, W = x + y, x[drive] + y[coast]
     low = max(limits.E_sni - float(np.min(E)), limits.W_kni / cosine - float(np.min(W)))
     high = min(limits.E_sns - float(np.max(E)), limits.W_kns / cosine - float(np.max(W)))
-    if low > high + SLACK:
+    if low > high + SUM_ROUNDING:
         return None, low - high
     return y + low + max(0.0, high - low) * rng.random(), 0.0
 
@@ -209,7 +209,7 @@ def _independent(
     low = np.maximum(limits.E_sni, limits.W_kni / cosine + shift)
     high = np.minimum(limits.E_sns, limits.W_kns / cosine + shift)
     lack = float(np.max(low - high))
-    if lack > SLACK:
+    if lack > SUM_ROUNDING:
         return None, lack
     return low + np.maximum(0.0, high - low) * rng.random(gear.z) - x, 0.0
 
@@ -230,12 +230,12 @@ def _passes(
     sides = (index, index_coast) if coast_graded else (index,)
     return (
         all(
-            np.max(np.abs(single_pitch(side, alpha=gear.alpha))) <= limits.f_pT + SLACK
-            and cumulative_pitch(side, alpha=gear.alpha) <= limits.F_pT + SLACK
+            np.max(np.abs(single_pitch(side, alpha=gear.alpha))) <= limits.f_pT + SUM_ROUNDING
+            and cumulative_pitch(side, alpha=gear.alpha) <= limits.F_pT + SUM_ROUNDING
             for side in sides
         )
-        and bool(np.all((E_s >= limits.E_sni - SLACK) & (E_s <= limits.E_sns + SLACK)))
-        and bool(np.all((W_k >= limits.W_kni - SLACK) & (W_k <= limits.W_kns + SLACK)))
+        and bool(np.all((E_s >= limits.E_sni - SUM_ROUNDING) & (E_s <= limits.E_sns + SUM_ROUNDING)))
+        and bool(np.all((W_k >= limits.W_kni - SUM_ROUNDING) & (W_k <= limits.W_kns + SUM_ROUNDING)))
     )
 
 
@@ -256,7 +256,7 @@ def _smooth(gear: Gear, limits: Limits, rng: np.random.Generator) -> _Profiles:
                 c = tooth.standard_normal(FORM_WAVES)
                 c *= tooth.random() * limits.f_falphaT / np.ptp(c @ straight)
                 trace = s * (_U - 0.5) + c @ straight
-                if np.ptp(trace) <= limits.F_alphaT + SLACK:
+                if np.ptp(trace) <= limits.F_alphaT + SUM_ROUNDING:
                     break
             else:
                 raise NoGearPassesError(

@@ -218,7 +218,7 @@ def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, sp
     )
 
 
-FLOOR = 1e-4
+ROOT_MARGIN = 1e-4
 """Part of the half pitch by which a root stays on its own side of the middle of its space: below 0.1 um per mm of
 radius, and far above rounding."""
 
@@ -228,5 +228,5 @@ def root_angles(root: Root, ends: FloatArray) -> FloatArray:
     where it is, and what a large deviation turns past it stands along it, or the outline would fold over."""
     angles: FloatArray = root.psi + (ends - root.psi[-1])
     angles[:, 0] = root.psi[0]
-    along = root.psi[0] * (1.0 - FLOOR * np.arange(root.n) / root.n)
+    along = root.psi[0] * (1.0 - ROOT_MARGIN * np.arange(root.n) / root.n)
     return np.where(angles > root.psi[0], along, angles)

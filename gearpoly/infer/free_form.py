@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gearpoly.keys.edit import gear_section, on_gear
-from gearpoly.keys.sections import Form, PairFile
+from gearpoly.keys.sections import FormSection, PairFile
 from gearpoly.physics.base import WORN, Claim, Physics, Quantity
 from gearpoly.physics.bounds import half_tooth
 from gearpoly.physics.place import Place, Values
@@ -42,7 +42,7 @@ def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArra
 def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     if not any(values):
         return file
-    form = Form.model_construct(
+    form = FormSection.model_construct(
         tooth=place.tooth,
         flank=place.flank or "drive",
         roll_length_mm=tuple(round(one, DIGITS) for one in place.shape),

@@ -23,7 +23,7 @@ LOW_ORDERS = 6
 """Orders of its own turn up to which a part without teeth makes waves: bearings out of round, couplings, a motor's
 poles. Wheels wave like this pair's own, up to half their teeth."""
 
-MESH_ORDERS = 3
+PART_MESH_ORDERS = 3
 """Harmonics of a part's mesh that are looked for; higher ones hardly pass a drive."""
 
 
@@ -38,7 +38,7 @@ class Part:
 
     def meshes(self) -> Iterable[float]:
         """The orders per turn of the driven gear of its mesh."""
-        return () if self.teeth is None else (k * self.teeth * self.turns for k in range(1, MESH_ORDERS + 1))
+        return () if self.teeth is None else (k * self.teeth * self.turns for k in range(1, PART_MESH_ORDERS + 1))
 
     def line(self, order: float, within: float) -> str | None:
         """Which of its lines lies at ``order`` per turn of the driven gear, to ``within``, in words; ``None`` where
@@ -48,7 +48,7 @@ class Part:
             return None
         if k == 1:
             return f"the {self.name}'s turn"
-        mesh = 0 if self.teeth is None else max(1, min(MESH_ORDERS, round(k / self.teeth)))
+        mesh = 0 if self.teeth is None else max(1, min(PART_MESH_ORDERS, round(k / self.teeth)))
         beside = k - mesh * (self.teeth or 0)
         if mesh and abs(beside) <= SIDE_BANDS:
             whole = f"the {self.name}'s mesh" if mesh == 1 else f"mesh order {mesh} of the {self.name}"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
+from gearpoly import arguments
 from gearpoly.keys.sections import GearSection, PairFile, Section
 
-GEARS = ("driving", "driven")
+GEARS = arguments.GEARS
 
 
 def changed(section: Any, **keys: object) -> Any:

@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from gearpoly.keys.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, Um, UmSize, broken, field, number_or_list
 
-HALF_WAVES = 12
+MOST_HALF_WAVES = 12
 """Half waves of form at most: finer ones are for whole traces."""
 
 Size = Annotated[float, Field(gt=0.0, le=1e5)]
@@ -21,7 +21,7 @@ Sizes = Annotated[
 """A length that was measured once, or at several places round the gear."""
 
 Forms = Annotated[
-    tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT, Field(min_length=1, max_length=HALF_WAVES)], ...],
+    tuple[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT, Field(min_length=1, max_length=MOST_HALF_WAVES)], ...],
     Strict(False),
     ONE_FAULT,
 ]

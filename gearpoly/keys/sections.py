@@ -74,7 +74,7 @@ class MaterialSection(Section):
     poisson_ratio: float = field("Poisson's ratio, between -1 and 0.5", 0.3, gt=-1.0, lt=0.5)
 
 
-class Limits(Section):
+class LimitsSection(Section):
     """Limits instead of, or over, those of the grade, in um."""
 
     f_pt_um: UmSize | None = field("single pitch limit in um, 0 or more")
@@ -108,7 +108,7 @@ class Encoder(Open):
 RollLength = Annotated[float, Field(ge=0.0, le=1e5)]
 
 
-class Form(Section):
+class FormSection(Section):
     """What the flanks of a gear have beside all else that the file says of them: a curve over the roll length."""
 
     tooth: int | None = field("number of the tooth, from 0; default: all teeth", ge=0)
@@ -176,9 +176,11 @@ class GearSection(Open):
         "each tooth's E_s on its own",
         "graded",
     )
-    limits: Limits | None = field("limits over the grade's, a table")
+    limits: LimitsSection | None = field("limits over the grade's, a table")
     inspection: Inspection | None = field("what was measured, a table")
-    form: tuple[Form, ...] = field("what the flanks have beside all else, tables", (), strict=False, fail_fast=True)
+    form: tuple[FormSection, ...] = field(
+        "what the flanks have beside all else, tables", (), strict=False, fail_fast=True
+    )
 
     @model_validator(mode="before")
     @classmethod

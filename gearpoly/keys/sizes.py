@@ -12,7 +12,7 @@ from gearpoly.keys.kinds import broken
 
 MM_PER_INCH = 25.4
 
-DIGITS = 12
+COEFFICIENT_DECIMALS = 12
 """Decimals that are kept of a computed coefficient: what float64 adds beyond them is no part of a gear."""
 
 LEAST_PITCH, MOST_PITCH = 0.254, 508.0
@@ -30,17 +30,17 @@ def module_of(P_d: float) -> float:
 
 def profile_shift_of(d_a: float, *, z: int, m: float, h_aP: float) -> float:
     """Profile shift coefficient x of a gear with tip diameter ``d_a`` in mm and an addendum of ``h_aP`` modules."""
-    return round(0.5 * (d_a / m - z) - h_aP, DIGITS)
+    return round(0.5 * (d_a / m - z) - h_aP, COEFFICIENT_DECIMALS)
 
 
 def addendum_of(d_a: float, *, z: int, m: float, x: float) -> float:
     """Addendum h_aP in modules, any shortening included, of a gear with tip diameter ``d_a`` in mm."""
-    return round(0.5 * (d_a / m - z) - x, DIGITS)
+    return round(0.5 * (d_a / m - z) - x, COEFFICIENT_DECIMALS)
 
 
 def dedendum_of(d_f: float, *, z: int, m: float, x: float) -> float:
     """Dedendum h_fP in modules of a gear with root diameter ``d_f`` in mm."""
-    return round(0.5 * (z - d_f / m) + x, DIGITS)
+    return round(0.5 * (z - d_f / m) + x, COEFFICIENT_DECIMALS)
 
 
 def with_sizes(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,10 +18,10 @@ import numpy as np
 from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-ROUNDS = 100
+NEWTON_STEPS = 100
 """Newton's steps allowed. Five to seven are usual; a pair that has only just touched adds a few."""
 
-FAR = 0.1
+UNTRUSTED_BELOW = 0.1
 """Part of a load below which Newton's next is not trusted: so far down the tangent is no guide, and the load is taken
 to fall with the square of the closing, as a gap across the face width has it."""
 
@@ -119,7 +119,7 @@ def balance(
             if lever_2[i] <= 0.0:
                 force[i] = 0.0
         settled = False
-        for _ in range(ROUNDS):
+        for _ in range(NEWTON_STEPS):
             for i in range(begin, end):
                 carries[i] = force[i] > 0.0
                 if carries[i]:
@@ -133,7 +133,7 @@ def balance(
                 load = 0.0
                 if closed > 0.0:
                     load = force[i] + (closed - given[i]) / slope[i]
-                    if load < FAR * force[i]:
+                    if load < UNTRUSTED_BELOW * force[i]:
                         load = force[i] * (closed / given[i]) ** 2
                 moved = max(moved, abs(load - force[i]))
                 force[i] = load

@@ -18,11 +18,11 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 ComplexArray = npt.NDArray[np.complex128]
 Geometries = npt.NDArray[np.object_]
 
-WINDOW = 15
+WINDOW_VERTICES = 15
 """Vertices per window. Distance queries cost the product of both windows' sizes; 15 span more than one stride of the
 coarser level on either side, which is where the contact can be."""
 
-COARSE = 13
+COARSEST_VERTICES = 13
 """Vertices on a whole working face at the coarsest level."""
 
 REFINE = 6
@@ -44,7 +44,7 @@ THIN_SHARE = 0.02
 """Share of the pitch below which a tip counts as pointed. It bounds the steps in which a lost contact is looked for;
 half the tip of a standard tooth takes a tenth of the pitch."""
 
-LOST = 0.5
+LOST_TURN = 0.5
 """rad. A pair that has turned further than this from its guess, or than three quarters of a pitch, is not going to
 touch."""
 
@@ -137,7 +137,7 @@ class Body:
     @cached_property
     def strides(self) -> list[int]:
         """Strides between the vertices of windows, coarse to fine, ending at every vertex."""
-        stride = (self.faces.shape[1] - 1 - self.working) // (COARSE - 1)
+        stride = (self.faces.shape[1] - 1 - self.working) // (COARSEST_VERTICES - 1)
         out = []
         while stride > 1:
             stride = -(-stride // REFINE)
@@ -199,7 +199,7 @@ class Meeting:
     def grids(self) -> tuple[IntArray, IntArray]:
         """Vertices of both working faces thinned to COARSE."""
         mine, mates = (
-            np.rint(np.linspace(body.working, body.faces.shape[1] - 1, COARSE)).astype(np.int64)
+            np.rint(np.linspace(body.working, body.faces.shape[1] - 1, COARSEST_VERTICES)).astype(np.int64)
             for body in (self.turning, self.fixed)
         )
         return mine, mates
@@ -218,12 +218,12 @@ class Meeting:
     @property
     def wide(self) -> float:
         """How far from its guess a contact may lie, rad."""
-        return min(WIDE_SHARE * self.turning.pitch, LOST)
+        return min(WIDE_SHARE * self.turning.pitch, LOST_TURN)
 
     @property
     def lost(self) -> float:
         """Beyond this rotation from the guess a pair does not touch any more, rad."""
-        return min(LOST, 0.75 * self.turning.pitch)
+        return min(LOST_TURN, 0.75 * self.turning.pitch)
 
     def stand_off(self, stride_turning: int, stride_fixed: int) -> float:
         """Both sagittas of chords over so many edges, as a rotation in rad."""
@@ -274,6 +274,6 @@ def window(body: Body, centre: IntArray, stride: int) -> IntArray:
     """
     last = body.faces.shape[1] - 1
     lowest = body.working if stride > 1 else 0
-    size = min(WINDOW, 1 + (last - lowest) // stride)
+    size = min(WINDOW_VERTICES, 1 + (last - lowest) // stride)
     start = np.clip(centre - stride * (size // 2), lowest, last - stride * (size - 1))
     return np.asarray(start[:, None] + stride * np.arange(size))

@@ -11,10 +11,10 @@ import shapely
 
 from gearpoly.errors import NotConvergedError
 from gearpoly.mesh.bodies import ComplexArray, Jobs, Meeting, complex_points, lines
-from gearpoly.mesh.impact import CONVERGED, STEPS, impact
+from gearpoly.mesh.impact import CONVERGED, IMPACT_STEPS, impact
 from gearpoly.units import BoolArray, FloatArray
 
-CERTIFIED = 2.5e-13
+HALF_BRACKET = 2.5e-13
 """rad. Half the width of the certified bracket. Rounding of coordinates moves a contact by about 1e-15 rad, so a
 smaller one would begin to fail for no geometric reason; a larger one would spoil the 1e-12 rad promised."""
 
@@ -25,10 +25,10 @@ over. Smooth flanks need one, rough ones a few, since each aim finds an earlier 
 FIRST_BRACKET = 1e-6
 """rad. First reach of the search for a bracket around an uncertified answer; doubles up to the back-off."""
 
-PARTS = 24
+CLIP_PLACES = 24
 """Faces are clipped for certificates at so many places, so that jobs alike go through in one array."""
 
-SAMPLES = 64
+DEPTH_VERTICES = 64
 """Vertices looked at to find how far down the mate's face the turning body reaches."""
 
 PEEK = 1e-8
@@ -73,9 +73,9 @@ def uncertified(m: Meeting, jobs: Jobs) -> BoolArray:
     just after."""
     mine, mates = jobs.windows(m)
     faces = lines(m.turning.points[jobs.turning[:, None], mine])
-    seen = jobs.seen(m, m.fixed.points[jobs.fixed[:, None], mates], jobs.rotation + CERTIFIED)
+    seen = jobs.seen(m, m.fixed.points[jobs.fixed[:, None], mates], jobs.rotation + HALF_BRACKET)
     cross: BoolArray = shapely.intersects(faces, lines(seen))
-    return ~(cross & _clear(m, jobs, jobs.rotation - CERTIFIED))
+    return ~(cross & _clear(m, jobs, jobs.rotation - HALF_BRACKET))
 
 
 def _crossings(m: Meeting, jobs: Jobs, rotation: FloatArray) -> ComplexArray:
@@ -114,7 +114,7 @@ def _place_at(m: Meeting, jobs: Jobs, rotation: FloatArray) -> None:
 def _aim_again(m: Meeting, jobs: Jobs) -> None:
     """Touch again where whole faces overlap just before the uncertified answer."""
     jobs.rotation = np.where(np.abs(jobs.rotation) < m.lost, jobs.rotation, 0.0)
-    start = jobs.rotation - CERTIFIED
+    start = jobs.rotation - HALF_BRACKET
     _place_at(m, jobs, start)
     jobs.rotation = start.copy()
     impact(m, jobs, jobs.windows(m), CONVERGED)
@@ -124,9 +124,9 @@ def _aim_again(m: Meeting, jobs: Jobs) -> None:
 def _bisect(m: Meeting, jobs: Jobs) -> None:
     """First touch on whole faces by plain bisection; slow (a whole-face test per halving), for what windows cannot
     find."""
-    low, high = jobs.rotation - CERTIFIED, jobs.rotation + CERTIFIED
+    low, high = jobs.rotation - HALF_BRACKET, jobs.rotation + HALF_BRACKET
     reach = FIRST_BRACKET
-    for _ in range(STEPS):
+    for _ in range(IMPACT_STEPS):
         clear, cross = _clear(m, jobs, low), ~_clear(m, jobs, high)
         if np.all(clear & cross):
             break
@@ -136,8 +136,8 @@ def _bisect(m: Meeting, jobs: Jobs) -> None:
             np.where(cross, np.where(clear, high, low), high + reach),
         )
         reach = min(2.0 * reach, m.back_off)
-    for _ in range(STEPS):
-        if np.max(high - low) <= CERTIFIED:
+    for _ in range(IMPACT_STEPS):
+        if np.max(high - low) <= HALF_BRACKET:
             break
         middle = 0.5 * (low + high)
         clear = _clear(m, jobs, middle)
@@ -150,15 +150,15 @@ def _clear(m: Meeting, jobs: Jobs, rotation: FloatArray) -> BoolArray:
     """Whether each solid turning tooth stands clear of its mate's whole face at ``rotation`` (jobs,) in rad."""
     clear = np.zeros(len(jobs), dtype=bool)
     n = m.fixed.faces.shape[1]
-    sample = np.arange(0, n, max(1, n // SAMPLES))
+    sample = np.arange(0, n, max(1, n // DEPTH_VERTICES))
     reached = np.abs(jobs.seen(m, m.fixed.points[jobs.fixed[:, None], sample], rotation)) <= m.turning.reach
     # Vertices beyond the turning body's reach cannot touch it. Leaving out those below the lowest reached sample,
     # less one, is exact.
     lowest = sample[np.maximum(0, np.argmax(reached, axis=1) - 1)]
-    parts = lowest * PARTS // n
+    parts = lowest * CLIP_PLACES // n
     for part in np.unique(parts):
         rows = np.flatnonzero(parts == part)
-        points = m.fixed.points[jobs.fixed[rows], part * n // PARTS :]
+        points = m.fixed.points[jobs.fixed[rows], part * n // CLIP_PLACES :]
         faces = lines(jobs.take(rows).seen(m, points, rotation[rows]))
         clear[rows] = ~shapely.intersects(m.turning.solids[jobs.turning[rows]], faces)
     return clear

@@ -28,7 +28,7 @@ from gearpoly.mesh.bodies import (
     coordinates,
     lines,
 )
-from gearpoly.mesh.certificate import CERTIFIED, certify, overlapping, uncertified
+from gearpoly.mesh.certificate import HALF_BRACKET, certify, overlapping, uncertified
 from gearpoly.mesh.features import Feature as Feature  # part of what Closings says
 from gearpoly.mesh.features import describe
 from gearpoly.mesh.impact import coarse, refine
@@ -233,7 +233,7 @@ def _out_of_reach(m: Meeting, turn: ComplexArray, tooth: IntArray, mate: IntArra
 def _describe(m: Meeting, jobs: Jobs, repaired: BoolArray, *, start: int, positions: int, near: float) -> Closings:
     """Contact points, normals and features from the witness lines just before the touch."""
     rows = np.arange(len(jobs))
-    before = jobs.rotation - CERTIFIED
+    before = jobs.rotation - HALF_BRACKET
     at = jobs.windows(m)
     mine = m.turning.points[jobs.turning[:, None], at[0]]
     mates = jobs.seen(m, m.fixed.points[jobs.fixed[:, None], at[1]], before)

@@ -15,7 +15,7 @@ from gearpoly.mesh.pair import GearPair
 from gearpoly.mesh.transmission import FlankContacts
 from gearpoly.units import FloatArray, IntArray
 
-STEPS = 400
+FLANK_PLACES = 400
 """Places along the flank at which the gap is worked out; straight between them it errs by 1e-5 of a module."""
 
 
@@ -30,7 +30,7 @@ def corner_gap(pair: GearPair, gear: int, r_tip: float) -> tuple[FloatArray, Flo
     alpha, a = pair.alpha_w, pair.a
     xi = mine.roll_length(r_tip) / mine.r_b
     # Where the tooth stands, by the roll length at which it would touch were it whole; twice as far as it could.
-    u = np.linspace(xi * mine.r_b, 2.0 * mine.l_a - xi * mine.r_b, STEPS)
+    u = np.linspace(xi * mine.r_b, 2.0 * mine.l_a - xi * mine.r_b, FLANK_PLACES)
     corner = r_tip * np.exp(1j * (u / mine.r_b - alpha - (xi - math.atan(xi))))
     seen = a - corner  # from the mate's axis, turned by half a turn: both gears look alike
     eta = np.sqrt(np.maximum(np.abs(seen) ** 2 - mate.r_b**2, 0.0)) / mate.r_b

@@ -26,7 +26,7 @@ FIRST_RETREAT = 1.0 / 1024.0
 """Share of the bracket given back after an overlap; four times more each time, up to one half (bisection). A
 time-of-impact step overshoots by its square only, so a small share mostly clears it."""
 
-STEPS = 60
+IMPACT_STEPS = 60
 """Bisection or impact steps after which a search that has not settled is handed to the repair (or, there, given up)."""
 
 
@@ -53,7 +53,7 @@ def impact(
     before = np.full(len(jobs), np.inf)
     ends = np.zeros((len(jobs), 2), dtype=np.complex128)
     live = np.arange(len(jobs))
-    for _ in range(STEPS):
+    for _ in range(IMPACT_STEPS):
         rotation = jobs.rotation[live]
         seen = jobs.take(live).seen(m, mates[live], rotation)
         witness = complex_points(

@@ -27,7 +27,7 @@ BALANCED = 1e-12
 """Part of the whole force by which no force moves any more where the iteration for the contact law stops; moments then
 balance to 1e-9 of the torque with room to spare, since each step balances them anew."""
 
-ROUNDS = 200
+ITERATIONS = 200
 """Iterations allowed for the study's procedure. The load enters its own stiffness only by its tenth power, so each
 gains a digit and 13 are usual; across a gap it enters by its square root, and each gains only a factor of two."""
 
@@ -266,7 +266,7 @@ def _studys(problem: _Problem, compliance: PairCompliance, contacts: FlankContac
     if problem.torque == 0.0:
         return phi, np.zeros(problem.closing.size)
     at = np.arange(phi.size)
-    for _ in range(ROUNDS):
+    for _ in range(ITERATIONS):
         k = 1.0 / compliance.secant(np.maximum(force, LEAST_LOAD * whole), teeth, point)
         # Pairs are sorted by closing rotation, so those that touch are the first few.
         weight = np.where(there, k * lever_1 * lever_2, 0.0)

@@ -14,7 +14,7 @@ from gearpoly.mesh.loaded import LoadedContacts, Sharing, TooNearError, load_rea
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
-from gearpoly.mesh.transmission import NEAR, SAMPLES, FlankContacts, contacts
+from gearpoly.mesh.transmission import CERTIFIED_SAMPLE, NEAR, FlankContacts, contacts
 from gearpoly.mesh.varied import GENTLE, giving
 from gearpoly.units import FloatArray, IntArray, read_only
 
@@ -69,7 +69,7 @@ class Meshing:
         return replace(self, compliance=compliance_under(self.pair, elasticity, self.condition))
 
     def at(
-        self, theta_2: FloatArray, *, near: float | None = None, fast: bool = False, certified: int = SAMPLES
+        self, theta_2: FloatArray, *, near: float | None = None, fast: bool = False, certified: int = CERTIFIED_SAMPLE
     ) -> Met:
         """Contacts and load at driven rotations ``theta_2`` (N,) in rad; pairs are looked for within ``near`` mm, and
         of a ``fast`` run so many positions are ``certified``.

@@ -43,14 +43,14 @@ PASSED = 0.25
 space fill a pitch, so passed pairs close by more than both tips' thickness early; the guess has to be better than
 this."""
 
-START = 1.25
+FIRST_AHEAD = 1.25
 """Turning pitches by which the first turning tooth that is tried may lie ahead of the fixed tip: further ahead, it has
 passed on any radius that it shares with the fixed tooth."""
 
 TRIES = 5
 """Turning teeth tried per fixed tooth, from START on clockwise; later ones close more than a pitch late."""
 
-ROUNDING = 1e-13
+BLOCK_MARGIN = 1e-13
 """mm. Blocks are drawn larger by this, ten times the rounding of coordinates, so that a vertex on a border is in."""
 
 _NONE, _OPEN = 2.0, -2.0  # beyond any sine: no common radius; nothing can be said
@@ -116,18 +116,18 @@ def blocks(faces: FloatArray) -> FloatArray:
             for k in range(start, end + 1):
                 x, y = faces[t, k, 0], faces[t, k, 1]
                 off, along, r2 = ux * y - uy * x, ux * x + uy * y, x * x + y * y
-                row[_OFF] = min(row[_OFF], off - ROUNDING)
-                row[_OFF + 1] = max(row[_OFF + 1], off + ROUNDING)
-                row[_ALONG] = min(row[_ALONG], along - ROUNDING)
-                row[_ALONG + 1] = max(row[_ALONG + 1], along + ROUNDING)
-                row[_RADII + 1] = max(row[_RADII + 1], r2 * (1.0 + ROUNDING))
+                row[_OFF] = min(row[_OFF], off - BLOCK_MARGIN)
+                row[_OFF + 1] = max(row[_OFF + 1], off + BLOCK_MARGIN)
+                row[_ALONG] = min(row[_ALONG], along - BLOCK_MARGIN)
+                row[_ALONG + 1] = max(row[_ALONG + 1], along + BLOCK_MARGIN)
+                row[_RADII + 1] = max(row[_RADII + 1], r2 * (1.0 + BLOCK_MARGIN))
                 if k < end:
                     dx, dy = faces[t, k + 1, 0] - x, faces[t, k + 1, 1] - y
                     square = dx * dx + dy * dy
                     share = -(x * dx + y * dy) / square if square > 0.0 else 0.0
                     if 0.0 < share < 1.0:
                         r2 = (x + share * dx) ** 2 + (y + share * dy) ** 2
-                row[_RADII] = min(row[_RADII], r2 * (1.0 - ROUNDING))
+                row[_RADII] = min(row[_RADII], r2 * (1.0 - BLOCK_MARGIN))
     return out
 
 
@@ -374,7 +374,7 @@ def _search(
             u, v = fixed[j, m - 1, 0] - at[0], fixed[j, m - 1, 1] - at[1]
             tip2 = u * u + v * v
             tip = math.atan2(at[2] * v + at[3] * u, at[2] * u - at[3] * v)
-            start = tip + START * pitch
+            start = tip + FIRST_AHEAD * pitch
             if start > math.pi:
                 start -= turn
             k = 0

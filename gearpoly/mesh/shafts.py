@@ -17,7 +17,7 @@ PER_SWING, PER_PITCH = 24.0, 128.0
 """Steps in time per period of the resonance and of the mesh, at the fastest, in which a speed is followed; straight
 lines between are off by (2 pi / 24)^2 / 12 of what swings at the resonance itself."""
 
-FINER = 4.0
+FINEST_STEPS = 4.0
 """Times as many steps at most for a resonance far above the mesh: it follows, and what swings of it is nothing."""
 
 BEFORE, LONGEST = 6.0, 0.5
@@ -153,7 +153,7 @@ def swings_along(
     ends = runs_up(theta_2, time)
     fastest = abs(theta_2[-1] - theta_2[0]) / (time[-1] - time[0]) if ends is None else ends[1]
     mesh, lasts = PER_PITCH * fastest / pitch, float(time[-1] - time[0])
-    step = max(1.0 / float(np.clip(PER_SWING * shafts.frequency, mesh, FINER * mesh)), LEAST_STEP)
+    step = max(1.0 / float(np.clip(PER_SWING * shafts.frequency, mesh, FINEST_STEPS * mesh)), LEAST_STEP)
     ago = min(BEFORE / (2.0 * math.pi * shafts.frequency * shafts.damping), LONGEST * lasts)
     ahead = np.arange(-ago, lasts + step, step)
     begun = min(int(np.searchsorted(np.abs(theta_2 - theta_2[0]), BEGUN * pitch)), theta_2.size - 1)

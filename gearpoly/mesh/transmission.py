@@ -35,7 +35,7 @@ leave."""
 _POLYGONS = threading.Lock()
 """Prepared polygons build their indices on first use, which two threads must not do at once."""
 
-SAMPLES = 64
+CERTIFIED_SAMPLE = 64
 """Positions of a fast run that the polygon kernel certifies: 20 ms, and a fault in one position of twenty cannot
 hide."""
 
@@ -92,7 +92,7 @@ def contacts(
     flank: Flank = "drive",
     near: float = NEAR,
     fast: bool = False,
-    certified: int = SAMPLES,
+    certified: int = CERTIFIED_SAMPLE,
     progress: Progress = _no_progress,
 ) -> FlankContacts:
     """First touch and all near pairs of one ``flank`` at driven rotations ``theta_2`` (N,) in rad, unloaded; pairs

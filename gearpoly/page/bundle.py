@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable
 
 IMPORT = re.compile(r'^import \{[^}]*\} from "(\.[^"]+\.js)";\n', re.MULTILINE)
-EXPORT = re.compile(r"^export (?=(?:const|let|class|function) )", re.MULTILINE)
+EXPORTED = re.compile(r"^export (?=(?:const|let|class|function) )", re.MULTILINE)
 
 
 def bundle(entry: str, read: Callable[[str], str]) -> str:
@@ -28,7 +28,7 @@ def bundle(entry: str, read: Callable[[str], str]) -> str:
         text = read(path)
         for other in IMPORT.findall(text):
             add(posixpath.normpath(posixpath.join(posixpath.dirname(path), other)), (*ring, path))
-        done[path] = EXPORT.sub("", IMPORT.sub("", text))
+        done[path] = EXPORTED.sub("", IMPORT.sub("", text))
 
     add(entry, ())
     scripts = "\n".join(text.strip("\n") + "\n" for text in done.values())

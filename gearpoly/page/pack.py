@@ -21,19 +21,19 @@ Kind = Literal["f8", "f4", "u4", "i4", "u2", "i2", "u1", "i1"]
 """What a browser's typed arrays hold: Float64Array, Float32Array, Uint32Array, Int32Array, Uint16Array, Int16Array,
 Uint8Array, Int8Array."""
 
-SIGNED: tuple[tuple[Kind, int], ...] = (("i1", 2**7 - 1), ("i2", 2**15 - 1), ("i4", 2**31 - 1))
+SIGNED_TYPES: tuple[tuple[Kind, int], ...] = (("i1", 2**7 - 1), ("i2", 2**15 - 1), ("i4", 2**31 - 1))
 """Whole numbers with a sign, and the greatest of each."""
 
 DIFFERENCES = range(4)
 """How often differences are taken; what makes the shortest text is taken. Drawn flanks need 3, noise none."""
 
-FINER = 30.0
+STEPS_PER_NOISE = 30.0
 """Least steps in one noise floor. Rounding to a step errs by its 3.5th part, which makes noise greater by 0.005 %."""
 
 LAST_DIGIT = 1e-3
 """um. The last digit that pages print of what was measured."""
 
-FAINT = 1e-12
+STANDS_FOR_ZERO = 1e-12
 """What stands for 0 where logarithms are packed: an atom is a hundred million times as large in um."""
 
 LOG_STEP = 4e-4
@@ -86,7 +86,7 @@ def rounded(values: npt.ArrayLike, *, to: float) -> dict[str, Any]:
         return packed(array, "f4")
     middle, half = 0.5 * float(array.max() + array.min()), 0.5 * float(np.ptp(array))
     step = to if half > 0.0 else 1.0
-    for kind, most in SIGNED:
+    for kind, most in SIGNED_TYPES:
         if half <= step * (most - 1):  # never where a value is none
             return packed(np.rint((array - middle) / step), kind) | {"middle": middle, "step": step}
     return packed(array, "f4")
@@ -95,12 +95,12 @@ def rounded(values: npt.ArrayLike, *, to: float) -> dict[str, Any]:
 def under_noise(values: npt.ArrayLike, *, noise: float) -> dict[str, Any]:
     """Measured ``values`` (any shape) in um, ``rounded`` within their ``noise`` in um and within the last digit that is
     printed."""
-    return rounded(values, to=min(noise / FINER, LAST_DIGIT))
+    return rounded(values, to=min(noise / STEPS_PER_NOISE, LAST_DIGIT))
 
 
 def rounded_log(values: npt.ArrayLike) -> dict[str, Any]:
     """Amplitudes (any shape), not negative, by their logarithms to 0.05 %."""
-    return rounded(np.log10(np.maximum(values, FAINT)), to=LOG_STEP) | {"log": True}
+    return rounded(np.log10(np.maximum(values, STANDS_FOR_ZERO)), to=LOG_STEP) | {"log": True}
 
 
 def nearly_even(x: FloatArray) -> dict[str, Any]:

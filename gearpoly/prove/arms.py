@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from gearpoly.prove.diagnoser import How
 from gearpoly.proving.entry import Entry
 
-PLAIN = "plain"
+PLAIN_ARM = "plain"
 """The arm of the proof itself."""
 
-MOST = 16
+CASES_PER_ARM = 16
 """Cases per arm: a rate of one half is then known to a quarter, and five arms cost a fifth of the ground."""
 
 
@@ -27,7 +27,7 @@ class Arm:
 def arms(entries: Sequence[Entry]) -> list[Arm]:
     """The arms of a full ground, chosen by its plan alone."""
 
-    def some(wanted: Callable[[Entry], bool], most: int = MOST) -> list[int]:
+    def some(wanted: Callable[[Entry], bool], most: int = CASES_PER_ARM) -> list[int]:
         return [e.index for e in sorted(entries, key=lambda e: (e.klass, e.variant)) if wanted(e)][:most]
 
     def large(e: Entry) -> bool:
@@ -36,11 +36,12 @@ def arms(entries: Sequence[Entry]) -> list[Arm]:
     def loaded(e: Entry) -> bool:
         return e.klass == "cancelling" or (e.klass == "masked" and e.physics[0] == "crack_under_pitch")
 
-    coloured = some(lambda e: e.klass == "false_alarm", MOST // 2)
-    hidden = some(lambda e: e.klass == "masked" and e.physics[0] == "relief_under_eccentricity", MOST // 3)
-    singles = some(large, MOST // 2)
-    load = some(loaded, MOST // 2) + some(
-        lambda e: large(e) and e.physics[0] in ("tooth_crack", "misalignment", "friction", "shaft_windup"), MOST // 2
+    coloured = some(lambda e: e.klass == "false_alarm", CASES_PER_ARM // 2)
+    hidden = some(lambda e: e.klass == "masked" and e.physics[0] == "relief_under_eccentricity", CASES_PER_ARM // 3)
+    singles = some(large, CASES_PER_ARM // 2)
+    load = some(loaded, CASES_PER_ARM // 2) + some(
+        lambda e: large(e) and e.physics[0] in ("tooth_crack", "misalignment", "friction", "shaft_windup"),
+        CASES_PER_ARM // 2,
     )
     return [
         Arm(

@@ -10,7 +10,7 @@ from pathlib import Path
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.paths import is_file, is_folder
 
-ENDINGS = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms", ".uff", ".unv")
+RECORDING_ENDINGS = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms", ".uff", ".unv")
 """Recordings that `gearpoly diagnose` reads."""
 
 
@@ -29,7 +29,7 @@ def case_files(folder: Path, name: str, *, truths: Path) -> CaseFiles:
     something is missing."""
     place = folder / name
     pair, truth = place / "pair.toml", truths / f"{name}.truth.json"
-    found = [path for path in place.glob("rec_*") if path.suffix.lower() in ENDINGS]
+    found = [path for path in place.glob("rec_*") if path.suffix.lower() in RECORDING_ENDINGS]
     for path in (pair, truth):
         if not is_file(path):
             raise InputFileError(path, found="there is no such file", wish=f"want pair.toml and truth of case {name}")

@@ -8,7 +8,7 @@ from typing import Any
 
 from gearpoly.prove.reliability import NAME, PLACE
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+KIND_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours that people who see few of them tell apart (Okabe and Ito)."""
 
 
@@ -61,7 +61,7 @@ def draw_reliability(boards: Sequence[dict[str, Any]], labels: Sequence[str], ta
             y = [one["right"]["rate"] for one in some]
             low = [one["right"]["rate"] - one["right"]["interval_95"][0] for one in some]
             high = [one["right"]["interval_95"][1] - one["right"]["rate"] for one in some]
-            colour = COLOURS[k % len(COLOURS)]
+            colour = KIND_COLOURS[k % len(KIND_COLOURS)]
             axes.errorbar(
                 x, y, yerr=[low, high], fmt="o-", ms=4, lw=0.8, color=colour, capsize=2, elinewidth=1, label=label
             )

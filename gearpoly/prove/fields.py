@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-GEARS = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
+GEAR_NAMES = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
-MOST = 10_000
+LONGEST_LIST = 10_000
 """Entries of a list. A case conceals a handful of effects; without a bound a file of 10 MB would have a million."""
 
 
@@ -64,15 +64,15 @@ class Fields:
         value = self.raw.get("gear")
         if not value:
             return None
-        if isinstance(value, str | int) and value in GEARS:
-            return GEARS[value]
+        if isinstance(value, str | int) and value in GEAR_NAMES:
+            return GEAR_NAMES[value]
         raise self._wrong("gear", "driving or driven")
 
     def values(self, name: str) -> list[Any]:
         """A list; empty where there is none."""
         value = self.raw.get(name, [])
-        if not isinstance(value, list) or len(value) > MOST:
-            raise self._wrong(name, f"a list of at most {MOST} entries")
+        if not isinstance(value, list) or len(value) > LONGEST_LIST:
+            raise self._wrong(name, f"a list of at most {LONGEST_LIST} entries")
         return value
 
     def numbers(self, name: str) -> tuple[float, ...]:
@@ -82,7 +82,7 @@ class Fields:
     def entries(self, name: str, *, needed: bool = False) -> Iterator[Fields]:
         """A list of objects, which may be empty; where it is ``needed`` it has to be there."""
         if needed and name not in self.raw:
-            raise self._wrong(name, f"a list of at most {MOST} entries")
+            raise self._wrong(name, f"a list of at most {LONGEST_LIST} entries")
         for k, one in enumerate(self.values(name)):
             yield Fields(one, f"{self.where}{name}[{k}].")
 

@@ -16,7 +16,7 @@ from gearpoly.prove.fields import Fields
 
 ENDING = ".judgement.json"
 
-KINDS = ("shaft_order", "mesh_order", "tone", "time")
+JUDGED_KINDS = ("shaft_order", "mesh_order", "tone", "time")
 """Kinds of places that a judgement may want located."""
 
 TOLERANCE = 0.2
@@ -90,8 +90,8 @@ def read_judgement(path: Path) -> Judgement:
 def _place(raw: Fields) -> PlaceWanted:
     kind, gear = raw.word("kind"), raw.gear()
     order, hz = raw.number("order"), raw.number("hz")
-    if kind not in KINDS:
-        raise ValueError(f"{raw.where}kind is none of {', '.join(KINDS)}")
+    if kind not in JUDGED_KINDS:
+        raise ValueError(f"{raw.where}kind is none of {', '.join(JUDGED_KINDS)}")
     given = [one for one in (order, hz) if one is not None]
     if len(given) != 1 or not 0.0 < given[0] < math.inf:
         raise ValueError(f"{raw.where}order or hz is no number above 0, or both are there")

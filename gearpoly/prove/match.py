@@ -81,7 +81,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
         return True
     if item.hz is not None:
         heard, told = (item.hz, *item.images_hz), [float(one) for one in TOLD_HZ.findall(_rivals(entry))]
-        told += [entry.get("hz", 0.0)] if entry["kind"] in TIME else []
+        told += [entry.get("hz", 0.0)] if entry["kind"] in TIME_KINDS else []
         return any(abs(one - hz) < limits.hz for one in told for hz in heard)
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
@@ -106,7 +106,7 @@ def _line(item: Item, truth: Truth) -> float:
     return own / (truth.hunting_cycles * math.lcm(*truth.z))
 
 
-TIME = ("time", "tone")
+TIME_KINDS = ("time", "tone")
 MESH = ("mesh_order", "mesh_phase", "mesh_curve")
 TOOTH = ("tooth", "tooth_curve")
 

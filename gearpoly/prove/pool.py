@@ -16,10 +16,10 @@ from gearpoly.study.progress import Progress, span
 
 Job = TypeVar("Job")
 
-TICK = 1.0
+LOOK_EVERY = 1.0
 """s between looks at what is under way."""
 
-SLOW = 60.0
+SLOW_JOB = 60.0
 """s after which a job is named in the progress: longer than nearly all take."""
 
 
@@ -58,7 +58,7 @@ def _in_processes(
                     job = left.popleft()
                     with interrupts_held():
                         under_way[pool.submit(_told, work, job)] = (name(job), time.monotonic())
-                done = wait(under_way, timeout=TICK, return_when=FIRST_COMPLETED).done
+                done = wait(under_way, timeout=LOOK_EVERY, return_when=FIRST_COMPLETED).done
                 for future in done:
                     wrong = future.result()
                     if wrong:
@@ -90,4 +90,4 @@ def _told(work: Callable[[Job], None], job: Job) -> str:
 
 def _slow(under_way: Iterable[tuple[str, float]]) -> str:
     now = time.monotonic()
-    return ", ".join(f"{one} for {span(now - begun)}" for one, begun in under_way if now - begun > SLOW)
+    return ", ".join(f"{one} for {span(now - begun)}" for one, begun in under_way if now - begun > SLOW_JOB)

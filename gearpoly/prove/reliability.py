@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from gearpoly.prove.match import MESH, TIME, at_place, names, on_tooth, order_of, reported_set, stands_at
+from gearpoly.prove.match import MESH, TIME_KINDS, at_place, names, on_tooth, order_of, reported_set, stands_at
 from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import Item, Truth
@@ -19,12 +19,13 @@ Entry = dict[str, Any]
 NAME, PLACE = "names", "places"
 """What a chance is stated of: that this is the cause, or that something is there."""
 
-SLOW = ("course", "step")
+SLOW_KINDS = ("course", "step")
 """Kinds of place that have no order and no tooth."""
 
-COURSE = ("drift", "step", "condition")
+COURSE_KINDS = ("drift", "step", "condition")
 WHERE = {
-    "mesh": (*MESH, "condition"), "course": COURSE, "step": COURSE, "jump": COURSE, "other": (*MESH, *COURSE),
+    "mesh": (*MESH, "condition"), "course": COURSE_KINDS, "step": COURSE_KINDS, "jump": COURSE_KINDS,
+    "other": (*MESH, *COURSE_KINDS),
 }  # fmt: skip
 """Kinds of entries that are right of a place without order and tooth, of a physics and of a stranger. To be located any
 entry is enough there; a chance is right only where the entry is."""
@@ -107,7 +108,7 @@ def _unknown_there(claim: Entry, truth: Truth, limits: Thresholds) -> bool:
     there = {"kind": "shaft_order", "gear": claim.get("gear"), "order": order_of(claim) or 1.0}
     for item in _nameless(truth):
         slow = item.order is None and item.hz is None
-        if (place in SLOW) if slow else (place == "wave" and stands_at(there, item, truth, limits)):
+        if (place in SLOW_KINDS) if slow else (place == "wave" and stands_at(there, item, truth, limits)):
             return True
     return False
 
@@ -142,7 +143,7 @@ def _left(entry: Entry, truth: Truth, limits: Thresholds) -> StatedChances:
 def _something_there(entry: Entry, truth: Truth, limits: Thresholds) -> bool:
     alone = {"missing": [], "unexplained": [entry]}
     # A tone of no frequency is a course over the whole recording.
-    kind = "drift" if entry["kind"] in TIME and entry.get("hz") == 0.0 else entry["kind"]
+    kind = "drift" if entry["kind"] in TIME_KINDS and entry.get("hz") == 0.0 else entry["kind"]
     for item in (*truth.items, *truth.background):
         place = _slow_place(item)
         if place:

@@ -15,7 +15,7 @@ import gearpoly.proving
 from gearpoly.errors import InputFileError, SelfCheckError
 from gearpoly.files.output import write_text
 from gearpoly.prove import diagnoser as diagnosers
-from gearpoly.prove.arms import PLAIN, Arm, arms
+from gearpoly.prove.arms import PLAIN_ARM, Arm, arms
 from gearpoly.prove.cases import CaseFiles, case_files, code_of, folder_cases, truth_hashes
 from gearpoly.prove.controls import compared, shuffled
 from gearpoly.prove.diagnoser import Diagnoser, How
@@ -132,7 +132,9 @@ def _prove(
     say(f"truths sealed: sha256 {sealed} over {len(hashes)} truths, each in {out / 'truths.sha256'}")
     say(f"thresholds: sha256 {limits.sha256}")
     code = code_under_proof(diagnoser)
-    plain = _jobs(cases, Arm(key=PLAIN, text="", how=dict.fromkeys(cases, How(hurried=quick))), code, diagnoser, out)
+    plain = _jobs(
+        cases, Arm(key=PLAIN_ARM, text="", how=dict.fromkeys(cases, How(hurried=quick))), code, diagnoser, out
+    )
     others = {arm.key: _jobs(cases, arm, code, diagnoser, out) for arm in extra}
     every = [*plain, *(job for jobs in others.values() for job in jobs)]
     left = [job for job in every if not job.done()]

@@ -12,7 +12,7 @@ from gearpoly.prove.score import CaseScore
 from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import Thresholds
 
-LENGTHS = ("short", "long")
+LENGTHS_SAID = ("short", "long")
 
 
 def said_rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
@@ -54,7 +54,7 @@ def said_rows(scores: Sequence[CaseScore], limits: Thresholds) -> list[Row]:
 def length(one: CaseScore, limits: Thresholds) -> str | None:
     """Whether a recording is short or long; None where the truth does not say how long it is."""
     cycles = one.truth.hunting_cycles
-    return None if cycles is None else LENGTHS[cycles > limits.short_cycles]
+    return None if cycles is None else LENGTHS_SAID[cycles > limits.short_cycles]
 
 
 def by_class(scores: Sequence[CaseScore], limits: Thresholds) -> dict[str, Any]:

@@ -10,9 +10,9 @@ from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.match import acceptable, located, names, on_tooth, reported_set, stands_at
 from gearpoly.prove.reliability import StatedChances, stated
 from gearpoly.prove.thresholds import Thresholds
-from gearpoly.prove.truth import FROM_ONE, SIZES, Item, Truth
+from gearpoly.prove.truth import FROM_ONE, SIZE_PARAMETERS, Item, Truth
 
-ANGLES = ("angle_deg",)
+ANGLE_PARAMETERS = ("angle_deg",)
 
 NOTHING: dict[str, Any] = {"status": "nothing_missing", "missing": [], "unexplained": [], "fit": {}}
 """What a diagnosis that raised an error has said."""
@@ -190,13 +190,13 @@ def _item(claims: list[dict[str, Any]], item: Item, limits: Thresholds) -> ItemS
 
 def _parameters(claim: dict[str, Any], item: Item) -> tuple[Parameter, ...]:
     out = []
-    main = SIZES[item.physics]
+    main = SIZE_PARAMETERS[item.physics]
     for name, true in item.parameters.items():
         stated = claim.get("parameters", {}).get(name)
         if stated is None or stated.get("value") is None:
             continue
         off = float(stated["value"]) - true
-        if name in ANGLES:
+        if name in ANGLE_PARAMETERS:
             off = (off + 180.0) % 360.0 - 180.0
         counted = true - 1.0 if name == main and item.physics in FROM_ONE else true
         out.append(Parameter(name=name, off=off, std=float(stated.get("std") or 0.0), size=counted, main=name == main))

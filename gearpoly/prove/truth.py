@@ -15,7 +15,9 @@ from gearpoly.prove.fields import Fields
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.proving.physics import CATALOGUE, PHYSICS
 
-SIZES = {name: PHYSICS[name].size for name in CATALOGUE} | {one.twin: one.parameters[0] for one in catalogue().values()}
+SIZE_PARAMETERS = {name: PHYSICS[name].size for name in CATALOGUE} | {
+    one.twin: one.parameters[0] for one in catalogue().values()
+}
 """The parameter that says how much of it there is, of every physics of the catalogue."""
 
 FROM_ONE = tuple(name for name in CATALOGUE if PHYSICS[name].from_one)
@@ -30,7 +32,7 @@ COLOURED = 0.6
 DETECTED = 7.0
 """Size over the limit from which on a wrong statement is to be noticed, as ``detection`` of the thresholds has it."""
 
-FURTHER = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
+BESIDE_SIZE = ("angle_deg", "length_mm", "from_mm", "to_mm", "damping_ratio")
 """Parameters beside the size of which truths may tell."""
 
 
@@ -221,8 +223,8 @@ def _check_kind(path: Path, kind: str, items: tuple[Item, ...]) -> None:
     if kind not in ("none", "missing", "unknown", WRONG_FILE):
         raise InputFileError(path, where="kind", found=repr(kind), wish=f"want none, missing, unknown or {WRONG_FILE}")
     for one in items:
-        if kind == "missing" and one.physics and one.physics not in SIZES:
-            wish = f"want one of {', '.join(SIZES)}, or a shape for what is none of them"
+        if kind == "missing" and one.physics and one.physics not in SIZE_PARAMETERS:
+            wish = f"want one of {', '.join(SIZE_PARAMETERS)}, or a shape for what is none of them"
             raise InputFileError(path, where="truth.physics", found=repr(one.physics), wish=wish)
 
 
@@ -253,7 +255,7 @@ def _says(file: Fields) -> tuple[str, ...]:
 
 def _item(raw: Fields) -> Item:
     physics = raw.word("physics", "")
-    names = (SIZES.get(physics, ""), *FURTHER)
+    names = (SIZE_PARAMETERS.get(physics, ""), *BESIDE_SIZE)
     limit = raw.number("over_limit")
     return Item(
         physics=physics,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from gearpoly.errors import escaped
+from gearpoly.errors import OutOfRangeError, escaped
 from gearpoly.recording.asked import angles_known
 from gearpoly.recording.map_lines import LEFT, angle_entries, each_once, entry, quoted
 from gearpoly.recording.recording import ANGLE_COLUMNS
@@ -12,6 +13,12 @@ from gearpoly.recording.survey import Seen, Survey
 
 OFFERED = 12
 """Columns that are offered for an angle; a recording has a handful."""
+
+
+def check_one_file(target: Path | str, *, files: int) -> None:
+    """Raise ``OutOfRangeError`` where a map is wanted of several files."""
+    if files > 1:
+        raise OutOfRangeError(f"--write {target}: a map is of one file, and {files} are given; want one of them")
 
 
 def map_text(found: Survey) -> str:

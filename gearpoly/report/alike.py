@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-SINGLY = 2
+TOLD_SINGLY = 2
 """Recordings of which a sentence is still told one by one."""
 
 _OF = re.compile(r"recording (\d+): (.*)", re.DOTALL)
@@ -27,7 +27,7 @@ def together(sentences: Iterable[str]) -> list[str]:
 
 def _told(group: list[tuple[str, str | None]]) -> list[str]:
     numbers = [int(k) for _, k in group if k is not None]
-    if len(group) <= SINGLY:
+    if len(group) <= TOLD_SINGLY:
         return [said if k is None else f"recording {k}: {said}" for said, k in group]
     first = group[0][0]
     # Of one recording the same may be said of several stretches.

@@ -22,10 +22,10 @@ from gearpoly.report.alike import together
 from gearpoly.report.lost_motion_report import lost_json, lost_rows
 from gearpoly.units import DEG, NM, RPM, UM
 
-SINGLY = 3
+LINE_EACH = 3
 """Entries that come along with another one and still get a line each; more are summed up."""
 
-FIRST = 8
+FIRST_NAMED = 8
 """Of these so many are named, those that were told first; --json lists all."""
 
 
@@ -203,7 +203,7 @@ def _entry_lines(entries: tuple[Entry, ...], sky: Sky | None) -> list[str]:
     for entry in entries:
         if entry.companion_of is not None:
             along.setdefault(entry.companion_of, []).append(entry)
-    alone = [e for e in entries if e.companion_of is None or len(along[e.companion_of]) <= SINGLY]
+    alone = [e for e in entries if e.companion_of is None or len(along[e.companion_of]) <= LINE_EACH]
     twice = {name for name, count in Counter((e.kind, named(e)) for e in alone).items() if count > 1}
     out = []
     for e in alone:
@@ -211,9 +211,9 @@ def _entry_lines(entries: tuple[Entry, ...], sky: Sky | None) -> list[str]:
         where = f" (recording {e.recordings[0]})" if (e.kind, named(e)) in twice and _of_one(e) else ""
         out.append(_capital(entry_words(e, sky)) + where)
     for parent, several in along.items():
-        if len(several) > SINGLY:
-            names = ", ".join(named(e) for e in several[:FIRST])
-            more = f" and {len(several) - FIRST} more" if len(several) > FIRST else ""
+        if len(several) > LINE_EACH:
+            names = ", ".join(named(e) for e in several[:FIRST_NAMED])
+            more = f" and {len(several) - FIRST_NAMED} more" if len(several) > FIRST_NAMED else ""
             out.append(f"With {parent} come {len(several)} weaker ones: {names}{more}")
     return out
 

@@ -22,20 +22,20 @@ from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
 
-POINTS = 60_000
+CURVE_VALUES = 60_000
 """Values per curve over all recordings: five curves and their angles are then 0.5 MB of text. Three recordings of
 18 000 samples are shown sample by sample."""
 
-LINES = 36_000
+SPECTRUM_PLACES = 36_000
 """Places per spectrum over all recordings: 0.1 MB with both spectra and the limit."""
 
-MESHES = 6.5
+MESH_ORDERS_SHOWN = 6.5
 """Mesh orders that a spectrum shows; what lies beyond is mostly the rest of steps."""
 
-FINE = 2
+PLACES_PER_LINE = 2
 """Places per independent line of a spectrum: peaks are then at most 4 % low under a Hann window."""
 
-GAP = 10.0
+GAP_SPACINGS = 10.0
 """Middle spacings between samples from which a line would bridge what was not recorded."""
 
 
@@ -45,7 +45,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     aligned = comparison.aligned
     pair = comparison.assembled.pair
     z = (pair.driving.gear.z, pair.driven.gear.z)
-    points = shares([one.theta_2.size for one in aligned], POINTS)
+    points = shares([one.theta_2.size for one in aligned], CURVE_VALUES)
     return {
         "z": z,
         "numbered": comparison.alignment.numbered,
@@ -56,7 +56,9 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
                 "coast": one.flank == "coast",
                 "noise_um": diagnosis.noise_by_recording[k] / UM,
                 "curves": curves(one, left, points=points[k], noise=diagnosis.noise_by_recording[k]),
-                "spectrum": spectra(one, left, comparison.located.noises[k], z=z, points=LINES // len(aligned)),
+                "spectrum": spectra(
+                    one, left, comparison.located.noises[k], z=z, points=SPECTRUM_PLACES // len(aligned)
+                ),
                 "maps": maps(one, left, comparison.located.noises[k], z=z),
             }
             for k, (one, left) in enumerate(zip(aligned, diagnosis.left, strict=True))
@@ -129,7 +131,7 @@ def curves(one: Aligned, left: FloatArray, *, points: int, noise: float) -> dict
     return {
         "samples": int(x.size),
         "per_stretch": 1 if starts is None else round(x.size / starts.size, 1),
-        "gap": GAP * spacing * (1.0 if starts is None else x.size / starts.size),
+        "gap": GAP_SPACINGS * spacing * (1.0 if starts is None else x.size / starts.size),
         "x": places(x, points),
         "mean_before_um": means[0],
         "mean_after_um": means[1],
@@ -141,7 +143,7 @@ def spectrum(u: FloatArray, values: FloatArray, *, top: float) -> tuple[FloatArr
     """Frequencies (k,) in cycles per mesh up to ``top`` and amplitudes (k,) of the waves in ``values`` (n,) at ``u``
     (n,) meshes, through a Hann window: a strong line then does not spill over the others."""
     weight = window(u)
-    step = 1.0 / (FINE * float(np.ptp(u)))
+    step = 1.0 / (PLACES_PER_LINE * float(np.ptp(u)))
     grid = Grid(u, step=step, count=max(2, int(top / step)))
     mean = float(np.sum(weight * values) / np.sum(weight))
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
@@ -171,7 +173,7 @@ def order_spectra(
     one of a hundred recordings or so."""
     order = np.argsort(one.theta_2, kind="stable")
     u = np.maximum.accumulate(one.theta_2[order] * (z[1] / (2.0 * np.pi)))
-    top = min(MESHES, 0.5 / float(np.median(np.diff(u))))
+    top = min(MESH_ORDERS_SHOWN, 0.5 / float(np.median(np.diff(u))))
     frequency, before = spectrum(u, one.residual[order], top=top)
     _, after = spectrum(u, left[order], top=top)
     weight = window(u)

@@ -16,7 +16,7 @@ from gearpoly.report.diagnosis_data import by_driven, marked, order_spectra, rec
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import DEG, UM, FloatArray
 
-WIDTH = 7.0
+PAPER_WIDTH = 7.0
 """inches: what is left of A4 beside margins of 16 mm."""
 
 Drawn = tuple[str, Figure, str]
@@ -46,7 +46,7 @@ def write_figures(diagnosis: Diagnosis, folder: Path, *, ending: str = ".svg") -
 
 def fit_figure(diagnosis: Diagnosis) -> Figure:
     """Repeatable mismatch of the declared simulation, with as-built teeth and with all names, beside the noise."""
-    figure = Figure(figsize=(WIDTH, 1.9), layout="constrained")
+    figure = Figure(figsize=(PAPER_WIDTH, 1.9), layout="constrained")
     axis = figure.subplots()
     rows = (
         ("declared simulation", diagnosis.before.unseen, ORANGE),
@@ -68,7 +68,7 @@ def fit_figure(diagnosis: Diagnosis) -> Figure:
 
 def curves_figure(one: Aligned, left: FloatArray, *, title: str) -> Figure:
     """Transmission error recorded and simulated, before and after, and both residuals, over the driven angle."""
-    figure = ShownFigure(figsize=(WIDTH, 4.6), layout="constrained")
+    figure = ShownFigure(figsize=(PAPER_WIDTH, 4.6), layout="constrained")
     axes: Any = figure.subplots(2, 1, sharex=True)
     order = np.argsort(one.theta_2, kind="stable")
     x = one.theta_2[order] / DEG
@@ -97,7 +97,7 @@ def orders_figure(diagnosis: Diagnosis, k: int) -> Figure:
     one, left = diagnosis.comparison.aligned[k], diagnosis.left[k]
     z = _teeth(diagnosis)
     orders, before, after, limit = order_spectra(one, left, diagnosis.comparison.located.noises[k], z=z)
-    figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
+    figure = Figure(figsize=(PAPER_WIDTH, 2.8), layout="constrained")
     axis = figure.subplots()
     for mesh in range(1, int(orders[-1] / z[0]) + 1):
         axis.axvline(mesh * z[0], color=GREY, linewidth=0.6, alpha=0.6)
@@ -118,7 +118,7 @@ def teeth_figure(diagnosis: Diagnosis, k: int) -> Figure:
     coast = one.flank == "coast"
     pairs = tooth_residuals(one, left, diagnosis.comparison.located.noises[k], z=_teeth(diagnosis))
     numbered = diagnosis.comparison.alignment.numbered
-    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    figure = Figure(figsize=(PAPER_WIDTH, 3.6), layout="constrained")
     axes: Any = figure.subplots(1, 4)
     for gear, name in enumerate(("driving", "driven")):
         values = [(by_driven(found, coast=coast) if gear else found.driving) / UM for found in pairs]
@@ -140,7 +140,7 @@ def teeth_figure(diagnosis: Diagnosis, k: int) -> Figure:
 
 def built_figure(diagnosis: Diagnosis) -> Figure:
     """Index deviations of both gears as built, tooth by tooth; orange: teeth of which something is named."""
-    figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
+    figure = Figure(figsize=(PAPER_WIDTH, 2.6), layout="constrained")
     axes: Any = figure.subplots(1, 2)
     for gear, (axis, made) in enumerate(zip(axes, diagnosis.built, strict=True)):
         _built(axis, made, marked(diagnosis, gear))

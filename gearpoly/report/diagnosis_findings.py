@@ -25,7 +25,7 @@ CHIP = {
 }
 """A status as a sign and a word, so that colour is never alone."""
 
-LEAST = 1e-12
+NO_NOISE = 1e-12
 """mm. Stands for no noise at all, as a made recording may have it."""
 
 ROLES = {
@@ -176,7 +176,7 @@ def told_from(diagnosis: Diagnosis) -> float:
 
 
 def _over_noise(rms: Rms, noise: float) -> str:
-    return number(rms.unseen / max(noise, LEAST), 3)
+    return number(rms.unseen / max(noise, NO_NOISE), 3)
 
 
 def unseen(diagnosis: Diagnosis) -> str:
@@ -188,7 +188,7 @@ def rms_rows(rows: Sequence[tuple[str, Rms]], diagnosis: Diagnosis, *, seen: boo
     """Repeatable mismatch as lengths of bars (%) beside the noise floor's, with the raw figures."""
     noise = diagnosis.noise
     parts = [repeatable(rms.unseen, noise) for _, rms in rows]
-    longest = max(*parts, noise, LEAST)
+    longest = max(*parts, noise, NO_NOISE)
     return {
         "head": ["repeatable µm", "rms µm", "rms / noise", *(["rms on fitted data µm"] if seen else [])],
         "floor": f"{100.0 * noise / longest:.2f}",

@@ -19,7 +19,7 @@ from gearpoly.files.output import written_aside
 from gearpoly.page.typeset import typeset
 from gearpoly.report.alike import together
 from gearpoly.report.compare_report import entry_words
-from gearpoly.report.diagnosis_figures import WIDTH, figures
+from gearpoly.report.diagnosis_figures import PAPER_WIDTH, figures
 from gearpoly.report.diagnosis_report import grade_words, how_sure, sentence
 from gearpoly.report.diagnosis_tables import parted
 from gearpoly.report.diagnosis_words import capital, number, parameter
@@ -210,7 +210,7 @@ class _Report:
             figure.savefig(data, format="png", dpi=DOTS)
             data.seek(0)
             width, height = (float(one) for one in figure.get_size_inches())
-            picture = self.platypus.Image(data, width=WIDTH * inch, height=WIDTH * inch * height / width)
+            picture = self.platypus.Image(data, width=PAPER_WIDTH * inch, height=PAPER_WIDTH * inch * height / width)
             out.append(
                 self.platypus.KeepTogether([picture, self._said(caption, self.small), self.platypus.Spacer(1, 8)])
             )

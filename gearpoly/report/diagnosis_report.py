@@ -37,28 +37,30 @@ STOPPED = {
 }
 """The same of a search that time has stopped: it says nothing of what it did not ask."""
 
-BEYOND = (
+SAYS_BEYOND_LIMITS = (
     "No physics of the catalogue is missing: teeth that deviate make the mismatch, and by more than their limits allow."
 )
 """The same where nothing is missing and a gear breaks its limits: then they do not agree."""
 
-TEETH = "No physics of the catalogue is missing: teeth as they were built make the mismatch, and the rest is noise."
+SAYS_TEETH_DIFFER = (
+    "No physics of the catalogue is missing: teeth as they were built make the mismatch, and the rest is noise."
+)
 """The same where the declared simulation itself does not agree: what nobody measured of the teeth makes up for it."""
 
-AGREES = 1.1
+AGREES_WITHIN = 1.1
 """Times the noise that unseen samples of the declared simulation may be left at for both to agree: what repeats is then
 less than half of the noise. A judgement."""
 
-SHOWN = 4
+PLACES_TOLD = 4
 """Places that the terminal tells of the whole mismatch; page and JSON have all."""
 
 LISTED = 12
 """Places without an explanation that terminal and page list at once, the surest first."""
 
-WHOLE = ("order", "recording")
+WHOLE_NUMBERS = ("order", "recording")
 """Parameters that are whole numbers."""
 
-EXACT = 1e-6
+LEAST_STD_SHARE = 1e-6
 """Standard error over its value below which none is told: nothing is measured so well, but a relief that is surely a
 line has an exponent of 1."""
 
@@ -160,7 +162,7 @@ def _rival_json(rival: Rival) -> dict[str, Any]:
 def _parameters_json(found: Reported) -> dict[str, Any]:
     out: dict[str, Any] = {}
     for name, (value, std) in found.items():
-        out[name] = {"value": round(value) if name in WHOLE else value, "std": std}
+        out[name] = {"value": round(value) if name in WHOLE_NUMBERS else value, "std": std}
     return out
 
 
@@ -198,9 +200,9 @@ def sentence(diagnosis: Diagnosis) -> str:
         return STOPPED[diagnosis.status]
     if diagnosis.status == "nothing_missing":
         if any(gear.exceeded for gear in diagnosis.built):
-            return BEYOND
-        if diagnosis.before.unseen > AGREES * diagnosis.noise:
-            return TEETH
+            return SAYS_BEYOND_LIMITS
+        if diagnosis.before.unseen > AGREES_WITHIN * diagnosis.noise:
+            return SAYS_TEETH_DIFFER
     return STATUS[diagnosis.status]
 
 
@@ -235,7 +237,7 @@ def _print_where(console: Console, diagnosis: Diagnosis) -> None:
     if diagnosis.status == "explained" or not where:
         return
     console.print("\nwhere recordings and declared simulation differ, most of it first:", style="bold", highlight=False)
-    for entry in where[:SHOWN]:
+    for entry in where[:PLACES_TOLD]:
         words = entry_words(entry, sky_of(diagnosis.comparison))
         console.print(f"  {words}", highlight=False, soft_wrap=True)
 
@@ -340,9 +342,9 @@ def how_sure(one: Finding) -> str:
 
 
 def _value_words(name: str, value: float, std: float) -> str:
-    if name in WHOLE:
+    if name in WHOLE_NUMBERS:
         return f"{name} {value:.0f}"
-    if std <= EXACT * abs(value):
+    if std <= LEAST_STD_SHARE * abs(value):
         return f"{name} {value:.4g}"
     digits = max(0, min(9, 1 - math.floor(math.log10(std))))
     return f"{name} {value:.{digits}f} +- {std:.{digits}f}"

@@ -16,7 +16,7 @@ from gearpoly.report.diagnosis_report import LISTED, grade_words
 from gearpoly.report.diagnosis_words import NONE, capital, chance, measured, number
 from gearpoly.units import DEG, NM, RPM, UM
 
-ALONG = 6
+ALONG_SHOWN = 6
 """Places that come along with another one and are shown at once; more are folded away."""
 
 NUMBERED = {
@@ -43,7 +43,7 @@ def parted(found: Sequence[Entry]) -> tuple[list[Entry], list[Entry]]:
     """Places that a report shows at once, the strongest first, and those that it folds away: many that come along with
     others, and what is left beyond the first ones."""
     along = [one for one in found if one.companion_of is not None]
-    plain = [one for one in found if len(along) <= ALONG or one.companion_of is None]
+    plain = [one for one in found if len(along) <= ALONG_SHOWN or one.companion_of is None]
     shown = plain[:LISTED]
     return shown, [one for one in found if not any(one is other for other in shown)]
 

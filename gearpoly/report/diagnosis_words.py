@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from gearpoly.report.diagnosis_report import EXACT, WHOLE
+from gearpoly.report.diagnosis_report import LEAST_STD_SHARE, WHOLE_NUMBERS
 
-UNITS = {
+UNIT_ENDINGS = {
     "_um_per_n": "µm/N",
     "_urad_per_nm": "µrad/(N·m)",
     "_urad": "µrad",
@@ -20,7 +20,7 @@ UNITS = {
 MINUS = "\u2212"
 """The minus sign of print, as wide as a plus."""
 
-NARROW = "\u202f"
+NARROW_SPACE = "\u202f"
 """The narrow space, at which no line ends, between groups of three figures."""
 
 NONE = "\u2013"
@@ -44,12 +44,12 @@ def large(value: float) -> str:
     """``value`` with one decimal below 100, and from there on whole, in groups of three with narrow spaces."""
     if abs(value) < 100.0:
         return number(value, 1)
-    return (MINUS if value < 0.0 else "") + f"{abs(value):,.0f}".replace(",", NARROW)
+    return (MINUS if value < 0.0 else "") + f"{abs(value):,.0f}".replace(",", NARROW_SPACE)
 
 
 def measured(value: float, std: float) -> str:
     """Value and standard error, both to two figures of the error; without one, to four figures of the value."""
-    if not math.isfinite(std) or std <= EXACT * abs(value):
+    if not math.isfinite(std) or std <= LEAST_STD_SHARE * abs(value):
         digits = 3 if value == 0.0 else max(0, min(9, 3 - math.floor(math.log10(abs(value)))))
         return number(value, digits)
     digits = max(0, min(9, 1 - math.floor(math.log10(std))))
@@ -58,9 +58,9 @@ def measured(value: float, std: float) -> str:
 
 def parameter(name: str, value: float, std: float) -> tuple[str, str]:
     """The contract's parameter as a plain name and as its value with error and unit."""
-    if name in WHOLE:
+    if name in WHOLE_NUMBERS:
         return name, number(value, 0)
-    for end, unit in UNITS.items():
+    for end, unit in UNIT_ENDINGS.items():
         if name.endswith(end):
             gap = "" if unit == "°" else " "
             shown = measured(value, std)

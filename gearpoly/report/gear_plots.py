@@ -9,45 +9,59 @@ import numpy as np
 import shapely
 from matplotlib.figure import Figure
 
-from gearpoly.assemble import NAMES, Assembled
+from gearpoly.arguments import GEARS
+from gearpoly.assemble import Assembled
 from gearpoly.gear.deviations import Deviations, Index, Span, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import rotate, tooth_outline
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
 from gearpoly.mesh.transmission import FlankContacts, contacts
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE
+from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
 from gearpoly.units import DEG, UM, BoolArray, FloatArray
 
-CLOSE = 0.06
+CLOSE_UP = 0.06
 """Half width of the close-up in modules: 1 um of gap is a thousandth of it, and the flanks' curvature still shows."""
 
-WIDE = 3.2
+OVERVIEW = 3.2
 """Half width of the overview in modules: three teeth on either side of the line of centres."""
 
 BODY = 0.7
 """The gears' bodies are shown down to this share of the root radius."""
 
-REACH = 60.0 * UM
+DRAWN_WITHIN = 60.0 * UM
 """mm. Pairs that would close within this of the first are drawn; it covers the approach of the next pair."""
 
-PITCHES = 2.0
+GAP_PITCHES = 2.0
 """Pitches that the gap curves cover, centred on the driven angle asked for: a pair comes, carries and goes."""
 
-STEPS = 120
+GAP_STEPS = 120
 """Positions per pitch of the gap curves."""
 
 STYLES = ("-", "--", "-.", ":")
 """Besides colour, line styles tell neighbouring pairs apart."""
 
 
+PICTURES = ("mesh", "deviations", "gaps")
+"""What can be drawn of a pair."""
+
+
+def pair_figure(assembled: Assembled, what: str, theta_2: float, *, flank: Flank, name: str) -> Figure:
+    """One of ``PICTURES`` at driven rotation ``theta_2`` (rad); deviations stand in no rotation."""
+    if what == "deviations":
+        return deviation_figure(assembled, name=name)
+    if what == "gaps":
+        return gap_figure(assembled, theta_2, flank=flank, name=name)
+    return mesh_figure(assembled, theta_2, flank=flank, name=name)
+
+
 def mesh_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str) -> Figure:
     """The teeth about the line of centres at driven rotation ``theta_2`` (rad), and the leading contact close up."""
     pair = assembled.pair
-    found = contacts(pair, np.array([theta_2]), flank=flank, near=REACH)
+    found = contacts(pair, np.array([theta_2]), flank=flank, near=DRAWN_WITHIN)
     theta_1 = float((found.theta_2[0] - found.te[0]) / pair.ratio)
     lead = int(np.argmin(found.gap))
     teeth = f"driving tooth {found.driving[lead]} on driven tooth {found.driven[lead]}"
-    figure = Figure(figsize=(13.0, 7.2))
+    figure = ShownFigure(figsize=(13.0, 7.2))
     axes = figure.subplots(1, 2)
     # Square panels of fixed size: the automatic layout lets titles run into each other there.
     figure.subplots_adjust(left=0.06, right=0.985, bottom=0.08, top=0.88, wspace=0.16)
@@ -60,10 +74,10 @@ def mesh_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str
             ("driven", pair.driven, -theta_2, pair.a),
         )
     }
-    for axis, centre, half in ((axes[0], pitch_point, WIDE * m), (axes[1], found.point[lead], CLOSE * m)):
+    for axis, centre, half in ((axes[0], pitch_point, OVERVIEW * m), (axes[1], found.point[lead], CLOSE_UP * m)):
         _mesh_panel(axis, pair, rings, centre, half, flank)
     axes[0].set_title(
-        f"teeth in mesh: {found.pairs[0]} touching, {found.gap.size} within {REACH / UM:g} um of it", fontsize=10
+        f"teeth in mesh: {found.pairs[0]} touching, {found.gap.size} within {DRAWN_WITHIN / UM:g} um of it", fontsize=10
     )
     axes[0].set_xlabel("x / mm (driving axis at 0)")
     axes[0].set_ylabel("y / mm")
@@ -79,7 +93,7 @@ def mesh_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str
         )
         says = "touches" if touch else f"gap {found.gap[k] / UM:.3g} um"
         axes[0].annotate(says, found.point[k], textcoords="offset points", xytext=(12, -4), fontsize=9)
-    _numbers(axes[0], pair, theta_1, theta_2, pitch_point, WIDE * m)
+    _numbers(axes[0], pair, theta_1, theta_2, pitch_point, OVERVIEW * m)
     _close_up(axes[1], found, lead, teeth)
     figure.suptitle(
         f"{name}: {flank} flanks at driven angle {theta_2 / DEG:g} deg, driving angle {theta_1 / DEG:.6f} deg, "
@@ -168,10 +182,10 @@ def _close_up(axis: Any, found: FlankContacts, lead: int, teeth: str) -> None:
 def deviation_figure(assembled: Assembled, *, name: str) -> Figure:
     """Maps of the deviation of every tooth over the roll length, both flanks of both gears, pitch beside them."""
     pair = assembled.pair
-    figure = Figure(figsize=(13.5, 9.5), layout="constrained")
+    figure = ShownFigure(figsize=(13.5, 9.5), layout="constrained")
     rows: Any = figure.subplots(2, 3, width_ratios=(4, 4, 2.6), squeeze=False)
     for k, mounted in enumerate((pair.driving, pair.driven)):
-        _maps(figure, rows[k], mounted, assembled.deviations[k], NAMES[k], assembled.origin[k])
+        _maps(figure, rows[k], mounted, assembled.deviations[k], GEARS[k], assembled.origin[k])
     figure.suptitle(
         f"{name}: normal deviations of every tooth, positive = more material; "
         "maps without each flank's index deviation, which stands beside them",
@@ -233,10 +247,10 @@ def gap_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str)
     below."""
     pair = assembled.pair
     tau = pair.driven.gear.tau
-    at = theta_2 + np.linspace(-0.5, 0.5, round(PITCHES * STEPS) + 1) * PITCHES * tau
-    found = contacts(pair, at, flank=flank, near=REACH)
+    at = theta_2 + np.linspace(-0.5, 0.5, round(GAP_PITCHES * GAP_STEPS) + 1) * GAP_PITCHES * tau
+    found = contacts(pair, at, flank=flank, near=DRAWN_WITHIN)
     angle = at / DEG
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    figure = ShownFigure(figsize=(11.0, 7.5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     meetings = sorted({(int(i), int(j)) for i, j in zip(found.driving, found.driven, strict=True)})
     first = {pair_: float(angle[found.position[_rows(found, pair_)]].min()) for pair_ in meetings}
@@ -251,7 +265,7 @@ def gap_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str)
         )  # fmt: skip
     upper.set_ylabel("gap along the line\nof action / um")
     # Room for the legend above the curves.
-    upper.set_ylim(-1.0, 1.2 * REACH / UM)
+    upper.set_ylim(-1.0, 1.2 * DRAWN_WITHIN / UM)
     upper.set_title(f"{name}: gaps of near pairs, {flank} flanks, unloaded (0 touches)", loc="left", fontsize=10)
     upper.legend(fontsize=8, loc="upper center", ncols=4)
     lower.plot(angle, found.te * pair.r_b2 / UM, color=BLUE, linewidth=1.2)

@@ -14,7 +14,7 @@ from gearpoly.compare.lost_motion import Lost
 from gearpoly.report.plots import BLUE, GREY, ORANGE
 from gearpoly.units import DEG, UM, FloatArray
 
-POINTS = 4000
+PLACES_DRAWN = 4000
 """Places that are drawn; more hide one another."""
 
 
@@ -74,7 +74,7 @@ def draw_lost(figure: Any, found: Sequence[Lost]) -> None:
     axes = figure.subplots(1, len(found), squeeze=False)[0]
     for axis, lost in zip(axes, found, strict=True):
         angle = np.mod(lost.place, 2.0 * math.pi) / DEG
-        some = slice(None, None, max(1, angle.size // POINTS))
+        some = slice(None, None, max(1, angle.size // PLACES_DRAWN))
         tooth, measured, simulated = lost.by_tooth()
         # The turn closes upon itself.
         at = np.append(tooth, tooth[0] + lost.z_2) * (360.0 / lost.z_2)

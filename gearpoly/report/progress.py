@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-LONG = 4000
+LEAST_WATCHED = 4000
 """Positions below which a run is over before a bar could be read."""
 
 
 @contextmanager
 def watched(total: int, what: str) -> Iterator[Callable[[int], None]]:
     """A function to call with each count of finished positions; it draws a bar where standard error is a terminal."""
-    if total < LONG or not sys.stderr.isatty():
+    if total < LEAST_WATCHED or not sys.stderr.isatty():
         yield lambda done: None
         return
     from rich.progress import (

@@ -13,21 +13,26 @@ from matplotlib.figure import Figure
 from gearpoly.errors import shown
 from gearpoly.files.traces import shorten
 from gearpoly.recording.survey import Seen, Survey
-from gearpoly.report.plots import BLUE, GREY, ORANGE, save
+from gearpoly.report.plots import BLUE, GREY, ORANGE, ShownFigure, save
 
-SHOWN = 8
+COLUMNS_DRAWN = 8
 """Columns that are drawn; a picture of more is not small."""
 
-POINTS = 4000
+CURVE_POINTS = 4000
 """Points of a curve, each pair of which keeps the least and the largest reading of its stretch."""
 
 
 def plot_surveys(surveys: Sequence[Survey], *, target: Path) -> None:
-    """Draw every recording beside the next, and write them to ``target``."""
+    """Write ``surveys_figure`` to ``target``."""
+    save(surveys_figure(surveys), target)
+
+
+def surveys_figure(surveys: Sequence[Survey]) -> Figure:
+    """Every recording beside the next."""
     drawn = [[one for one in found.channels if one.span is not None and not _is_axis(found, one)] for found in surveys]
-    drawn = [channels[:SHOWN] for channels in drawn]
+    drawn = [channels[:COLUMNS_DRAWN] for channels in drawn]
     rows = max(1, max(len(channels) for channels in drawn))
-    figure = Figure(figsize=(1.5 + 6.5 * len(surveys), 1.2 + 1.35 * rows), layout="constrained")
+    figure = ShownFigure(figsize=(1.5 + 6.5 * len(surveys), 1.2 + 1.35 * rows), layout="constrained")
     axes: Any = figure.subplots(rows, len(surveys), squeeze=False)
     for column, (found, channels) in enumerate(zip(surveys, drawn, strict=True)):
         for row in range(rows):
@@ -41,7 +46,7 @@ def plot_surveys(surveys: Sequence[Survey], *, target: Path) -> None:
         _runs(axes[0][column], found)
         last = axes[max(len(channels) - 1, 0)][column]
         last.set_xlabel("time / s" if found.time is not None else "row")
-    save(figure, target)
+    return figure
 
 
 def _channel(axis: Any, found: Survey, one: Seen) -> None:
@@ -99,9 +104,9 @@ def _marks(found: Survey) -> str:
 def _thinned(values: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.int64]]:
     """The samples of a curve of few points that looks as the whole one does."""
     size = values.size
-    if size <= POINTS:
+    if size <= CURVE_POINTS:
         return np.arange(size)
-    edges = np.linspace(0, size, POINTS // 2 + 1).astype(np.int64)
+    edges = np.linspace(0, size, CURVE_POINTS // 2 + 1).astype(np.int64)
     keep = []
     for first, end in itertools.pairwise(edges):
         part = values[first:end]

@@ -28,7 +28,7 @@ RUN_SHOWN = 240
 RUNS = 12
 """Runs of a file that are told one by one."""
 
-NAMED = 3
+PLACES_NAMED = 3
 """Places of one kind that are named; the rest is counted."""
 
 
@@ -59,7 +59,7 @@ def print_survey(console: Terminal, found: Survey) -> None:
         back = sum(run.back for run in more)
         words = f"and {len(more)} more runs, {len(more) - back} forward and {back} back, which --json lists"
         console.print(words, highlight=False, soft_wrap=True)
-    for forth, back, lost in found.lost[:NAMED]:
+    for forth, back, lost in found.lost[:PLACES_NAMED]:
         words = f"lost motion from run {forth} to run {back}: {lost.says}"
         console.print(words, style="bold", highlight=False, soft_wrap=True)
     for key, value in found.keys.items():
@@ -114,13 +114,18 @@ def _turning_words(turning: Turning, one: Seen) -> str:
 def _places(what: str, places: Sequence[str]) -> str:
     if not places:
         return f"no {what}"
-    more = "" if len(places) <= NAMED else f" and {len(places) - NAMED} more"
-    return f"{len(places)} {what}{'s' * (len(places) > 1)} ({', '.join(places[:NAMED])}{more})"
+    more = "" if len(places) <= PLACES_NAMED else f" and {len(places) - PLACES_NAMED} more"
+    return f"{len(places)} {what}{'s' * (len(places) > 1)} ({', '.join(places[:PLACES_NAMED])}{more})"
 
 
 def json_text(surveys: Sequence[Survey]) -> str:
-    """All recordings as JSON; what is no number there is null."""
-    return json.dumps({"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}, indent=2) + "\n"
+    """All recordings as JSON."""
+    return json.dumps(surveys_json(surveys), indent=2) + "\n"
+
+
+def surveys_json(surveys: Sequence[Survey]) -> dict[str, Any]:
+    """All that is seen of the recordings; what is no number is None."""
+    return {"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}
 
 
 def _held(found: Survey) -> dict[str, Any]:

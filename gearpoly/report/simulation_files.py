@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +25,22 @@ def csv_text(simulation: Simulation) -> str:
     return "\n".join(lines) + "\n"
 
 
-def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, object]], remarks: list[str]) -> str:
-    """The run as JSON: summary, columns, and every near contact with tooth numbers, place, normal and what touches."""
+def json_text(
+    simulation: Simulation, *, name: str, defaults: Sequence[tuple[str, object]], remarks: Sequence[str]
+) -> str:
+    """The run as JSON."""
+    return json.dumps(run_json(simulation, name=name, defaults=defaults, remarks=remarks), allow_nan=False)
+
+
+def run_json(
+    simulation: Simulation, *, name: str, defaults: Sequence[tuple[str, object]], remarks: Sequence[str]
+) -> dict[str, Any]:
+    """Everything of the run: summary, columns, and every near contact with tooth numbers, place, normal and what
+    touches."""
     found, pair, load = simulation.contacts, simulation.pair, simulation.load
     table = simulation.table()
     radius_2 = np.hypot(found.point[:, 0] - pair.a, found.point[:, 1])
-    document = {
+    return {
         "gearpoly": __version__,
         "pair": name,
         "flank": simulation.flank,
@@ -39,7 +51,7 @@ def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, ob
         "working_pressure_angle_deg": pair.alpha_w / DEG,
         "base_radius_mm": [pair.r_b1, pair.r_b2],
         "defaults": dict(defaults),
-        "remarks": remarks,
+        "remarks": list(remarks),
         "summary": simulation.summary(),
         "columns": {key: table[:, k].tolist() for k, key in enumerate(CSV_HEADER.split(","))}
         | ({} if load is None else {"mesh_stiffness_n_per_um": (load.stiffness * UM).tolist()}),
@@ -57,4 +69,3 @@ def json_text(simulation: Simulation, *, name: str, defaults: list[tuple[str, ob
             "feature": [("flank", "driving_tip_corner", "driven_tip_corner")[k] for k in found.feature.tolist()],
         },
     }
-    return json.dumps(document, allow_nan=False)

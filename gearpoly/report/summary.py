@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
@@ -16,9 +17,9 @@ def print_summary(
     simulation: Simulation,
     *,
     name: str,
-    defaults: list[tuple[str, object]],
+    defaults: Sequence[tuple[str, object]],
     listed: bool,
-    remarks: list[str],
+    remarks: Sequence[str],
 ) -> None:
     """Print the key figures of a run; of the ``defaults`` that it stands on their number, or all where
     ``listed`` is wanted."""

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from gearpoly.study.causes import FailureCause, causes
-from gearpoly.study.design import CHANCE, Design
+from gearpoly.study.design import CHANCE_FACTOR, Design
 from gearpoly.study.groups import Group, group
-from gearpoly.study.models import Limit
+from gearpoly.study.models import OutputLimit
 from gearpoly.study.pipeline import DONE
 from gearpoly.study.statistics import Indices, factorial_indices, saltelli_indices
 from gearpoly.study.store import Store, as_numbers, read_store
@@ -30,7 +30,7 @@ class Answers:
     manifest: dict[str, Any]
     confidence: float
     groups: tuple[Group, ...]
-    limits: tuple[Limit, ...]
+    limits: tuple[OutputLimit, ...]
     yields: tuple[Yield, ...]
     cheapest: tuple[Cheapest, ...]
     sensitivity: tuple[tuple[str, tuple[Indices, ...]], ...]
@@ -39,7 +39,7 @@ class Answers:
     pairs: int
 
 
-def answer(folder: Path, *, limits: Sequence[Limit] | None = None, confidence: float = 0.95) -> Answers:
+def answer(folder: Path, *, limits: Sequence[OutputLimit] | None = None, confidence: float = 0.95) -> Answers:
     """Read the table in ``folder``; ``limits`` instead of the study's own.
 
     Raises ``InputFileError`` where there is no table.
@@ -111,7 +111,7 @@ def _indices(design: Design, found: dict[str, Any], output: str) -> tuple[Indice
     if design.file.sensitivity:
         rows = values[: design.points.shape[0] * design.blocks].reshape(-1, design.blocks)
         rows = rows[np.all(np.isfinite(rows), axis=1)]
-        return tuple(saltelli_indices(rows, [*(sweep_name(sweep) for sweep in design.ranges), CHANCE]))
+        return tuple(saltelli_indices(rows, [*(sweep_name(sweep) for sweep in design.ranges), CHANCE_FACTOR]))
     if design.ranges or not design.plain or design.file.draws != "shared":
         return ()
     draws = values.size // design.combinations
@@ -121,4 +121,4 @@ def _indices(design: Design, found: dict[str, Any], output: str) -> tuple[Indice
     table = np.moveaxis(table[whole], 0, -1)
     used = [k for k, levels in enumerate(design.levels) if len(levels) > 1]
     table = table.reshape(*(len(design.levels[k]) for k in used), -1)
-    return tuple(factorial_indices(table, [*(sweep_name(design.plain[k]) for k in used), CHANCE]))
+    return tuple(factorial_indices(table, [*(sweep_name(design.plain[k]) for k in used), CHANCE_FACTOR]))

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
 from gearpoly.study.answers import Answers
 from gearpoly.study.groups import Group
 from gearpoly.study.statistics import Interval
+
+
+def json_text(answers: Answers) -> str:
+    """The answers as JSON."""
+    return json.dumps(answers_json(answers), allow_nan=False, indent=1)
 
 
 def answers_json(answers: Answers) -> dict[str, Any]:

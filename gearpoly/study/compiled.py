@@ -13,7 +13,7 @@ STOP = 1e-15
 """mm per mm of roll length at the tip: rounding of a roll length. Larger moves flanks by more than their own rounding,
 smaller never ends."""
 
-ROUNDS = 200
+SEARCH_ROUNDS = 200
 """The search contracts by |d'|, a few um per mm, so that six rounds are usual; what needs more than these
 folds over."""
 
@@ -44,7 +44,7 @@ def roll_lengths(
         for k in range(n):
             l = L[k] - d  # the neighbour's deviation is nearly this one's
             found = False
-            for _ in range(ROUNDS):
+            for _ in range(SEARCH_ROUNDS):
                 u = (l - l_start) * scale
                 d = p[t] + s[t] * (u - 0.5)
                 if amount != 0.0 and l > l_relief:

@@ -18,7 +18,7 @@ from gearpoly.study.keys import is_whole
 from gearpoly.study.models import StudyFile, Sweep
 from gearpoly.units import FloatArray
 
-CHANCE = "chance"
+CHANCE_FACTOR = "chance"
 """Name of the factor that stands for what the grade leaves to chance."""
 
 MOST_COMBINATIONS = 2_000_000

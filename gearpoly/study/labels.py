@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from gearpoly.study.models import Limit
+from gearpoly.study.models import OutputLimit
 from gearpoly.study.outputs import output
 from gearpoly.study.yields import Yield
 
@@ -16,7 +16,7 @@ a name left of a row."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
-def limit_words(limit: Limit) -> str:
+def limit_words(limit: OutputLimit) -> str:
     """A limit without its share."""
     one = output(limit.output)
     bound = f"at most {limit.at_most:g}" if limit.at_most is not None else f"at least {limit.at_least:g}"

@@ -12,7 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from gearpoly.assemble import NAMES, Assembled, assemble, brought_parts, brought_shapes, stated_limits
+from gearpoly.arguments import GEARS
+from gearpoly.assemble import Assembled, assemble, brought_parts, brought_shapes, stated_limits
 from gearpoly.errors import GeometryError, NotConvergedError, blamed
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.deviations import Form, Index, Relief, Shape, Slope
@@ -50,7 +51,7 @@ class Maker:
         """The pair of this seed; raises as ``assemble`` does."""
         flanks = []
         for k, blank in enumerate(self.blanks):
-            name = NAMES[k]
+            name = GEARS[k]
             with blamed(self.path, name):
                 flanks.append(blank.flanks if blank.limits is None else _drawn(blank, blank.limits, seed, k, name))
         off = brought_parts(self.file).eccentricity
@@ -71,7 +72,7 @@ def maker(file: PairFile, path: Path) -> Maker:
     bare = assemble(file.model_copy(update=gears), path=path, seed=0)
     blanks = []
     for name, section, mounted in zip(
-        NAMES, (file.driving, file.driven), (bare.pair.driving, bare.pair.driven), strict=True
+        GEARS, (file.driving, file.driven), (bare.pair.driving, bare.pair.driven), strict=True
     ):
         drawn = section.inspection is None and (section.grade is not None or section.limits is not None)
         with blamed(path, name):

@@ -90,7 +90,7 @@ class Sweep(Section):
                 _broken(name, f"{value:g} beside a list", 'want method = "grid" for from, to and steps')
 
 
-class Limit(Section):
+class OutputLimit(Section):
     """What a good pair keeps: a bound on one output, and the share of pairs that shall keep it."""
 
     output: str = Field(description="name of an output")
@@ -137,7 +137,7 @@ class StudyFile(Section):
     )
     set: dict[str, Value | Row] = Field(default_factory=dict, description="dotted keys of the pair file, a table")
     sweep: Annotated[tuple[Sweep, ...], Strict(False), ONE_FAULT] = _field("what is varied, tables [[sweep]]", ())
-    limit: Annotated[tuple[Limit, ...], Strict(False), ONE_FAULT] = _field(
+    limit: Annotated[tuple[OutputLimit, ...], Strict(False), ONE_FAULT] = _field(
         "what a good pair keeps, tables [[limit]]", ()
     )
     until: Until | None = _field("when it is enough, a table")

@@ -11,13 +11,12 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from gearpoly.arguments import GEARS
 from gearpoly.errors import OutOfRangeError
 from gearpoly.files.traces import nearest
 from gearpoly.mesh.pair import GearPair
 from gearpoly.study.composite import grade_of, own_curve, tooth_composite, total_composite
 from gearpoly.units import ARCMIN, UM, URAD, FloatArray
-
-GEARS = ("driving", "driven")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,7 +16,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
+from gearpoly.report.plots import BLUE, GREY, ShownFigure
+from gearpoly.report.study_plots import COLOURS
 from gearpoly.study.answers import Answers
 from gearpoly.study.groups import Sample
 from gearpoly.study.labels import LINE, TITLE, UPRIGHT, asked_words, axis_label, row_label
@@ -24,19 +25,16 @@ from gearpoly.study.store import as_numbers
 from gearpoly.study.words import factor_words, with_unit
 from gearpoly.units import FloatArray
 
-COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
-"""Okabe and Ito's, with a dark grey."""
-
-CURVES = 7
+MOST_CURVES = 7
 """Groups drawn as curves of their own; more become ranges of percentiles."""
 
-NAMED = 24
+MOST_NAMED = 24
 """Combinations that an axis names; more only have a place in the order of the tables."""
 
-STEPS = 400
+MOST_CORNERS = 400
 """Corners of a drawn distribution: more than a page has pixels are of no use."""
 
-WIDTH = 4.6
+PANEL_WIDTH = 4.6
 """Inches of a panel."""
 
 LETTER = 0.15
@@ -53,7 +51,7 @@ class StudyPicture:
     name: str
     caption: str
     panels: tuple[Callable[[Any], None], ...]
-    size: tuple[float, float] = (WIDTH, 2.9)
+    size: tuple[float, float] = (PANEL_WIDTH, 2.9)
     columns: int = 3
     key: tuple[tuple[str, str], ...] = ()
 
@@ -106,7 +104,7 @@ def _grid(axis: Any) -> None:
 
 
 def _distributions(answers: Answers, names: list[str], *, name: str) -> StudyPicture:
-    few = len(answers.groups) <= CURVES
+    few = len(answers.groups) <= MOST_CURVES
     if few:
         return StudyPicture(
             name=name,
@@ -119,7 +117,7 @@ def _distributions(answers: Answers, names: list[str], *, name: str) -> StudyPic
         name=name,
         caption="Median and range from the 5th to the 95th percentile of each combination; dashed, its limit.",
         panels=tuple(partial(_ranges, answers=answers, name=one, x=x, over=over) for one in names),
-        size=(WIDTH, 2.9 if over else max(2.9, 0.8 + _rows_height(answers))),
+        size=(PANEL_WIDTH, 2.9 if over else max(2.9, 0.8 + _rows_height(answers))),
     )
 
 
@@ -134,7 +132,7 @@ def _curves(axis: Any, *, answers: Answers, name: str) -> None:
     for k, group in enumerate(answers.groups):
         values = group.sample(name).values
         if values.size:
-            keep = np.unique(np.linspace(0, values.size - 1, min(values.size, STEPS)).astype(int))
+            keep = np.unique(np.linspace(0, values.size - 1, min(values.size, MOST_CORNERS)).astype(int))
             axis.step(values[keep], (keep + 1) / values.size, where="post", color=COLOURS[k], linewidth=1.2)
     for bound in _bounds(answers, name):
         axis.axvline(bound, color=GREY, linewidth=1.2, linestyle="--")
@@ -185,7 +183,7 @@ def _sensitivity(answers: Answers) -> StudyPicture:
         caption="Sobol indices: full bars, what a factor makes on its own; pale bars, what it has a part in; lines, "
         "95 % intervals. Chance is what the grade leaves open.",
         panels=tuple(partial(_bars, name=name, indices=indices, words=words) for name, indices in shown),
-        size=(WIDTH, 1.3 + 0.42 * most),
+        size=(PANEL_WIDTH, 1.3 + 0.42 * most),
     )
 
 
@@ -212,7 +210,10 @@ def _yields(answers: Answers) -> StudyPicture:
         caption="Share of the drawn pairs that keep each limit, with its interval; dashed lines, the share that is "
         "asked. A combination of which no pair could be judged has no point.",
         panels=(partial(_kept, answers=answers),),
-        size=(WIDTH, max(2.2, 0.8 + max(_rows_height(answers), (0.1 + 0.14 * len(judged)) * len(answers.groups)))),
+        size=(
+            PANEL_WIDTH,
+            max(2.2, 0.8 + max(_rows_height(answers), (0.1 + 0.14 * len(judged)) * len(answers.groups))),
+        ),
         key=tuple((COLOURS[k % len(COLOURS)], asked_words(one)) for k, one in enumerate(judged)),
     )
 
@@ -239,7 +240,7 @@ def _kept(axis: Any, *, answers: Answers) -> None:
 
 def _rows_height(answers: Answers) -> float:
     """Inches that the names of all combinations need below one another."""
-    if len(answers.groups) > NAMED:
+    if len(answers.groups) > MOST_NAMED:
         return 0.08 * min(len(answers.groups), 60)
     lines = max(1 + row_label(group.words).count("\n") for group in answers.groups)
     return (LETTER * lines + 0.05) * len(answers.groups)
@@ -248,7 +249,7 @@ def _rows_height(answers: Answers) -> float:
 def _name_rows(axis: Any, answers: Answers) -> None:
     """Combinations from the top down, which stand at 0, 1, 2, ..., with their names where there are few."""
     axis.set_ylim(len(answers.groups) - 0.5, -0.5)
-    if len(answers.groups) <= NAMED:
+    if len(answers.groups) <= MOST_NAMED:
         labels = [row_label(group.words) for group in answers.groups]
         axis.set_yticks(range(len(labels)), labels=labels, fontsize=8)
     else:
@@ -278,6 +279,6 @@ def _points(answers: Answers) -> StudyPicture:
         panels=tuple(
             partial(cloud, name=name, key=one.all_keys[0], words=with_unit(one)) for name in names for one in sweeps
         ),
-        size=(WIDTH, 2.4),
+        size=(PANEL_WIDTH, 2.4),
         columns=len(sweeps),
     )

@@ -19,7 +19,7 @@ CHUNKS = 400
 evenly, large ones make few files, and more pairs later change nothing in front. A stop loses at most the chunks that
 are under way."""
 
-LARGEST = 250
+LARGEST_CHUNK = 250
 """Rows of the largest chunk: about a minute's work, which is the most that a lost worker costs."""
 
 _ASKED = {"name", "limit", "until", "pairs"}
@@ -91,7 +91,7 @@ class StudyPlan:
 
 def size_at(start: int) -> int:
     """Rows of the chunk that starts at row ``start``."""
-    return min(1 + start // CHUNKS, LARGEST)
+    return min(1 + start // CHUNKS, LARGEST_CHUNK)
 
 
 def versions() -> dict[str, str]:

@@ -17,10 +17,10 @@ from gearpoly.files.sheet_csv import with_sheets
 from gearpoly.files.toml import parse
 from gearpoly.files.traces import nearest, read_text
 from gearpoly.study.keys import check_key, with_values
-from gearpoly.study.models import Limit, StudyFile, Sweep, Until
+from gearpoly.study.models import OutputLimit, StudyFile, Sweep, Until
 from gearpoly.study.outputs import check_output
 
-_SECTIONS: dict[str, type[Section]] = {"sweep": Sweep, "limit": Limit, "until": Until}
+_SECTIONS: dict[str, type[Section]] = {"sweep": Sweep, "limit": OutputLimit, "until": Until}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
-from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from gearpoly.errors import OutOfRangeError
-from gearpoly.files.traces import nearest
 from gearpoly.study.answers import Answers
 from gearpoly.study.causes import FailureCause, causes, count_words
 from gearpoly.study.groups import Sample, counted
 from gearpoly.study.labels import asked_words
-from gearpoly.study.models import Limit
 from gearpoly.study.outputs import describe
 from gearpoly.study.run import Outcome
 from gearpoly.study.statistics import Interval
-from gearpoly.study.store import read_store
 from gearpoly.study.yields import yield_words
 
 PRINTED = 24
@@ -30,8 +23,6 @@ PRINTED = 24
 
 CAUSES = 8
 """Causes that a terminal shows; the page has all."""
-
-_LIMIT = re.compile(r"^\s*(\w+)\s*(<=|>=)\s*(\S+)\s*$")
 
 
 def print_outcome(console: Console, outcome: Outcome) -> None:
@@ -56,31 +47,6 @@ def _print_causes(console: Console, found: tuple[FailureCause, ...], *, pairs: i
         console.print(f"  {one.says}; for example {one.example}", style="yellow", highlight=False)
     if len(found) > CAUSES:
         console.print(f"  {len(found) - CAUSES} more causes are in the column reason", style="yellow", highlight=False)
-
-
-def parse_limits(texts: list[str] | None, *, share: float, folder: Path) -> list[Limit] | None:
-    """Limits of the command line, or None where there are none. Raises ``OutOfRangeError`` for one that is none."""
-    if not texts:
-        return None
-    known = read_store(folder)[0].plan.file.outputs
-    out = []
-    for text in texts:
-        match = _LIMIT.match(text)
-        if match is None:
-            raise OutOfRangeError(f'--limit "{text}"; want "output<=number" or "output>=number"')
-        if match[1] not in known:
-            raise OutOfRangeError(
-                f'--limit "{text}": the study kept no "{match[1]}"; the nearest is "{nearest(match[1], known)}"'
-            )
-        try:
-            bound = float(match[3])
-            keys = {"at_most" if match[2] == "<=" else "at_least": bound}
-            out.append(Limit(output=match[1], share=share, **keys))
-        except ValidationError:
-            raise OutOfRangeError(f"--share {share:g}: want a share above 0 and below 1") from None
-        except ValueError:
-            raise OutOfRangeError(f'--limit "{text}": "{match[3]}" is no number') from None
-    return out
 
 
 def _short(one: Interval) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearpoly.study.design import Design
 from gearpoly.study.groups import Group, shown
-from gearpoly.study.models import Limit
+from gearpoly.study.models import OutputLimit
 from gearpoly.study.statistics import Interval, share
 from gearpoly.study.words import key_words
 
@@ -27,7 +27,7 @@ class Yield:
     """How many pairs of each group keep all of ``limits``, in the order of the groups: ``shares`` of the ``judged``
     pairs, and ``verdicts``. ``share`` is what is asked."""
 
-    limits: tuple[Limit, ...]
+    limits: tuple[OutputLimit, ...]
     share: float
     judged: tuple[int, ...]
     shares: tuple[Interval, ...]
@@ -53,13 +53,13 @@ class Cheapest:
     says: tuple[str, ...]
 
 
-def bound_words(limit: Limit) -> str:
+def bound_words(limit: OutputLimit) -> str:
     """A limit without its share, in words."""
     bound = f"at most {limit.at_most:g}" if limit.at_most is not None else f"at least {limit.at_least:g}"
     return f"{limit.output} {bound}"
 
 
-def yields(limits: tuple[Limit, ...], groups: tuple[Group, ...], *, confidence: float) -> tuple[Yield, ...]:
+def yields(limits: tuple[OutputLimit, ...], groups: tuple[Group, ...], *, confidence: float) -> tuple[Yield, ...]:
     """The yield against each of ``limits``, and last against all of them together where there is more than one.
 
     Together, the least of the shares is asked: pairs that keep all are never more than those that keep one.
@@ -68,7 +68,7 @@ def yields(limits: tuple[Limit, ...], groups: tuple[Group, ...], *, confidence: 
     return tuple(_yield(these, groups, confidence) for these in asked)
 
 
-def _yield(limits: tuple[Limit, ...], groups: tuple[Group, ...], confidence: float) -> Yield:
+def _yield(limits: tuple[OutputLimit, ...], groups: tuple[Group, ...], confidence: float) -> Yield:
     asked = min(limit.share for limit in limits)
     judged, shares, verdicts = [], [], []
     for group in groups:
@@ -80,7 +80,7 @@ def _yield(limits: tuple[Limit, ...], groups: tuple[Group, ...], confidence: flo
     return Yield(limits=limits, share=asked, judged=tuple(judged), shares=tuple(shares), verdicts=tuple(verdicts))
 
 
-def _counted(limits: tuple[Limit, ...], group: Group) -> tuple[int, int]:
+def _counted(limits: tuple[OutputLimit, ...], group: Group) -> tuple[int, int]:
     """Pairs of ``group`` that keep all of ``limits``, of how many that can be judged."""
     values = np.stack([group.ran[limit.output] for limit in limits])
     bounds = [(-np.inf if one.at_least is None else one.at_least, np.inf if one.at_most is None else one.at_most)

@@ -24,10 +24,10 @@ from gearpoly.simulate import Simulation
 from gearpoly.units import DEG, NM, UM, FloatArray
 from gearpoly.view.scene import ViewScene
 
-SAMPLES = 120_000
+MOST_SAMPLES = 120_000
 """Most samples of a recording in a page; of longer ones every k-th is shown. 266 a mesh of an 18/25 cycle."""
 
-FINE = 2e-5
+FORCE_STEP = 2e-5
 """Of forces and stiffness, as a part of the greatest: a fifth of the fourth figure, the last that the page prints."""
 
 FINE_UM = 1e-3
@@ -143,11 +143,11 @@ def _samples(simulation: Simulation) -> dict[str, Any]:
     carrying = load.force > 0.0
     return out | {
         "approach_um": rounded(load.approach / UM, to=TE_UM),
-        "stiffness_n_per_um": rounded(load.stiffness * UM, to=FINE * float(np.max(load.stiffness)) * UM),
+        "stiffness_n_per_um": rounded(load.stiffness * UM, to=FORCE_STEP * float(np.max(load.stiffness)) * UM),
         "carrying": packed(np.bincount(found.position[carrying], minlength=found.theta_2.size), "u1"),
         "driven": packed(found.driven[carrying], few(simulation.pair.driven.gear.z)),
         "driving": packed(found.driving[carrying], few(simulation.pair.driving.gear.z)),
-        "force_n": rounded(load.force[carrying], to=FINE * float(np.max(load.force))),
+        "force_n": rounded(load.force[carrying], to=FORCE_STEP * float(np.max(load.force))),
     }
 
 
@@ -173,7 +173,7 @@ def _recording(comparison: Comparison) -> dict[str, Any]:
     one = comparison.aligned[0]
     pair = comparison.assembled.pair
     turns = np.mod(one.theta_2, pair.cycle)
-    every = max(1, math.ceil(turns.size / SAMPLES))
+    every = max(1, math.ceil(turns.size / MOST_SAMPLES))
     chosen = np.arange(0, turns.size, every)
     order = chosen[np.argsort(turns[chosen], kind="stable")]
     source = one.cleaned.recording.source

@@ -17,7 +17,7 @@ from gearpoly.positions import POINTS_PER_MESH, cycle_positions
 from gearpoly.simulate import Simulation, simulate, strength_remarks
 from gearpoly.units import DEG
 
-POSITIONS = 50_000
+MOST_POSITIONS = 50_000
 """Positions over a cycle from which fewer are taken per pitch: they cost time and bytes, and the page finds the
 contacts between them itself."""
 
@@ -49,17 +49,17 @@ def positions(pair: GearPair) -> int:
 
 def points_per_mesh(pair: GearPair) -> int:
     """Positions per pitch at which the page's curves are simulated: ``simulate``'s own, fewer for very long cycles."""
-    return max(LEAST_PER_MESH, min(POINTS_PER_MESH, POSITIONS // pair.meshes_per_cycle))
+    return max(LEAST_PER_MESH, min(POINTS_PER_MESH, MOST_POSITIONS // pair.meshes_per_cycle))
 
 
-def opening_angle(pair: GearPair, at_deg: float) -> float:
-    """Driven rotation in rad within the hunting cycle for an angle in deg that a user asked for.
+def opening_angle(pair: GearPair, theta_2: float) -> float:
+    """Driven rotation in rad within the hunting cycle for one ``theta_2`` in rad that a user asked for.
 
     Raises ``OutOfRangeError`` for an angle that is none.
     """
-    if not np.isfinite(at_deg):
-        raise OutOfRangeError(f"--at {at_deg}: want a driven angle in deg, such as 12.5")
-    return float(np.mod(at_deg * DEG, pair.cycle))
+    if not np.isfinite(theta_2):
+        raise OutOfRangeError(f"--at {theta_2 / DEG}: want a driven angle in deg, such as 12.5")
+    return float(np.mod(theta_2, pair.cycle))
 
 
 def scene_of(
@@ -68,27 +68,27 @@ def scene_of(
     name: str,
     path: Path | str,
     condition: Condition,
-    at_deg: float = 0.0,
+    theta_2: float = 0.0,
     seed: int = 0,
     progress: Progress,
 ) -> ViewScene:
     """``assembled`` (of the file at ``path``, with ``seed``) over its hunting cycle under ``condition``.
 
-    Raises what ``simulate`` does, and ``OutOfRangeError`` for an angle ``at_deg`` that is none.
+    Raises what ``simulate`` does, and ``OutOfRangeError`` for an angle ``theta_2`` that is none.
     """
-    theta_2 = opening_angle(assembled.pair, at_deg)
+    opened = opening_angle(assembled.pair, theta_2)
     simulation = _simulated(assembled, condition, path=path, seed=seed, progress=progress)
     return ViewScene(
         name=name,
         simulation=simulation,
         per_mesh=points_per_mesh(assembled.pair),
-        theta_2=theta_2,
+        theta_2=opened,
         comparison=None,
         remarks=tuple(strength_remarks(simulation)),
     )
 
 
-def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.0, progress: Progress) -> ViewScene:
+def scene_beside(comparison: Comparison, *, path: Path | str, theta_2: float = 0.0, progress: Progress) -> ViewScene:
     """The pair of ``comparison`` (its file read from ``path``) under its first recording's condition, with that
     recording's mismatch.
 
@@ -96,14 +96,14 @@ def scene_beside(comparison: Comparison, *, path: Path | str, at_deg: float = 0.
     """
     one = comparison.aligned[0]
     pair = comparison.assembled.pair
-    theta_2 = opening_angle(pair, at_deg)
+    opened = opening_angle(pair, theta_2)
     condition = Condition(flank=one.flank, torque=one.torque)
     simulation = _simulated(comparison.assembled, condition, path=path, seed=0, progress=progress)
     return ViewScene(
         name=comparison.name,
         simulation=simulation,
         per_mesh=points_per_mesh(pair),
-        theta_2=theta_2,
+        theta_2=opened,
         comparison=comparison,
         remarks=(*comparison.remarks, *strength_remarks(simulation)),
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from gearpoly.export.drawing import Drawing, Placed
-from gearpoly.export.measured import POINTS, measure, only_gear
+from gearpoly.export.measured import TRACE_POINTS, measure, only_gear
 from gearpoly.files.gde import GearInspection, Profile, Side, gde_text
 from gearpoly.files.gde_inspection import FLANKS, TURNS
 from gearpoly.units import DEG, UM
@@ -20,12 +20,13 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     gear = only_gear(drawing, target)
     title = f"{drawing.title}, {gear.name} gear" + (f", seed {drawing.seed}" if "drawn" in drawing.origin else "")
     target.write_text(
-        gde_text(as_inspection(gear, title=title, points=drawing.request.detail.points or POINTS)), encoding="utf-8"
+        gde_text(as_inspection(gear, title=title, points=drawing.request.detail.points or TRACE_POINTS)),
+        encoding="utf-8",
     )
     return drawing.chord_error
 
 
-def as_inspection(gear: Placed, *, title: str, points: int = POINTS) -> GearInspection:
+def as_inspection(gear: Placed, *, title: str, points: int = TRACE_POINTS) -> GearInspection:
     """What an inspector would report of ``gear``, in the units of the file; tooth 1 is tooth 0 of gearpoly."""
     nominal, limits, found = gear.mounted.gear, gear.limits, measure(gear, points=points)
     which: Literal["driving", "driven"] = "driving" if gear.name == "driving" else "driven"

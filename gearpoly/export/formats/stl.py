@@ -14,7 +14,7 @@ from gearpoly.units import UM
 ENDINGS = (".stl",)
 CURVES = ("lines",)
 
-HEADER = 80
+HEADER_BYTES = 80
 """Bytes at the start of a binary STL that are anyone's to fill."""
 
 
@@ -33,7 +33,7 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     )
     triangles = trimesh.exchange.stl.export_stl(trimesh.util.concatenate(solids(drawing, single=True)))
     # A binary STL must not begin with "solid", and this does not.
-    target.write_bytes(header.encode("ascii")[:HEADER].ljust(HEADER, b" ") + triangles[HEADER:])
+    target.write_bytes(header.encode("ascii")[:HEADER_BYTES].ljust(HEADER_BYTES, b" ") + triangles[HEADER_BYTES:])
     return error
 
 

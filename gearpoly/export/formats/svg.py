@@ -16,7 +16,7 @@ ENDINGS = (".svg",)
 CURVES = ("lines",)
 
 # Okabe and Ito's palette keeps its contrasts for all common kinds of colour blindness.
-COLOURS = {"driving": "#0072B2", "driven": "#D55E00"}
+GEAR_COLOURS = {"driving": "#0072B2", "driven": "#D55E00"}
 _DASHES = {"tip": "", "reference": "3 1 0.5 1", "pitch": "3 1 0.5 1", "base": "1.5 1", "root": ""}
 
 
@@ -62,7 +62,7 @@ def _path(points: FloatArray) -> str:
 
 
 def _gear(gear: Placed, drawing: Drawing, *, stroke: float) -> list[str]:
-    name, colour = gear.name, COLOURS[gear.name]
+    name, colour = gear.name, GEAR_COLOURS[gear.name]
     axis, centre = gear.axis.tolist(), gear.centre.tolist()
     lines = [
         _layer(name, f"{name} gear", f' fill="none" stroke="{colour}" stroke-width="{stroke:.4f}"'),

@@ -27,7 +27,7 @@ _RELS = """<?xml version="1.0" encoding="UTF-8"?>
 </Relationships>
 """
 
-LEVEL = 2
+COMPRESSION = 2
 """Compression: 5 takes three times as long for a file a fifth smaller."""
 
 _DAY_ZERO = (1980, 1, 1, 0, 0, 0)
@@ -59,7 +59,7 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     lines.append("</resources><build>")
     lines += [f'<item objectid="{number}"/>' for number in range(1, len(meshes) + 1)]
     lines.append("</build></model>")
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=COMPRESSION) as archive:
         for name, text in (
             ("[Content_Types].xml", _TYPES),
             ("_rels/.rels", _RELS),

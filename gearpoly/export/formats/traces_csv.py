@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gearpoly.export.drawing import Drawing
-from gearpoly.export.measured import POINTS, measure, only_gear
+from gearpoly.export.measured import TRACE_POINTS, measure, only_gear
 from gearpoly.files.traces import TRACE_COLUMNS
 from gearpoly.units import UM
 
@@ -19,7 +19,7 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     Pitch and thickness are not in it; a comment says so, and a .gde file holds them too.
     """
     gear = only_gear(drawing, target)
-    found = measure(gear, points=drawing.request.detail.points or POINTS)
+    found = measure(gear, points=drawing.request.detail.points or TRACE_POINTS)
     lines = [
         f"# {drawing.words()}",
         f"# {gear.name} gear: profiles from the design profile; pitch and tooth thickness are not in them",

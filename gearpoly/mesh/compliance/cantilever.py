@@ -18,7 +18,7 @@ from gearpoly.units import BoolArray, FloatArray
 Form = Literal["symmetric", "published"]
 """Of the beam integrals: which of two ways the moment of the load is written in."""
 
-WIDE = 5.0
+PLANE_STRAIN_FROM = 5.0
 """Face width over pitch-point thickness above which a tooth is in plane strain; Cornell (1981)."""
 
 
@@ -27,7 +27,7 @@ def is_wide(section: ToothSection, blank: Blank) -> BoolArray:
 
     Judged tooth by tooth, a thinner tooth near the limit would count as wide and come out stiffer than its neighbours.
     """
-    return np.full((1, 1), blank.b / float(np.mean(section.H_p)) > WIDE)
+    return np.full((1, 1), blank.b / float(np.mean(section.H_p)) > PLANE_STRAIN_FROM)
 
 
 def foundation(
