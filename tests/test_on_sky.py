@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.on_sky import Sky, sky_of
 from gearpoly.diagnose.verdict import Finding
+from gearpoly.keys.also_turns import Part
 from gearpoly.report.compare_report import entry_words
 from gearpoly.report.diagnosis_sky import finding_json
 from tests.made_command import Command
@@ -73,7 +75,9 @@ def test_a_guide_log_is_told_in_arcsec_and_seconds(tmp_path: Path, gearpoly_comm
     assert mesh["amplitude_arcsec"] == pytest.approx(0.4, rel=0.05)
     assert mesh["amplitude_arcsec"] == pytest.approx(PER_UM * mesh["amplitude_um"], rel=1e-4)
     assert found["residual_rms_arcsec"] == pytest.approx(PER_UM * found["residual_rms_um"], rel=1e-4)
-    assert "every 10.2 s, 0.4 arcsec on the sky" in ran.out
+    assert mesh["as_often_as"] == ["the mesh"]
+    assert mesh["kind"] == "mesh_order" or "every 10.2 s, as often as the mesh, 0.4 arcsec on the sky" in ran.out
+    assert "as often as the worm's turn" in ran.out
     assert "rms on the sky" in ran.out
 
 
@@ -82,6 +86,41 @@ def test_words_of_a_wave_and_of_a_shape() -> None:
     tooth = wave(kind="tooth", gear="driven", tooth=3, amplitude_um=None, std_um=None, rms_um=2.0)
     assert entry_words(tooth, EQ6).endswith(": 0.21 arcsec rms on the sky")
     assert "sky" not in entry_words(tooth, None)
+
+
+MOTOR = Part(name="motor", turns=47.1, teeth=None)
+
+NAMED = [
+    # Of 5 turns a line is 0.2 orders of the worm wide, half of it 0.1: 0.0979 Hz is order 46.86, 0.0982 order 47.01.
+    (wave(kind="time", hz=0.0982, hz_std=1e-5), (), ("the mesh",)),
+    (wave(kind="time", hz=0.0979, hz_std=1e-5), (), ()),
+    (wave(kind="time", hz=0.0979, hz_std=1e-4), (), ("the mesh",)),  # 3 x 0.048 orders of doubt
+    (wave(kind="time", hz=0.19637, hz_std=1e-5), (), ("mesh order 2",)),
+    (wave(kind="shaft_order", gear="driving", order=11.99, order_std=0.001), (), ("the mesh",)),
+    (wave(kind="time", hz=0.0983, hz_std=1e-5), (MOTOR,), ("the mesh", "the motor's turn")),  # 47.06, between both
+    (wave(kind="time", hz=0.00209, hz_std=1e-6), (), ("the worm's turn",)),
+    (wave(gear="driving", order=1.0), (), ("the driving gear's turn", "order 4 of the worm")),  # 3.917
+    (wave(gear="driven", order=4.0), (), ("the driving gear's turn", "order 4 of the worm")),
+    (wave(gear="driven", order=9.0), (), ()),
+    (wave(kind="time", hz=0.0), (), ()),
+]
+
+
+@pytest.mark.parametrize(("entry", "parts", "names"), NAMED)
+def test_a_period_has_the_names_of_what_comes_so_often(
+    entry: Entry, parts: tuple[Part, ...], names: tuple[str, ...]
+) -> None:
+    """To half a line, or three standard errors; where two parts of the drive fit, both are told."""
+    sky = replace(EQ6, parts=parts, turns=5.0)
+    assert sky.names(entry) == names
+    assert sky.to_json(entry).get("as_often_as", []) == list(names)
+    assert (f"as often as {' or '.join(names)}, " in entry_words(entry, sky)) == bool(names)
+
+
+def test_a_longer_log_tells_two_names_apart() -> None:
+    """The driving gear turns 3.917 times a turn of the worm: a line of ten turns is 0.1 wide."""
+    assert replace(EQ6, turns=10.0).names(wave(gear="driving", order=1.0)) == ("the driving gear's turn",)
+    assert "as often as" not in entry_words(wave(kind="mesh_order", order=1.0), replace(EQ6, turns=10.0))
 
 
 def test_without_a_worm_nothing_is_said_of_the_sky() -> None:

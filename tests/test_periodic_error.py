@@ -185,6 +185,8 @@ def test_compare_finds_the_waves_of_a_curve(tmp_path: Path, gearpoly_command: Co
     done = gearpoly_command("compare", str(pair), str(written(tmp_path, eqmod(), name="pec.txt")))
     assert done.code == 0
     said = " ".join(done.out.split())
-    assert re.search(r"Order 1 of the driven shaft, [^:]*: every 479 s, 5 arcsec on the sky", said), said
+    assert re.search(
+        r"Order 1 of the driven shaft, [^:]*: every 479 s, as often as the worm's turn, 5 arcsec on the sky", said
+    ), said
     assert re.search(r"Mesh order 1, [^:]*: every 10\.2 s, 0\.4 arcsec on the sky", said), said
     assert "Order 3 of the driven shaft" not in said

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from gearpoly.errors import InputFileError
+from gearpoly.physics.parts import EncoderErrors
+from gearpoly.recording.chain import corrected
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
@@ -149,3 +151,73 @@ def test_a_unit_in_a_map_is_the_one_that_was_read(written: str) -> None:
     size = {"deg": 1.0, "rad": 180.0 / math.pi, "rev": 360.0}[base]
     above, _, below = number.partition("/")
     assert unit.size == pytest.approx(float(above) / float(below or 1.0) * size, rel=1e-15)
+
+
+def of_two(tmp_path: Path, angles: tuple[np.ndarray, np.ndarray], *, stated: str, true: tuple[str, str]) -> Path:
+    columns = [np.arange(N) / 500.0, *(one / SIZES[unit] for one, unit in zip(angles, true, strict=True))]
+    names = ("t [s]", f"Input angle [{stated}]", f"Output angle [{stated}]")
+    return written(tmp_path, table(columns, names, separator=",", decimal=".", digits=9))
+
+
+EACH = ("deg", "rad", "rev")
+TWO = [(s, (a, b)) for s in EACH for a in EACH for b in EACH if a != b]
+
+
+def lines_of(true: tuple[str, str], stated: str) -> list[str]:
+    """The lines that are right: of the shafts in another unit than stated, and of no other."""
+    names = (("driving", "Input"), ("driven", "Output"))
+    return [
+        f'columns.{shaft}_angle_deg = {{ from = "{name} angle [{stated}]", unit = "{unit}" }}'
+        for (shaft, name), unit in zip(names, true, strict=True)
+        if unit != stated
+    ]
+
+
+@pytest.mark.parametrize(("stated", "true"), TWO)
+def test_each_shaft_in_its_own_unit_is_told(tmp_path: Path, stated: str, true: tuple[str, str]) -> None:
+    """Of the shaft in deg under rev both were told to be in deg, which put the other 360 times off."""
+    angles = turned(60.0)
+    file = of_two(tmp_path, angles, stated=stated, true=true)
+    with pytest.raises(InputFileError) as told:
+        corrected(read_recording(file), EncoderErrors(), EncoderErrors(), ratio=RATIO, r_b2=23.5)
+    found = LINE.findall(told.value.wish)
+    assert found == lines_of(true, stated)
+    cured = read_recording(file, chart=chart(tmp_path, "\n".join(found)))
+    assert corrected(cured, EncoderErrors(), EncoderErrors(), ratio=RATIO, r_b2=23.5) is cured
+    same(cured.driving_angle_rad, angles[0] * DEGREE, half=1e-6)
+    same(cured.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
+    (survey_of,) = survey(file)
+    apart = SIZES[true[0]] / SIZES[true[1]] * RATIO
+    if not 0.1 < apart < 10.0:  # then no gear does so, and it is said before a pair is known
+        (doubt,) = [one for one in survey_of.doubts if "goes on by" in one.says]
+        assert list(doubt.ask) == lines_of(true, stated)
+
+
+@pytest.mark.parametrize("true", [("deg", "rev"), ("rev", "deg")])
+def test_without_waves_the_travel_tells(tmp_path: Path, true: tuple[str, str]) -> None:
+    theta = np.linspace(3.0, 3.0 + 360.0 * 60.0, N)
+    angles = (theta, RATIO * theta + 1e-5 * np.random.default_rng(2).standard_normal(N))
+    file = of_two(tmp_path, angles, stated="rev", true=true)
+    (found,) = survey(file)
+    (doubt,) = [one for one in found.doubts if "goes on by" in one.says]
+    assert list(doubt.ask) == lines_of(true, "rev")
+    with pytest.raises(InputFileError) as told:
+        corrected(read_recording(file), EncoderErrors(), EncoderErrors(), ratio=RATIO, r_b2=23.5)
+    assert LINE.findall(told.value.wish) == lines_of(true, "rev")
+
+
+@pytest.mark.parametrize(("ratio", "true"), [(43 / 15, ("deg", "rad")), (43 / 137, ("rad", "rev"))])
+def test_where_two_ways_are_left_both_are_said(tmp_path: Path, ratio: float, true: tuple[str, str]) -> None:
+    """Numbers under rad, of which the driven ones go on by a twentieth: driving degrees of 43 to 15 teeth, or driven
+    turns of 43 to 137. The teeth tell."""
+    theta = np.linspace(3.0, 3.0 + 360.0 * 60.0, N)
+    angles = (theta, ratio * theta + 1e-5 * np.random.default_rng(2).standard_normal(N))
+    file = of_two(tmp_path, angles, stated="rad", true=true)
+    (found,) = survey(file)
+    (doubt,) = [one for one in found.doubts if "goes on by" in one.says]
+    ways = LINE.findall(doubt.says)
+    assert ways == [*lines_of(("deg", "rad"), "rad"), *lines_of(("rad", "rev"), "rad")]
+    assert not doubt.ask
+    with pytest.raises(InputFileError) as told:
+        corrected(read_recording(file), EncoderErrors(), EncoderErrors(), ratio=ratio, r_b2=23.5)
+    assert LINE.findall(told.value.wish) == lines_of(true, "rad")

@@ -35,9 +35,13 @@ def _with_parts(
     order = None if longest is None else _per_driven(entry, z, speeds[longest])
     if order is None or longest is None or turns[longest] <= 0.0:
         return entry
-    std = (entry.order_std or 0.0) / (entry.order or 1.0) + (entry.hz_std or 0.0) / (entry.hz or 1.0)
-    length = min(turns[longest], HALF_A_LINE / max(SAME_ORDER_SIGMAS * std * order, 1e-300))
+    length = min(turns[longest], HALF_A_LINE / max(SAME_ORDER_SIGMAS * relative_std(entry) * order, 1e-300))
     return replace(entry, parts=lines_at(tuple(parts), order, turns=length))
+
+
+def relative_std(entry: Entry) -> float:
+    """The standard error of a wave's order or frequency as a part of it; 0 where it is a whole order."""
+    return (entry.order_std or 0.0) / (entry.order or 1.0) + (entry.hz_std or 0.0) / (entry.hz or 1.0)
 
 
 def _per_driven(entry: Entry, z: tuple[int, int], speed: float | None) -> float | None:

@@ -93,6 +93,11 @@ class Aligned:
         return np.asarray(self.recorded - self.residual)
 
     @property
+    def doubt(self) -> float:
+        """The rms in mm to which the transmission error is known where readings lie between an encoder's own."""
+        return self.cleaned.doubt * self.r_b2
+
+    @property
     def time_s(self) -> FloatArray | None:
         """Time (n,) in s, where recorded."""
         return self.cleaned.time_s

@@ -76,7 +76,7 @@ def compare(
         (_residual(one, pair, beside.alignment) for one in beside.aligned),
         recordings=len(beside.aligned),
         gears=beside.gears,
-        floor=pair.chord_noise + max(one.template.error for one in beside.aligned),
+        floor=pair.chord_noise + max(one.template.error + one.doubt for one in beside.aligned),
         numbered=beside.alignment.numbered,
         over=over,
     )

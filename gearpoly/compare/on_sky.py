@@ -12,8 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.compare.also_turns import SAME_ORDER_SIGMAS, relative_std
 from gearpoly.compare.beside import Beside
 from gearpoly.compare.entries import Entry
+from gearpoly.keys.also_turns import HALF_A_LINE, LOW_ORDERS, MESH_ORDERS, Part, lines_at
 from gearpoly.recording.worm import worm_period
 from gearpoly.units import ARCSEC, UM
 
@@ -21,11 +23,14 @@ from gearpoly.units import ARCSEC, UM
 @dataclass(frozen=True, kw_only=True)
 class Sky:
     """A telescope behind the pair: ``arcsec_per_um`` along the line of action, ``seconds`` per turn of the driven gear,
-    and the teeth ``z`` of both gears."""
+    the teeth ``z`` of both gears, the other ``parts`` of the drive, and the ``turns`` of the driven gear in the longest
+    recording."""
 
     arcsec_per_um: float
     seconds: float
     z: tuple[int, int]
+    parts: tuple[Part, ...] = ()
+    turns: float = 0.0
 
     def arcsec(self, um: float) -> float:
         """What ``um`` along the line of action are on the celestial equator."""
@@ -44,17 +49,42 @@ class Sky:
             return self.period(gear=entry.gear if entry.kind == "shaft_order" else None, order=entry.order)
         return None
 
-    def to_json(self, entry: Entry) -> dict[str, float]:
-        """The sizes of an ``entry`` in arcsec and its period in s, beside what the contract has."""
-        sizes = {"amplitude": entry.amplitude_um, "std": entry.std_um, "rms": entry.rms_um}
-        out = {f"{name}_arcsec": self.arcsec(um) for name, um in sizes.items() if um is not None}
+    def names(self, entry: Entry) -> tuple[str, ...]:
+        """What of the drive comes as often as the wave of an ``entry``, to half a line of the recording: the mesh, a
+        gear's or the worm's turn, and what the pair file states beside them."""
         period = self.period_of(entry)
+        if period is None or self.turns <= 0.0:
+            return ()
+        order = self.seconds / period
+        within = max(HALF_A_LINE / self.turns, order * SAME_ORDER_SIGMAS * relative_std(entry))
+        found = [
+            words if k == 1 else f"order {k} of {gear}" if gear else f"mesh order {k}"
+            for words, gear, base, most in (
+                ("the mesh", "", float(self.z[1]), MESH_ORDERS),
+                ("the driving gear's turn", "the driving gear", self.z[1] / self.z[0], LOW_ORDERS),
+                ("the worm's turn", "the worm", 1.0, LOW_ORDERS),
+            )
+            if 1 <= (k := round(order / base)) <= most and abs(order - k * base) <= within
+        ]
+        return (*found, *lines_at(self.parts, order, turns=HALF_A_LINE / within))
+
+    def to_json(self, entry: Entry) -> dict[str, object]:
+        """The sizes of an ``entry`` in arcsec, its period in s, and what comes as often, beside what the contract
+        has."""
+        sizes = {"amplitude": entry.amplitude_um, "std": entry.std_um, "rms": entry.rms_um}
+        out: dict[str, object] = {f"{name}_arcsec": self.arcsec(um) for name, um in sizes.items() if um is not None}
+        period, names = self.period_of(entry), self.names(entry)
+        if names:
+            out["as_often_as"] = list(names)
         return out if period is None else {**out, "period_s": period}
 
     def says(self, entry: Entry) -> str:
         """How often an ``entry`` comes and how large it is on the sky, in words."""
         size = entry.rms_um if entry.amplitude_um is None else abs(entry.amplitude_um)
         parts = [] if (period := self.period_of(entry)) is None else [f"every {seconds_words(period)}"]
+        names = self.names(entry)
+        if names and not (entry.kind == "mesh_order" and len(names) == 1):
+            parts.append(f"as often as {' or '.join(names)}")
         if size is not None:
             rms = " rms" if entry.amplitude_um is None else ""
             parts.append(f"{arcsec_words(self.arcsec(size))}{rms} on the sky")
@@ -67,15 +97,19 @@ def sky_of(beside: Beside) -> Sky | None:
         return None
     pair = beside.assembled.pair
     seconds = worm_period(beside.worm)
+    turns = 0.0
     timed = [one for one in beside.aligned if one.time_s is not None]
     if timed:
         longest = max(timed, key=lambda one: float(np.ptp(one.theta_2)))
         assert longest.time_s is not None
-        seconds = float(np.ptp(longest.time_s)) / (float(np.ptp(longest.theta_2)) / (2.0 * math.pi))
+        turns = float(np.ptp(longest.theta_2)) / (2.0 * math.pi)
+        seconds = float(np.ptp(longest.time_s)) / turns
     return Sky(
         arcsec_per_um=UM / pair.r_b2 / beside.worm.wheel_teeth / ARCSEC,
         seconds=seconds,
         z=(pair.driving.gear.z, pair.driven.gear.z),
+        parts=beside.parts,
+        turns=turns,
     )
 
 

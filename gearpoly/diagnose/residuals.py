@@ -112,7 +112,8 @@ def locate_residuals(
     return locate(
         residuals,
         gears=(gears[0], gears[1]),
-        floor=pair.chord_noise + max(template.error for template in fitted),
+        floor=pair.chord_noise
+        + max(template.error + one.doubt for template, one in zip(fitted, comparison.aligned, strict=True)),
         numbered=comparison.alignment.numbered,
         over=over,
     )

@@ -7,12 +7,14 @@ units, one of the shafts is in the other unit; encoders whose counts are set wro
 from __future__ import annotations
 
 import math
+from itertools import product
+from typing import NoReturn
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.map_lines import entry, with_unit
-from gearpoly.recording.quantities import ANGLE, UNITS
+from gearpoly.recording.quantities import ANGLE, UNITS, Unit
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, Recording
 from gearpoly.recording.unwrapping import WRAPPED_SPAN
 from gearpoly.units import TURN, FloatArray
@@ -47,23 +49,57 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
             return
     if not off > 0.0:
         return
-    found = []
-    for shaft, column, power in zip(SHAFTS, ANGLE_COLUMNS, (-1.0, 1.0), strict=True):
-        line = recording.entries.get(column) or entry(column, column, None)
-        read = next((one for one in UNITS[ANGLE].values() if f'unit = "{one.name}"' in line), UNITS[ANGLE]["deg"])
-        for name in TOLD:
-            factor = UNITS[ANGLE][name].size / read.size
-            true = [one * (factor if other == shaft else 1.0) for one, other in zip(travel, SHAFTS, strict=True)]
-            if max(factor, 1.0 / factor) > APART and abs(off * factor**power - 1.0) <= SAME and min(true) > TURNS_LEAST:
-                found.append((column, read.name, name, with_unit(line, name)))
-    if len(found) == 1:
-        column, stated, name, line = found[0]
-        says = f"read in {stated}, and the shafts travel {off:.4g} times what the teeth let them, as with {name} in it"
-        wish = f"want in a map, if so: {line}"
-        if name.startswith("arc"):  # 60 may be a gear as well
-            gear = column.partition("_")[0]
-            wish += f"; of an encoder behind such a gear state [{gear}.encoder] scale in the pair file"
-        raise InputFileError(recording.source, where=f"column {column}", found=says, wish=wish)
+    lines = [recording.entries.get(column) or entry(column, column, None) for column in ANGLE_COLUMNS]
+    read = [
+        next((one for one in UNITS[ANGLE].values() if f'unit = "{one.name}"' in line), UNITS[ANGLE]["deg"])
+        for line in lines
+    ]
+    found = [
+        pair
+        for pair in product(TOLD, repeat=2)
+        if _fits(off, travel, [UNITS[ANGLE][name].size / one.size for name, one in zip(pair, read, strict=True)])
+    ]
+    # One shaft in another unit is likelier than both, and units of arcs are rare.
+    for few in (1, 2):
+        told = [
+            pair
+            for pair in found
+            if sum(name != one.name for name, one in zip(pair, read, strict=True)) == few
+            and (few == 1 or not any(name.startswith("arc") for name in pair))
+        ]
+        if told:
+            _refuse(recording, off, told, read, lines)
+
+
+def _fits(off: float, travel: list[float], factors: list[float]) -> bool:
+    """Whether travels in turns that are ``off`` the teeth's ratio are so by units that are ``factors`` as large."""
+    if any(factor != 1.0 and 1.0 / APART < factor < APART for factor in factors):
+        return False
+    true = [one * factor for one, factor in zip(travel, factors, strict=True)]
+    return abs(off * factors[1] / factors[0] - 1.0) <= SAME and min(true) > TURNS_LEAST
+
+
+def _refuse(
+    recording: Recording, off: float, told: list[tuple[str, ...]], read: list[Unit], lines: list[str]
+) -> NoReturn:
+    """Raise with what may be: of each pair of units that is ``told`` the lines of the shafts that are in another one
+    than they were ``read`` in."""
+    ways, where = [], []
+    for pair in told:
+        other = [k for k, name in enumerate(pair) if name != read[k].name]
+        where += [ANGLE_COLUMNS[k] for k in other]
+        ways.append(" ".join(with_unit(lines[k], pair[k]) for k in other))
+    stated = " and ".join(dict.fromkeys(read[ANGLE_COLUMNS.index(one)].name for one in where))
+    units = " or ".join(" and ".join(name for k, name in enumerate(pair) if name != read[k].name) for pair in told)
+    places = list(dict.fromkeys(where))
+    says = f"read in {stated}, and the shafts travel {off:.4g} times what the teeth let them, as with {units} in "
+    says += "it" if len(places) == 1 else "them" if len(told) == 1 else "one of them"
+    wish = f"want in a map, if so: {', or '.join(ways)}"
+    if any(name.startswith("arc") for pair in told for name in pair):  # 60 may be a gear as well
+        gear = places[0].partition("_")[0]
+        wish += f"; of an encoder behind such a gear state [{gear}.encoder] scale in the pair file"
+    columns = f"column{'s' if len(places) > 1 else ''} {' and '.join(places)}"
+    raise InputFileError(recording.source, where=columns, found=says, wish=wish)
 
 
 def _travel(angle: FloatArray) -> float:

@@ -64,6 +64,7 @@ class Cleaned:
 
     ``ratio`` is z_1/z_2. ``ratio_offset`` is the slope of the transmission error, (measured ratio) - ``ratio``, with
     its standard error ``ratio_offset_std``; ``ratio_is_off`` says that it is significant. ``done`` lists what was done.
+    ``doubt`` is the rms in rad of ``te`` to which readings are known that lie between an encoder's own.
     """
 
     recording: Recording
@@ -78,6 +79,7 @@ class Cleaned:
     ratio_offset: float
     ratio_offset_std: float
     done: tuple[Deed, ...]
+    doubt: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("theta_1", "theta_2", "te", "time_s", "torque_nm", "speed_rpm"):
@@ -122,24 +124,23 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     if not good.all():
         gaps = int(np.sum(good[:-1] & ~good[1:])) + int(not good[0])
         note(done, "drop-outs", int(np.sum(~good)), f"samples without a reading, in {so_many(gaps, 'gaps')}, left out")
-    keep, number = new_readings(np.flatnonzero(good), readings, done)
+    keep, time_s = np.flatnonzero(good), recording.time_s
+    position = keep.astype(np.float64) if time_s is None else time_s[keep]
+    if time_s is not None:
+        check_time(recording, keep, position)
+    new = new_readings(keep, readings, position, done)
+    keep, number, position, read = new.keep, new.number, new.position, new.readings
     if keep.size < 8:
         raise _too_short(recording, f"{keep.size} samples without drop-outs or repeats")
-    time_s = recording.time_s
-    position = keep.astype(np.float64) if time_s is None else time_s[keep]
-    check_time(recording, keep, position)
-    if time_s is not None and 2 * np.count_nonzero(np.diff(position) == 0.0) > keep.size:
+    if time_s is not None and 2 * np.count_nonzero(np.diff(time_s[keep]) == 0.0) > keep.size:
         note(done, "clock", keep.size, "samples on a clock that is coarser than the samples; times not used")
         time_s, position = None, keep.astype(np.float64)
     back = recording.backward
     if back:
         keep, number, position = keep[::-1], number[::-1], -position[::-1]
+        read = {shaft: values[::-1] for shaft, values in read.items()}
         note(done, "reversed", keep.size, "samples of a pair that ran backwards, taken from the last to the first")
-    shafts = {
-        shaft: _continuous(recording, shaft, values[keep], position, number, done)
-        for shaft, values in readings.items()
-        if values is not None
-    }
+    shafts = {shaft: _continuous(recording, shaft, values, position, number, done) for shaft, values in read.items()}
     _check_direction(recording, shafts)
     theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], keep, ratio, r_b2, done)
 
@@ -157,7 +158,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         note(done, what, count, f"samples below {RAMP_SHARE:.0%} of the usual speed, left out")
     _note_stops(recording, keep, stops, done)
     left = begin + np.flatnonzero(~stops[begin:end])
-    keep, theta_1, theta_2, te = keep[left], theta_1[left], theta_2[left], te[left]
+    keep, position, theta_1, theta_2, te = keep[left], position[left], theta_1[left], theta_2[left], te[left]
     turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
     if turns < TURNS_LEAST:
         raise _too_short(recording, f"{told_beside(turns, TURNS_LEAST, 2)} driving turns")
@@ -179,7 +180,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         theta_1=theta_1,
         theta_2=theta_2,
         te=te,
-        time_s=-time_s[keep] if back and time_s is not None else kept(time_s),
+        time_s=None if time_s is None else position,
         torque_nm=kept(recording.torque_samples_nm),
         speed_rpm=kept(recording.speed_samples_rpm),
         keep=keep,
@@ -187,6 +188,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         ratio_offset=value,
         ratio_offset_std=error,
         done=tuple(done),
+        doubt=max(new.doubt.get("driven", 0.0), ratio * new.doubt.get("driving", 0.0)),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,12 @@ samples."""
 SAME = 0.9
 """Part of the best share from which another number of counts explains as much."""
 
+EXCHANGED = ("deg", "rad", "rev")
+"""Units of which one shaft may have one and the other another."""
+
+ONE_WAY = 0.9
+"""Part of their range that numbers go on by: those that begin again, or run forth and back, tell no travel."""
+
 STATED_IN = ("deg", "rad", "rev", "gon")
 """Units that people exchange."""
 
@@ -90,6 +97,12 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
         return []
     like = _looks_like(numbers, error, units[0])
     called = {name: table.taken_from.get(name, name) for name in held}
+    if len(held) == 2 and (ratio := _driven_by_driving(numbers)) is not None:
+        apart = not 1.0 / RATIO_MOST < ratio < RATIO_MOST
+        two = _two_units(numbers, units[0], ratio)
+        # What looks like another unit for both may be one shaft's wave, and the other shaft in a third unit.
+        if apart or (like is not None and not like.counts and two is not None and two != (like.name, like.name)):
+            return _of_two_units(two, units[0], tuple(called.values()), ratio)
     if like is None:
         if table.mapped & set(held) or not all(are_counts(one) for one in numbers):
             return []
@@ -103,6 +116,69 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
     return [(Doubt(says=says, ask=tuple(entry(name, called[name], unit, *more) for name in held)), like.sure)]
 
 
+def _driven_by_driving(numbers: Sequence[FloatArray]) -> float | None:
+    """How far the driven shaft's ``numbers`` (n,) go on for one of the driving one's; none where they begin again."""
+    held = [one[np.isfinite(one)] for one in numbers]
+    if any(one.size < FEWEST for one in held):
+        return None
+    travel = [abs(float(one[-1] - one[0])) for one in held]
+    if min(travel) <= 0.0 or any(way < ONE_WAY * float(np.ptp(one)) for way, one in zip(travel, held, strict=True)):
+        return None
+    return travel[1] / travel[0]
+
+
+def _possible(ratio: float, stated: Unit) -> list[tuple[str, str]]:
+    """The units that the driving and the driven numbers may be in, where these go on by ``ratio``: others than
+    ``stated``, in which gears would do so."""
+    turns = {name: 360.0 / UNITS[ANGLE][name].size for name in EXCHANGED}
+    return [
+        (one, two)
+        for one, two in product(turns, repeat=2)
+        if 1.0 / RATIO_MOST < ratio * turns[one] / turns[two] < RATIO_MOST and (one, two) != (stated.name, stated.name)
+    ]
+
+
+def _two_units(numbers: Sequence[FloatArray], stated: Unit, ratio: float) -> tuple[str, str] | None:
+    """The units that the ``numbers`` (n,) of both shafts, ``stated`` in one, look like by what repeats in each."""
+    read = np.flatnonzero(np.isfinite(numbers[0]) & np.isfinite(numbers[1]))
+    first = [one[read] for one in numbers]
+    size = {name: 360.0 / UNITS[ANGLE][name].size for name in EXCHANGED}
+    shares = sorted(
+        (_explained(first, None, (size[pair[0]], size[pair[1]])) or 0.0, pair) for pair in _possible(ratio, stated)
+    )
+    if not shares or shares[-1][0] < EXPLAINED or (len(shares) > 1 and shares[-2][0] > SAME * shares[-1][0]):
+        return None
+    return shares[-1][1]
+
+
+def _of_two_units(
+    told: tuple[str, str] | None, stated: Unit, called: Sequence[str], ratio: float
+) -> list[tuple[Doubt, bool]]:
+    """The doubt where the two shafts' numbers, which are ``called`` so and both ``stated`` in one unit, go on by a
+    ``ratio``: by what is ``told`` of each by its waves, or with all that it may be."""
+    says = f"both angles are stated in {stated.name}, and the driven one goes on by {ratio:.4g} of the driving one"
+    if told is not None:
+        after = [f"{360.0 / UNITS[ANGLE][name].size:.6g}" for name in told]
+        says += f"; their error {COMES_BACK} {after[0]} of the driving numbers and {after[1]} of the driven ones, "
+        return [(Doubt(says=f"{says}as of {told[0]} and {told[1]}", ask=_lines(told, stated, called)), False)]
+    likely = _possible(ratio, stated)
+    fewest = min((sum(name != stated.name for name in pair) for pair in likely), default=0)
+    ways = [_lines(pair, stated, called) for pair in likely if sum(name != stated.name for name in pair) == fewest]
+    if len(ways) == 1:
+        return [(Doubt(says=f"{says}, as where one is in another unit", ask=ways[0]), False)]
+    each = ", or ".join(" ".join(lines) for lines in ways)
+    return [(Doubt(says=f"{says}: in a map, as it is, {each}", ask=()), False)] if ways else []
+
+
+def _lines(pair: tuple[str, str], stated: Unit, called: Sequence[str]) -> tuple[str, ...]:
+    """The lines of a map for the shafts of a ``pair`` of units whose unit is not the ``stated`` one."""
+    return tuple(
+        entry(column, channel, UNITS[ANGLE][name])
+        for column, channel, name in zip(ANGLE_COLUMNS, called, pair, strict=True)
+        if name != stated.name
+    )
+
+
 COMES_BACK = "comes back after"
 """How it is said that an error repeats."""
 
@@ -114,6 +190,9 @@ def check_units(file: Path, table: Table) -> None:
     sure, or they would turn by more than half a turn from sample to sample in the stated one."""
     for doubt, sure in _doubts(table):
         asks = f"in a map, if so: {' '.join(doubt.ask)}"
+        if not doubt.ask:  # what it may be stands in the sentence, and the teeth tell
+            table.remarks.append(doubt.says)
+            continue
         held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
         quick = max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
         if (sure or (quick and COMES_BACK in doubt.says)) and not table.mapped & set(ANGLE_COLUMNS):
@@ -173,10 +252,13 @@ def _or_as_stated(table: Table) -> str:
     return f'; or the same with unit = "{table.units.get(name, UNITS[ANGLE]["deg"]).name}", if that is the unit'
 
 
-def _explained(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, *, waves: int = 2) -> float | None:
-    """The part of the error's square that ``waves`` a ``turn`` of each shaft make; ``None`` where such turns are too
-    few or too quick."""
-    x = shafts[0]
+def _explained(
+    shafts: Sequence[FloatArray], error: FloatArray | None, turn: float | tuple[float, float], *, waves: int = 2
+) -> float | None:
+    """The part of the error's square that ``waves`` a ``turn`` of each shaft make, or of one and of the other; ``None``
+    where such turns are too few or too quick."""
+    x, every_turn = shafts[0], turn if isinstance(turn, tuple) else (turn, turn)
+    turn = every_turn[0]
     span = abs(float(x[-1] - x[0]))
     if span < TURNS_LEAST * turn:
         return None
@@ -187,10 +269,10 @@ def _explained(shafts: Sequence[FloatArray], error: FloatArray | None, turn: flo
     some = [one[::every][:LOOKED_AT] for one in shafts]
     if abs(float(some[0][-1] - some[0][0])) < TURNS_LEAST * turn:
         return None
-    return _share(some, None if error is None else error[::every][:LOOKED_AT], turn, waves)
+    return _share(some, None if error is None else error[::every][:LOOKED_AT], every_turn, waves)
 
 
-def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, count: int) -> float:
+def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turns: tuple[float, float], count: int) -> float:
     x = shafts[0] - shafts[0][0]
     slow = np.vander(x / max(float(np.max(np.abs(x))), 1e-300), 3)
     off = shafts[-1] if error is None else error
@@ -198,7 +280,11 @@ def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float, 
     total = float(off @ off)
     if not total > 0.0:
         return 0.0
-    phases = [2.0 * np.pi / turn * k * one for one in shafts for k in range(1, count + 1)]
+    phases = [
+        2.0 * np.pi / turn * k * one
+        for one, turn in zip(shafts, turns[: len(shafts)], strict=True)
+        for k in range(1, count + 1)
+    ]
     waves = np.column_stack([slow, *(wave(one) for one in phases for wave in (np.cos, np.sin))])
     rest = off - waves @ np.linalg.lstsq(waves, off, rcond=None)[0]
     return 1.0 - float(rest @ rest) / total

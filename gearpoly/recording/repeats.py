@@ -11,12 +11,14 @@ the same number at most places.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from gearpoly.recording.deeds import Deed, note
+from gearpoly.recording.read_instants import instants_of, read_beside
 from gearpoly.recording.unwrapping import without_turns
-from gearpoly.units import BoolArray, FloatArray, IntArray
+from gearpoly.units import ARCSEC, BoolArray, FloatArray, IntArray
 
 TOGETHER_LEAST = 1.0 / 3.0
 """Share of the coarser shaft's changes at which the finer one has to change too for only those samples to be kept.
@@ -33,23 +35,36 @@ that had turned on meanwhile would have gone ten steps. Left out, a stop of 7.4 
 8855 um rms were told of 3.0. Judgements: of counts every third or fourth sample repeats differ by a third."""
 
 
-def new_readings(
-    keep: IntArray, readings: Mapping[str, FloatArray | None], done: list[Deed]
-) -> tuple[IntArray, IntArray]:
-    """The samples (k,) among ``keep`` (m,) whose readings are new, and their numbers (k,) when repeats are not counted,
-    so that only drop-outs leave gaps; what was left out is put into ``done``.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NewReadings:
+    """The samples ``keep`` (k,) that are new, their ``number`` (k,) when repeats are not counted, so that only
+    drop-outs leave gaps, the ``position`` (k,) at which they were read, and the ``readings`` (k,) in rad there by
+    shaft; ``doubt`` is the rms in rad of those that lie between readings."""
 
-    ``readings`` (n,) in rad by shaft, without drop-outs at ``keep``. A pair that stands still, at either end of the
-    recording or in between, repeats its readings rightly.
+    keep: IntArray
+    number: IntArray
+    position: FloatArray
+    readings: dict[str, FloatArray]
+    doubt: dict[str, float]
+
+
+def new_readings(
+    keep: IntArray, readings: Mapping[str, FloatArray | None], position: FloatArray, done: list[Deed]
+) -> NewReadings:
+    """The samples among ``keep`` (m,) whose readings are new; what was left out is put into ``done``.
+
+    ``readings`` (n,) in rad by shaft, without drop-outs at ``keep``; ``position`` (m,) the time in s or the sample's
+    number. A pair that stands still, at either end of the recording or in between, repeats its readings rightly.
     """
     held = {shaft: values[keep] for shaft, values in readings.items() if values is not None and keep.size}
     moved = {shaft: np.concatenate([[True], values[1:] != values[:-1]]) for shaft, values in held.items()}
+    every = NewReadings(keep=keep, number=keep, position=position, readings=held, doubt={})
     if all(bool(one.all()) for one in moved.values()):
-        return keep, keep
+        return every
     coarse = min(moved, key=lambda shaft: np.count_nonzero(moved[shaft]), default="")
     turns = np.flatnonzero(moved[coarse][1:]) + 1 if moved else np.empty(0, dtype=np.int64)
     if turns.size < 2:
-        return keep, keep
+        return every
     rests = _at_rest(turns, held)
     runs = np.diff(turns)
     longest = STANDING * float(np.max(runs[~rests], initial=1.0))
@@ -60,19 +75,60 @@ def new_readings(
     still[turns[0] : turns[-1]] = np.repeat(rests, runs)
     stale = {shaft: int(np.count_nonzero(~(one | still)[inside])) for shaft, one in moved.items()}
     if not any(stale.values()):
-        return keep, keep
+        return every
+    for shaft, count in stale.items():
+        says = f"{shaft} readings repeat the one before: read less often than logged, or coarser than the steps"
+        note(done, f"{shaft} repeats", count, f"of {keep.size} {says}")
     new = moved[coarse].copy()
     for one in moved.values():
         both = new & one
         if np.count_nonzero(both[inside]) >= TOGETHER_LEAST * np.count_nonzero(new[inside]):
             new = both
+    samples = keep.astype(np.float64)
+    clock = position if np.all(np.diff(position) > 0.0) else samples
+    doubt: dict[str, float] = {}
+    beside = _put_beside(moved, held, coarse, clock, done)
+    if beside is not None:
+        new, instants, held, doubt = beside
+        position = instants if clock is position else np.interp(instants, samples, position)
     new[: inside.start] = new[inside.stop :] = True
     new |= still
-    for shaft, count in stale.items():
-        says = f"{shaft} readings repeat the one before: read less often than logged, or coarser than the steps"
-        note(done, f"{shaft} repeats", count, f"of {keep.size} {says}")
     note(done, "repeats", int(np.count_nonzero(~new)), "samples without a new reading left out")
-    return keep[new], (keep - np.cumsum(~new))[new]
+    return NewReadings(
+        keep=keep[new],
+        number=(keep - np.cumsum(~new))[new],
+        position=position[new],
+        readings={shaft: values[new] for shaft, values in held.items()},
+        doubt=doubt,
+    )
+
+
+def _put_beside(
+    moved: Mapping[str, BoolArray], held: Mapping[str, FloatArray], coarse: str, position: FloatArray, done: list[Deed]
+) -> tuple[BoolArray, FloatArray, dict[str, FloatArray], dict[str, float]] | None:
+    """Which samples (m,) are new readings of the ``coarse`` shaft, the ``position`` (m,) with the instants at which
+    these were taken, the readings (m,) with the other shaft's put at the same, and the doubt of these; none where both
+    are new together, or one shaft alone was read."""
+    if all(np.array_equal(one, moved[coarse]) for one in moved.values()):
+        return None
+    rows = {shaft: np.flatnonzero(one[1:]) + 1 for shaft, one in moved.items()}
+    at = {shaft: instants_of(position[one], position[one - 1], held[shaft][one]) for shaft, one in rows.items()}
+    together = np.count_nonzero(moved[coarse] & np.logical_and.reduce(list(moved.values())))
+    in_step = all(np.array_equal(at[shaft], position[one]) for shaft, one in rows.items())
+    if in_step and together >= TOGETHER_LEAST * rows[coarse].size:
+        return None
+    (other,) = moved.keys() - {coarse}
+    beside = read_beside(at[other], held[other][rows[other]], at[coarse])
+    known, samples = beside.known, rows[coarse][beside.known]
+    new = np.zeros(position.size, dtype=np.bool_)
+    new[samples] = True
+    values, instants = held[other].copy(), position.copy()
+    values[samples], instants[samples] = beside.reading[known], at[coarse][known]
+    says = (
+        f"{other} readings put at the instants of the {coarse} ones, between its own, to {beside.doubt / ARCSEC:.2g} "
+    )
+    note(done, "put beside", samples.size, f"{says}arcsec rms: the two shafts were not read at the same instants")
+    return new, instants, {**held, other: values}, {other: beside.doubt}
 
 
 def _at_rest(turns: IntArray, held: Mapping[str, FloatArray]) -> BoolArray:

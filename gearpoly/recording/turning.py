@@ -51,7 +51,7 @@ def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None)
     plain = angle if held is None else angle[held]
     repeats = 0
     if np.any(degrees[1:] == degrees[:-1]):
-        repeats = rows.size - new_readings(np.arange(rows.size), {"shaft": degrees}, [])[0].size
+        repeats = rows.size - new_readings(np.arange(rows.size), {"shaft": degrees}, position, []).keep.size
     around = np.flatnonzero(one.wraps)
     jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: ENOUGH + 1]))
     return Turning(
