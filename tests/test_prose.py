@@ -95,6 +95,13 @@ def test_the_page_of_a_simulation_has_the_columns_of_its_table() -> None:
     assert listed == [*CSV_HEADER.split(","), "mesh_stiffness_n_per_um"]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(prose.ROOT)) for page in PAGES])
+def test_a_page_with_its_pictures_loads_soon(page: Path) -> None:
+    """Below 1.5 MB, of which text, styles and scripts of the site take up to 0.5."""
+    pictures = set(re.findall(r"!\[[^\]]*\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")))
+    assert sum((page.parent / one).stat().st_size for one in pictures) < 1_000_000
+
+
 def test_every_page_is_on_the_site() -> None:
     """One table of contents, and each page once in it."""
     listed = re.findall(r"^([a-z_]+(?:/[a-z_]+)?)$", (prose.ROOT / "docs" / "index.md").read_text(), re.MULTILINE)

@@ -41,7 +41,7 @@ def _keep(name: str) -> None:
     has."""
     with Image.open(name) as picture:
         picture.thumbnail((WIDTH, 2 * WIDTH))
-        picture.convert("RGB").quantize(128).save(FIGURES / name, optimize=True)
+        picture.convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE).save(FIGURES / name, optimize=True)
 
 
 if __name__ == "__main__":

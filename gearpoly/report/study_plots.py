@@ -29,7 +29,7 @@ def draw_picture(picture: PaperPicture, target: Path) -> None:
     axes = figure.subplots(rows, columns, squeeze=False, sharex="col").ravel()
     for axis, panel in zip(axes, picture.panels, strict=True):
         _draw_panel(axis, panel)
-    save(figure, target)
+    save(figure, target, colours=128)
 
 
 def _draw_panel(axis: Axes, panel: Panel) -> None:
