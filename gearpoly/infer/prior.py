@@ -41,8 +41,8 @@ the two is off its axis nearly always. What else sits on that shaft (a coupling 
 
 TURNS_WITH_IT = 0.5
 """The same at high whole orders of a shaft, and once per turn of one that something else is known to turn with: the
-worm or the motor of a telescope mount, a part of the drive that the pair file states, or what makes a whole order that no tooth of the pair makes, as another
-wheel does."""
+worm or the motor of a telescope mount, a part of the drive that the pair file states, or what makes a whole order that
+no tooth of the pair makes, as another wheel does."""
 
 LOW_ORDERS, LOW = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
