@@ -17,7 +17,7 @@ from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale
-from gearpoly.diagnose.conditions import elsewhere, held_places, shaped_teeth
+from gearpoly.diagnose.conditions import elsewhere, held_places
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fit import Fit
@@ -49,7 +49,7 @@ from gearpoly.diagnose.softness import declared_ratio
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
 from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unseen import LACK_OF_FIT, checked
+from gearpoly.diagnose.unseen import LACK_OF_FIT, checked, unseen_of
 from gearpoly.diagnose.verdict import Diagnosis, Finding, Rival, Status
 from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
@@ -106,7 +106,7 @@ def diagnose(
     search = search.believing(ratio=declared_ratio(search))
     comparison = comparison.refined(search.model.shift, search.shift_std)
     findings = _findings(search, comparison, judged, shapes, watch)
-    after = cross_validated(search.linear, masks, hold=held_places(search))
+    after = unseen_of(search)
     scaled = scale_finding(comparison, after)
     findings = (*([] if scaled is None else [scaled]), *findings)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
@@ -279,6 +279,10 @@ def _declared(comparison: Comparison, model: Model) -> Rms:
     return Rms(seen=rms, unseen=rms)
 
 
+def _shaped(search: Fit) -> bool:
+    return any(one.place.tooth is not None and one.physics.shaped for one in search.model.claims)
+
+
 def _held_out_by(search: Fit, *, jumped: bool) -> str:
     observed = search.model.observed
     if not all(bool(np.any(~one.fit)) for one in observed):
@@ -291,6 +295,4 @@ def _held_out_by(search: Fit, *, jumped: bool) -> str:
         way = "whole hunting cycles"
     else:
         way = "every other of eight blocks, since a recording holds less than two hunting cycles"
-    return way + (
-        "; where a tooth's pit begins and ends is held as all of them have it" if shaped_teeth(search) else ""
-    )
+    return way + ("; where a tooth's pit begins and ends is held as all of them have it" if _shaped(search) else "")

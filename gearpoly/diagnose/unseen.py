@@ -19,7 +19,7 @@ from gearpoly.diagnose.blocks import Blocks, gained
 from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
 from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
-from gearpoly.diagnose.heldout import Checked, cross_validated, foretold_to, held
+from gearpoly.diagnose.heldout import Checked, Mask, Rms, cross_validated, foretold_to, held
 from gearpoly.diagnose.kept import Kept, come_back
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.system import System
@@ -211,9 +211,21 @@ def _told(search: Fit, start: Linear) -> tuple[float, float]:
     """The plain rms in mm of held-out samples, colour and all, with as-built teeth alone and with the claims: what only
     whitening makes better is not seen."""
     masks = [one.fit for one in search.model.observed]
-    waves = list(range(start.layout.foreign.start, start.layout.foreign.stop))
-    without = cross_validated(start, masks, leave=waves)
-    return without.unseen, cross_validated(search.linear, masks, hold=held_places(search)).unseen
+    return foretold_best(start, masks, hold=[]).unseen, unseen_of(search).unseen
+
+
+def unseen_of(search: Fit) -> Rms:
+    """The rms in mm of what the whole fit leaves of held-out samples."""
+    return foretold_best(search.linear, [one.fit for one in search.model.observed], hold=held_places(search))
+
+
+def foretold_best(linear: Linear, masks: list[Mask], *, hold: list[int]) -> Rms:
+    """The same with waves that no pair makes or without them, whichever leaves less: half of a short recording may tell
+    a slow wave so badly that the other half is further off with it. Beside another wheel's wave of 1 um 40 um of pitch
+    lost their name, with 1.99 um of unseen rms, and 1.38 um without that wave."""
+    waves = sorted(set(range(linear.layout.foreign.start, linear.layout.foreign.stop)) - set(hold))
+    both = [cross_validated(linear, masks, hold=hold), cross_validated(linear, masks, leave=waves, hold=hold)]
+    return min(both, key=lambda one: one.unseen)
 
 
 def _runs_off(search: Fit, start: Linear) -> int | None:
