@@ -19,10 +19,10 @@ from gearpoly.diagnose.blocks import Blocks, gained
 from gearpoly.diagnose.conditions import held_places, shaped_teeth, with_and_without
 from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
-from gearpoly.diagnose.heldout import Checked, Mask, Rms, cross_validated, foretold_to, held
+from gearpoly.diagnose.heldout import Checked, Rms, cross_validated, foretold_to, held
 from gearpoly.diagnose.kept import Kept, come_back
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.system import System
+from gearpoly.diagnose.system import Mask, System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.diagnose.weigh import gain_without
 from gearpoly.errors import GearpolyError
