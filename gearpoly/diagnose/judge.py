@@ -142,7 +142,10 @@ def judge(
         corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
         explanations = _as_far_as_simulated(trial, claim, explanations, max(FAINT, corners))
     if claim.physics.mean_tooth:
-        explanations = _as_far_as_simulated(trial, claim, explanations, max(FAINT, BESIDE_ANOTHER * deflection))
+        # A curve of no cause stands beside what no law has right already; another physics does not.
+        caused = [one for one in explanations if one.claim is not None]
+        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT, BESIDE_ANOTHER * deflection))
+        explanations = [*apart, *(one for one in explanations if one.claim is None)]
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
