@@ -18,7 +18,7 @@ from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.residuals import UNKNOWN, lacking_part
+from gearpoly.diagnose.residuals import UNKNOWN, discrepancy_part
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.weigh import paid_by
@@ -102,7 +102,7 @@ def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(
 ) -> None:
     """No gear bulges under load and is hollow without, were a law of compliance exact. The gain of the whole is far
     above chance all the same, and held-out cycles, which have both torques, let it stand."""
-    monkeypatch.setattr(nuisance, "LACKING", 1e-9)
+    monkeypatch.setattr(nuisance, "DISCREPANCY", 1e-9)
     search = bulging(-0.2 * CROWNING, tmp_path)
     plain, wider = with_and_without(search.model, search.scenes, search.linear, 0)
     assert plain.misfit - wider.misfit > 50.0
@@ -118,7 +118,7 @@ def test_what_a_load_shows_against_the_unloaded_flank_is_no_crowning(tmp_path: P
     and what the loaded one has beyond every law of compliance is told as a curve without a cause."""
     search = bulging(-0.2 * CROWNING, tmp_path)
     assert search.model.claims[0].values[0] == pytest.approx(-0.2 * CROWNING, abs=0.1)
-    assert lacking_part(search) > UNKNOWN
+    assert discrepancy_part(search) > UNKNOWN
 
 
 @pytest.mark.slow

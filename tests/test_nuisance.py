@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.nuisance import HARMONICS, LACKING, TURNED, law_changes, make_nuisance
+from gearpoly.diagnose.nuisance import DISCREPANCY, HARMONICS, TURNED, law_changes, make_nuisance
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.mesh.loaded import SMALL
 from gearpoly.physics.eccentricity import Eccentricity
@@ -34,7 +34,7 @@ def columns_beside(scenes: list[Scene]) -> int:
     """Columns beyond those of the same pair without any eccentricity: a mean, a late zero, a scale, two offsets, and
     the curves that no law has."""
     bends = any(scene.bends for scene in scenes)
-    return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).lacking.start - (5 if bends else 2)
+    return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).discrepancy.start - (5 if bends else 2)
 
 
 def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> None:
@@ -45,7 +45,7 @@ def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> Non
     for k, scene in enumerate(scenes):
         bent = float(np.mean(scene.bending(None) - scene.te))
         size = TURNED * OFF * UM / scene.pair.driving.gear.p_b * bent
-        turning = made.columns[k][:, : made.lacking.start]
+        turning = made.columns[k][:, : made.discrepancy.start]
         mine, other = turning[:, -4 + 2 * k :][:, :2], turning[:, -2 - 2 * k :][:, :2]
         waves = size * np.column_stack((np.cos(scene.samples.theta_1), np.sin(scene.samples.theta_1)))
         np.testing.assert_allclose(mine, waves, atol=1e-12)
@@ -59,10 +59,10 @@ def test_no_law_has_a_part_of_the_deflection_over_the_mesh(tmp_path: Path) -> No
     scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=20.0)
     made = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
     for k, scene in enumerate(scenes):
-        curves = made.columns[k][:, made.lacking] * made.std[made.lacking]
+        curves = made.columns[k][:, made.discrepancy] * made.std[made.discrepancy]
         bent = abs(float(np.mean(scene.bending(None) - scene.te)))
         # Variance of the sum at each sample, so no average over phases is needed.
-        np.testing.assert_allclose(np.sqrt(np.sum(curves**2, axis=1)), LACKING * bent, rtol=1e-9)
+        np.testing.assert_allclose(np.sqrt(np.sum(curves**2, axis=1)), DISCREPANCY * bent, rtol=1e-9)
         assert curves.shape[1] == 4 * HARMONICS
         assert np.count_nonzero(np.any(curves != 0.0, axis=0)) == 2 * HARMONICS
 

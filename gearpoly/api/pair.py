@@ -281,15 +281,12 @@ class Pair:
         The ``mesh`` close up at a contact, ``deviations`` of all teeth, or ``gaps`` of near pairs.
         """
         from gearpoly.report.gear_plots import PICTURES, pair_figure
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
 
         arguments.check_choice("what", what, PICTURES)
         arguments.ANGLE.check("theta_2", theta_2)
         arguments.check_choice("flank", flank, arguments.FLANKS)
-        figure = pair_figure(self.assembled, what, theta_2, flank=flank, name=self.file.name)
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(pair_figure(self.assembled, what, theta_2, flank=flank, name=self.file.name), target)
 
     def save(self, target: Path | str) -> None:
         """Write what is known of the pair as a pair file."""

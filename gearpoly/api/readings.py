@@ -114,13 +114,10 @@ class Surveyed:
 
     def plot(self, target: Path | str | None = None) -> Figure:
         """Every column over time, gaps, stops and turns marked; written to ``target`` if given."""
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
         from gearpoly.report.reading_plots import surveys_figure
 
-        figure = surveys_figure(self.surveys)
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(surveys_figure(self.surveys), target)
 
     def to_dict(self) -> dict[str, Any]:
         """What ``gearpoly read --json`` writes."""

@@ -93,12 +93,9 @@ class Simulated:
 
     def plot(self, target: Path | str | None = None) -> Figure:
         """Transmission error, backlash and touching pairs over the driven angle; written to ``target`` if given."""
-        from gearpoly.report.plots import run_figure, save
+        from gearpoly.report.plots import run_figure, saved
 
-        figure = run_figure(self.simulation, name=self.name)
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(run_figure(self.simulation, name=self.name), target)
 
     def to_csv(self, target: Path | str) -> None:
         """Write the columns of ``gearpoly simulate --csv``."""
@@ -176,12 +173,9 @@ class Compared:
     def plot(self, target: Path | str | None = None) -> Figure:
         """Maps by tooth and mesh phase, order and time spectra; written to ``target`` if given."""
         from gearpoly.report.compare_plots import comparison_figure
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
 
-        figure = comparison_figure(self.comparison)
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(comparison_figure(self.comparison), target)
 
     def to_dict(self) -> dict[str, Any]:
         """What ``gearpoly compare --json`` writes."""

@@ -66,15 +66,13 @@ class Studied:
 
         Raises ``OutOfRangeError`` for one that this study has not.
         """
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
         from gearpoly.study.pictures import pictures
 
         found = {one.name: one.figure() for one in pictures(self.answers)}
         if what not in tuple(found):
             raise OutOfRangeError(f"no picture {shown_value(what)}; want one of {', '.join(found) or 'none yet'}")
-        if target is not None:
-            save(found[what], Path(target))
-        return found[what]
+        return saved(found[what], target)
 
     def to_pandas(self) -> DataFrame:
         """A row per pair: its number, seed, status, swept keys and outputs."""

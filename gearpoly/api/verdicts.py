@@ -79,13 +79,10 @@ class Diagnosed:
         arguments.Count(least=0, most=len(self.diagnosis.comparison.aligned) - 1).check("recording", recording)
         from gearpoly.report.diagnosis_data import recording_label
         from gearpoly.report.diagnosis_figures import curves_figure
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
 
         one = self.diagnosis.comparison.aligned[recording]
-        figure = curves_figure(one, self.diagnosis.left[recording], title=recording_label(recording, one))
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(curves_figure(one, self.diagnosis.left[recording], title=recording_label(recording, one)), target)
 
     def to_dict(self) -> dict[str, Any]:
         """What ``gearpoly diagnose --json`` writes."""
@@ -146,12 +143,9 @@ class Planned:
     def plot(self, target: Path | str | None = None) -> Figure:
         """What each recording tells apart and shows; written to ``target`` if given."""
         from gearpoly.report.plan_plots import plan_figure
-        from gearpoly.report.plots import save
+        from gearpoly.report.plots import saved
 
-        figure = plan_figure(self.plan)
-        if target is not None:
-            save(figure, Path(target))
-        return figure
+        return saved(plan_figure(self.plan), target)
 
     def to_dict(self) -> dict[str, Any]:
         """What ``gearpoly plan --json`` writes."""

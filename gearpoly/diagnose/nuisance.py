@@ -41,10 +41,10 @@ TURNED = 1.0
 """Part of the mean deflection, per base pitch of eccentricity, by which laws differ once per turn: eccentric gears
 touch elsewhere on their teeth. 60 um and 33 um in a pair of module 2 left 0.08 and 0.06 um beside all laws."""
 
-LACKING, HARMONICS = 0.03, 8
-"""Part of the mean deflection, one standard deviation, that no law of compliance has right, as a curve of so many
-harmonics of the mesh: on a bench with a law 4 % off all of them 0.010 of it was left at every mesh, and 0.0013 beside
-such a curve; another simulator left 0.024 to 0.033."""
+DISCREPANCY, HARMONICS = 0.03, 8
+"""Model discrepancy (Kennedy and O'Hagan 2001): part of the mean deflection, one standard deviation, that no law of
+compliance has right, as a curve of so many harmonics of the mesh. On a bench with a law 4 % off all of them 0.010 of it
+was left at every mesh, and 0.0013 beside such a curve; another simulator left 0.024 to 0.033."""
 
 BEYOND = 1.5
 """Truth may lie outside what the laws span, by half of their spread."""
@@ -55,14 +55,14 @@ CONTACTS = ("linear", "palmgren")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Nuisance:
     """Columns (n_k, q) per recording, in mm per unit, and the prior standard deviation (q,) of each; ``scale`` is the
-    place of the compliance's scale among them, if any, ``shift`` that of the zero, ``lacking`` those of what no law of
-    compliance has right over the mesh."""
+    place of the compliance's scale among them, if any, ``shift`` that of the zero, ``discrepancy`` those of the model
+    discrepancy over the mesh."""
 
     columns: list[FloatArray]
     std: FloatArray
     shift: int
     scale: int | None
-    lacking: slice
+    discrepancy: slice
 
     def sloping(self, scenes: list[Scene]) -> Nuisance:
         """The same with the slopes of the ``scenes`` as they are now, where a zero is late."""
@@ -111,16 +111,16 @@ def make_nuisance(
             mine.append(one)
         std.append(1.0)
     start = len(std)
-    for curves in _lacking(scenes):
+    for curves in _discrepancies(scenes):
         for mine, one in zip(columns, curves, strict=True):
             mine.append(one)
         std.append(1.0)
-    lacking = slice(start, len(std))
+    discrepancy = slice(start, len(std))
     out = [np.column_stack(mine) for mine in columns]
     if laws is not None:
         out = [np.concatenate((mine, law), axis=1) for mine, law in zip(out, laws, strict=True)]
         std += [1.0] * laws[0].shape[1]
-    return Nuisance(columns=out, std=np.array(std), shift=at_shift, scale=at_scale, lacking=lacking)
+    return Nuisance(columns=out, std=np.array(std), shift=at_shift, scale=at_scale, discrepancy=discrepancy)
 
 
 def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
@@ -145,12 +145,12 @@ def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
     return out
 
 
-def _lacking(scenes: list[Scene]) -> list[list[FloatArray]]:
-    """Ways (n_k,) in mm in which the deflection of all scenes may vary over the mesh as no law has it, each a prior
+def _discrepancies(scenes: list[Scene]) -> list[list[FloatArray]]:
+    """Ways (n_k,) in mm in which the deflection of all scenes may vary over the mesh by model discrepancy, each a prior
     standard deviation: cosines and sines of its harmonics on either flank, falling off as 1/h, the more the more teeth
     give."""
     out = []
-    norm = math.sqrt(0.5 * 2.0 * sum(1.0 / h**2 for h in range(1, HARMONICS + 1)))
+    norm = math.sqrt(sum(1.0 / h**2 for h in range(1, HARMONICS + 1)))
     for flank in dict.fromkeys(scene.samples.flank for scene in scenes if scene.bends):
         for h in range(1, HARMONICS + 1):
             for wave in (np.cos, np.sin):
@@ -159,7 +159,7 @@ def _lacking(scenes: list[Scene]) -> list[list[FloatArray]]:
                     if not scene.bends or scene.samples.flank != flank:
                         curves.append(np.zeros(scene.samples.size))
                         continue
-                    size = LACKING / (norm * h) * abs(float(np.mean(scene.bending(None) - scene.te)))
+                    size = DISCREPANCY / (norm * h) * abs(float(np.mean(scene.bending(None) - scene.te)))
                     curves.append(size * scene.swung(wave(h * scene.gear(1).z * scene.samples.theta_2)))
                 out.append(curves)
     return out

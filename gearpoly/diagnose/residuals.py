@@ -20,13 +20,13 @@ from gearpoly.diagnose.floors import magnified
 from gearpoly.diagnose.foreign import found_alone, is_foreign, stands
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.nuisance import LACKING
+from gearpoly.diagnose.nuisance import DISCREPANCY
 from gearpoly.errors import GearpolyError
 from gearpoly.units import UM, FloatArray
 
 UNKNOWN = 2.0
-"""Times what laws of compliance lack as a rule, from which on a curve at every mesh under load is told as one without a
-cause: more than two standard deviations of its size."""
+"""Standard deviations of the model discrepancy from which on a curve at every mesh under load is told as one without a
+cause. A judgement: nineteen of twenty gears lie within two."""
 
 FITTED = 1e-4
 """mm. What is left open of teeth that were fitted."""
@@ -45,21 +45,21 @@ def residuals_of(fit: Fit) -> list[FloatArray]:
     for places in found_alone(fit.model.strangers, linear.layout.foreign):
         if stands(linear.system, places):
             x[places] = 0.0
-    lacking = range(*fit.nuisance.lacking.indices(x.size))
-    places = [linear.layout.nuisance.start + place for place in lacking]
-    if places and lacking_part(fit) > UNKNOWN:
+    discrepancy = range(*fit.nuisance.discrepancy.indices(x.size))
+    places = [linear.layout.nuisance.start + place for place in discrepancy]
+    if places and discrepancy_part(fit) > UNKNOWN:
         x[places] = 0.0
     return _left(linear, x)
 
 
-def lacking_part(fit: Fit) -> float:
-    """Rms of the curve at every mesh that no law of compliance has, over what laws lack as a rule, by the recording in
-    which it is the largest part; 0 where nothing bends."""
-    at, parts = fit.nuisance.lacking, []
+def discrepancy_part(fit: Fit) -> float:
+    """Rms of the fitted model discrepancy over its prior standard deviation, in the recording where that is largest; 0
+    where nothing bends."""
+    at, parts = fit.nuisance.discrepancy, []
     found = fit.linear.system.solution[fit.linear.layout.nuisance][at]
     for columns, bent in zip(fit.nuisance.columns, fit.deflections, strict=True):
         if bent > 0.0 and found.size:
-            parts.append(float(np.std(columns[:, at] @ found)) / (LACKING * bent))
+            parts.append(float(np.std(columns[:, at] @ found)) / (DISCREPANCY * bent))
     return max(parts, default=0.0)
 
 

@@ -220,8 +220,9 @@ def unseen_of(search: Fit) -> Rms:
 
 
 def foretold_best(linear: Linear, masks: list[Mask], *, hold: list[int]) -> Rms:
-    """The same with waves that no pair makes or without them, whichever leaves less: half of a short recording may tell
-    a slow wave so badly that the other half is further off with it. Beside another wheel's wave of 1 um 40 um of pitch
+    """Rms in mm of what one part of the samples (``masks``) leaves of the other, parameters ``hold`` as the whole has
+    them; with waves that no pair makes or without them, whichever leaves less: half of a short recording may tell a
+    slow wave so badly that the other half is further off with it. Beside another wheel's wave of 1 um 40 um of pitch
     lost their name, with 1.99 um of unseen rms, and 1.38 um without that wave."""
     waves = sorted(set(range(linear.layout.foreign.start, linear.layout.foreign.stop)) - set(hold))
     both = [cross_validated(linear, masks, hold=hold), cross_validated(linear, masks, leave=waves, hold=hold)]

@@ -106,11 +106,11 @@ def tolerances(
     """
     if edition not in RANGES:
         raise OutOfRangeError(f"edition {edition} of ISO 1328-1 is not known; 2013 or 1995 would do")
+    z: int | None = round(d / m)
     if nearest:
         (d_low, d_high), (m_low, m_high) = RANGES[edition]["d"], RANGES[edition]["m"]
-        d, m = min(max(d, d_low), d_high), min(max(m, m_low), m_high)
-    else:
-        _check_ranges(edition, grade=grade, z=round(d / m), d=d, m=m, b=b)
+        d, m, b, z = min(max(d, d_low), d_high), min(max(m, m_low), m_high), None, None
+    _check_ranges(edition, grade=grade, z=z, d=d, m=m, b=b)
     # 5.2.2 in 2013, clause 5 in 1995: both step by sqrt(2) from grade 5.
     step = math.sqrt(2.0) ** (grade - 5)
     values = _grade_5_2013(d, m) if edition == 2013 else _grade_5_1995(d, m)

@@ -35,6 +35,13 @@ def check_format(target: Path) -> None:
         raise InputFileError(target, found=f'the ending "{target.suffix}"', wish=f"want one of {', '.join(FORMATS)}")
 
 
+def saved(figure: Figure, target: Path | str | None) -> Figure:
+    """The ``figure``, written to ``target`` if there is one."""
+    if target is not None:
+        save(figure, Path(target))
+    return figure
+
+
 def save(figure: Figure, target: Path, *, colours: int | None = None) -> None:
     """Write ``figure`` to ``target`` by its ending, whole or not at all; a .png for a page of many with so few
     ``colours``: of 128 none is off by a tenth, and it takes a quarter of the room."""
