@@ -118,9 +118,10 @@ def _places(what: str, places: Sequence[str]) -> str:
     return f"{len(places)} {what}{'s' * (len(places) > 1)} ({', '.join(places[:NAMED])}{more})"
 
 
-def json_text(surveys: Sequence[Survey]) -> str:
-    """All recordings as JSON; what is no number there is null."""
-    return json.dumps({"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}, indent=2) + "\n"
+def json_text(surveys: Sequence[Survey], inspections: Sequence[dict[str, Any]] = ()) -> str:
+    """All recordings as JSON, and inspection sheets beside them; what is no number there is null."""
+    held: dict[str, Any] = {"gearpoly": __version__, "recordings": [_held(one) for one in surveys]}
+    return json.dumps(held | ({"inspections": list(inspections)} if inspections else {}), indent=2) + "\n"
 
 
 def _held(found: Survey) -> dict[str, Any]:
