@@ -221,3 +221,15 @@ def test_where_two_ways_are_left_both_are_said(tmp_path: Path, ratio: float, tru
     with pytest.raises(InputFileError) as told:
         corrected(read_recording(file), EncoderErrors(), EncoderErrors(), ratio=ratio, r_b2=23.5)
     assert LINE.findall(told.value.wish) == lines_of(true, "rad")
+
+
+def test_wraps_that_end_by_chance_at_the_top_are_no_two_units(tmp_path: Path) -> None:
+    """Driving readings begin again each turn and end at 359 deg, driven ones run on 40 times as far, and are in deg."""
+    theta = np.linspace(0.5, 359.5 + 360.0 * 59.0, N)
+    columns = [np.arange(N) / 500.0, np.mod(theta, 360.0), RATIO * theta]
+    file = written(tmp_path, table(columns, ("t [s]", "Input angle [deg]", "Output angle [deg]"), separator=",",
+                                   decimal=".", digits=9))  # fmt: skip
+    (found,) = survey(file)
+    assert not any("goes on by" in one.says for one in found.doubts)
+    read = read_recording(file)
+    assert corrected(read, EncoderErrors(), EncoderErrors(), ratio=RATIO, r_b2=23.5) is read

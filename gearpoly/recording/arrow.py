@@ -54,6 +54,11 @@ def doubles(column: Any) -> FloatArray | None:
     """
     if str(column.type) != "double":
         return None
+    if column.num_chunks == 1 and not column.chunk(0).null_count:
+        (one,) = column.chunks  # its memory is taken over, not copied
+        _, data = one.buffers()
+        if data is not None:
+            return np.frombuffer(data, dtype=np.float64, count=len(one), offset=8 * one.offset)
     out = np.empty(len(column))
     at = 0
     for chunk in column.chunks:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from gearpoly.recording.agreement import rounding
+from gearpoly.recording.finite import first_read
 from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
 from gearpoly.units import BoolArray, FloatArray
 
@@ -112,7 +113,7 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
 def begins_again_at(values: FloatArray) -> float | None:
     """The number at which readings (n,) of any unit begin again, by jumps that agree, or ``None``: to three digits, and
     of whole numbers to as many as the jumps tell."""
-    held = values[np.isfinite(values)][:ENOUGH]
+    held = first_read(values, ENOUGH)
     steps = np.diff(held)
     span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
     large = np.abs(steps) > 0.5 * span
@@ -156,8 +157,8 @@ another and to powers of two, and these a factor of two apart."""
 def counter_modulus(values: FloatArray) -> int | None:
     """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
     they fill, or ``None``."""
-    held = values[np.isfinite(values)][:ENOUGH]
-    if held.size < 8 or held.min() < 0.0 or np.any(held != np.rint(held)):
+    held = first_read(values, ENOUGH)
+    if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or held.min() < 0.0 or np.any(held != np.rint(held)):
         return None
     top, steps = float(held.max()), np.abs(np.diff(held))
     usual = float(np.median(steps))
@@ -203,8 +204,8 @@ FEWEST = 200
 
 def are_counts(values: FloatArray) -> bool:
     """Whether readings (n,) are whole numbers that only go on, for more than any unit's turn has of them."""
-    held = values[np.isfinite(values)][: 10 * ENOUGH]
-    if held.size < FEWEST or np.any(np.abs(held - np.rint(held)) > 1e-6):
+    held = first_read(values, 10 * ENOUGH)
+    if held.size < FEWEST or any(np.any(np.abs(one - np.rint(one)) > 1e-6) for one in (held[:FEWEST], held)):
         return False
     steps = np.diff(held)
     return float(np.ptp(held)) > COUNTS_LEAST and bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
@@ -216,7 +217,7 @@ LEVEL = 0.1
 
 def are_levels(values: FloatArray) -> bool:
     """Whether readings (n,) switch between two levels, as a channel of an encoder does."""
-    held = values[np.isfinite(values)][: 10 * ENOUGH]
+    held = first_read(values, 10 * ENOUGH)
     span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
     if span == 0.0:
         return False
@@ -240,7 +241,7 @@ back ten times."""
 
 def swings(values: FloatArray) -> bool:
     """Whether readings (n,) stand still or swing to and fro without a wrap, as no angle of a shaft does."""
-    held = values[np.isfinite(values)][:ENOUGH]
+    held = first_read(values, ENOUGH)
     if held.size < FEWEST:
         return False
     steps = np.abs(np.diff(held))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.recording.finite import all_finite
+from gearpoly.recording.finite import all_finite, steps_between
 from gearpoly.recording.from_time import is_from_time
 from gearpoly.recording.map_lines import entry, with_more
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS
@@ -110,6 +110,11 @@ class _Course:
         return steps if math.isinf(self.turn) else steps - self.turn * np.rint(steps / self.turn)
 
 
+USUAL_OF = 10_000
+"""Steps that the usual one is told from, all along the recording: the nearest thing that it is held against is three
+times as long."""
+
+
 @np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
 def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJump]:
     """The jumps of a clock with ``time`` (n,) in s, by the readings (n,) of ``shafts`` in deg or counts, which turn on
@@ -121,8 +126,8 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
         held = time[rows]
     if held.size < 2 * FEWEST + 2 or not shafts:
         return []
-    steps = np.diff(held)
-    rising = thinned(steps)
+    every = max(1, held.size // USUAL_OF)
+    rising = held[1::every] - held[:-1:every]
     rising = rising[rising > 0.0]
     if 2 * rising.size < FEWEST:
         return []
@@ -130,8 +135,10 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
     least = max(JUMP_STEPS * usual, JUMP_LEAST_S)
     if usual > USUAL_MOST_S:
         return []
-    if float(np.max(steps)) <= least and float(np.min(steps)) >= -GAP_STEPS * usual:
+    back, on = steps_between(held)
+    if on <= least and back >= -GAP_STEPS * usual:
         return []  # the commonest case
+    steps = np.diff(held)
     at = np.flatnonzero((steps > least) | (steps < -GAP_STEPS * usual))
     if at.size > JUMPS_MOST or at.size > held.size // BESIDE:
         return []

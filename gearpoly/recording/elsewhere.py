@@ -52,12 +52,18 @@ MAT_4_TYPES = {0, 10, 20, 30, 40, 50, 1, 2, 51, 52, 1000, 1010, 1020, 1030, 1040
 """First numbers of MAT 4 files: byte order, precision and kind of the first variable."""
 
 
+BLANK = b"\xef\xbb\xbf \t\r\n"
+"""What may stand before the first sign of XML."""
+
 LONGEST_NAME = 64
 """Characters of a variable's name in MATLAB, and its end."""
 
 
 def known_elsewhere(head: bytes) -> tuple[str, str] | None:
     """What a file with these first bytes is and what would do in its place; ``None`` where nobody knows."""
+    if head.lstrip(BLANK).startswith(b"<") and (b"<gear_data_exchange" in head or b"<model" in head):
+        what = "an inspection as XML" if b"<gear_data_exchange" in head else "a design (REXS)"
+        return f"{what}, no recording", "want it given to gearpoly pair --from"
     if head.startswith(b"PK\x03\x04"):
         return next((what, cure) for mark, what, cure in ZIPPED if mark in head)
     if _is_mat_4(head):

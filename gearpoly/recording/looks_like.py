@@ -15,11 +15,12 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.recording.by_readings import COUNTERS, FEWEST, ROUND, are_counts
+from gearpoly.recording.finite import all_finite
 from gearpoly.recording.map_lines import counts_entries, entry
 from gearpoly.recording.quantities import ANGLE, UNITS, Unit
 from gearpoly.recording.recording import ANGLE_COLUMNS, TE_COLUMNS
 from gearpoly.recording.table import Doubt, Table
-from gearpoly.units import FloatArray
+from gearpoly.units import FloatArray, IntArray
 
 LOOKED_AT = 4000
 """Samples that are looked at; the waves of a shaft's turn have hundreds of them."""
@@ -58,6 +59,9 @@ SAME = 0.9
 EXCHANGED = ("deg", "rad", "rev")
 """Units of which one shaft may have one and the other another."""
 
+QUICK = 20_000
+"""Numbers that are looked at before all are."""
+
 ONE_WAY = 0.9
 """Part of their range that numbers go on by: those that begin again, or run forth and back, tell no travel."""
 
@@ -91,17 +95,19 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
         return []
     units = [table.units.get(name, UNITS[ANGLE]["deg"]) for name in held]
     some = 50 * LOOKED_AT
-    numbers = [table.columns[name][:some] / unit.size for name, unit in zip(held, units, strict=True)]
+    numbers = [table.columns[name][:some] for name in held]
+    numbers = [one if unit.size == 1.0 else one / unit.size for one, unit in zip(numbers, units, strict=True)]
     error = table.columns[errors[0]][:some] if len(held) == 1 else None
     if len({one.name for one in units}) > 1:
         return []
     like = _looks_like(numbers, error, units[0])
     called = {name: table.taken_from.get(name, name) for name in held}
-    if len(held) == 2 and (ratio := _driven_by_driving(numbers)) is not None:
+    ratio = _driven_by_driving(numbers) if len(held) == 2 else None
+    if ratio is not None:
         apart = not 1.0 / RATIO_MOST < ratio < RATIO_MOST
-        two = _two_units(numbers, units[0], ratio)
+        two = _two_units(numbers, units[0], ratio) if apart or (like is not None and not like.counts) else None
         # What looks like another unit for both may be one shaft's wave, and the other shaft in a third unit.
-        if apart or (like is not None and not like.counts and two is not None and two != (like.name, like.name)):
+        if apart or (like is not None and two is not None and two != (like.name, like.name)):
             return _of_two_units(two, units[0], tuple(called.values()), ratio)
     if like is None:
         if table.mapped & set(held) or not all(are_counts(one) for one in numbers):
@@ -118,12 +124,15 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
 
 def _driven_by_driving(numbers: Sequence[FloatArray]) -> float | None:
     """How far the driven shaft's ``numbers`` (n,) go on for one of the driving one's; none where they begin again."""
-    held = [one[np.isfinite(one)] for one in numbers]
+    held = [one if all_finite(one) else one[np.isfinite(one)] for one in numbers]
     if any(one.size < FEWEST for one in held):
         return None
     travel = [abs(float(one[-1] - one[0])) for one in held]
-    if min(travel) <= 0.0 or any(way < ONE_WAY * float(np.ptp(one)) for way, one in zip(travel, held, strict=True)):
+    spans = [float(np.ptp(one)) for one in held]
+    if min(travel) <= 0.0 or any(way < ONE_WAY * span for way, span in zip(travel, spans, strict=True)):
         return None
+    if any(float(np.max(np.abs(np.diff(one)))) > 0.5 * span for one, span in zip(held, spans, strict=True)):
+        return None  # wrapped, and ended by chance where it is highest
     return travel[1] / travel[0]
 
 
@@ -205,13 +214,19 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
     every = [*numbers, *([error] if error is not None else [])]
     if any(one.size != every[0].size for one in every):
         return None
-    read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in every]))
-    if read.size < FEWEST:
-        return None
+    read: slice | IntArray = slice(None)
+    if not all(all_finite(one) for one in every):
+        read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in every]))
     first = [one[read] for one in numbers]
+    if first[0].size < FEWEST or not _goes_on(first[0][:QUICK]):
+        return None
     steps = np.diff(first[0])
     sense = float(np.sign(first[0][-1] - first[0][0]))
-    if not sense or np.mean(sense * steps < 0.0) > 0.01 or np.max(np.abs(steps)) > 0.5 * float(np.ptp(first[0])):
+    if (
+        not sense
+        or np.count_nonzero(sense * steps < 0.0) > 0.01 * steps.size
+        or np.max(np.abs(steps)) > 0.5 * float(np.ptp(first[0]))
+    ):
         return None  # wrapped, or forth and back
     off = error[read] if error is not None else None
     own = 360.0 / stated.size
@@ -244,6 +259,13 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
     travel = [abs(float(one[-1] - one[0])) for one in first]
     sure = best.name == other and (best.turn > own or travel[0] / best.turn >= TURNS_SURE)
     return replace(best, sure=sure and max(travel) < RATIO_MOST * min(travel))
+
+
+def _goes_on(first: FloatArray) -> bool:
+    """Whether the ``first`` numbers (m,) of a shaft may be of one that goes on one way, and was never wrapped."""
+    steps = np.diff(first)
+    against = min(np.count_nonzero(steps < 0.0), np.count_nonzero(steps > 0.0))
+    return bool(against <= AGAINST * steps.size)
 
 
 def _or_as_stated(table: Table) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,8 +52,9 @@ def read_recording(
     Units and signs are those of :class:`Recording`. Raises ``InputFileError`` (file, place, cure) where the file is no
     recording or holds several, and ``MissingExtraError`` where its format needs a package that is not installed.
     """
-    file, tables, number = _opened(Path(path), chart)
-    one = recording_from_table(file, taken(file, only(file, tables), chart), worm=worm)
+    with sheets_named(Path(path), chart):
+        file, tables, number = _opened(Path(path), chart)
+        one = recording_from_table(file, taken(file, only(file, tables), chart), worm=worm)
     runs = _runs(one, number)
     if len(runs) > 1:
         each = [f"{run.source.name} ({'back' if run.backward else 'forward'}, {run.flank} flank)" for run in runs]
@@ -66,15 +68,31 @@ def read_recordings(
 ) -> list[Recording]:
     """Every recording of a file, as :func:`read_recording` reads one, and every run of those that turned forth and
     back; each of several is called by its number."""
-    file, tables, number = _opened(Path(path), chart)
-    if len(tables) == 1:
-        return _runs(recording_from_table(file, taken(file, tables[0], chart), worm=worm), number)
-    out = []
-    for k, table in enumerate(tables, start=1):
-        table.remarks.insert(0, f"recording {k} of {len(tables)} in the file, each taken as one of the set")
-        called = file.with_name(f"{file.name}, recording {k}")
-        out += _runs(recording_from_table(called, taken(called, table, chart), worm=worm), None)
-    return out
+    with sheets_named(Path(path), chart):
+        file, tables, number = _opened(Path(path), chart)
+        if len(tables) == 1:
+            return _runs(recording_from_table(file, taken(file, tables[0], chart), worm=worm), number)
+        out = []
+        for k, table in enumerate(tables, start=1):
+            table.remarks.insert(0, f"recording {k} of {len(tables)} in the file, each taken as one of the set")
+            called = file.with_name(f"{file.name}, recording {k}")
+            out += _runs(recording_from_table(called, taken(called, table, chart), worm=worm), None)
+        return out
+
+
+@contextmanager
+def sheets_named(file: Path, chart: RecordingMap | None) -> Iterator[None]:
+    """Say of a ``file`` that is refused as a recording that it is an inspection sheet, where it is one and no map says
+    otherwise."""
+    try:
+        yield
+    except InputFileError as error:
+        from gearpoly.files.inspection.heads_of_sheets import is_sheet  # few files are refused
+
+        if chart is None and "pair --from" not in error.wish and is_sheet(file):
+            wish = "want it given to gearpoly pair --from; gearpoly read shows what it holds"
+            raise InputFileError(file, found="an inspection sheet, no recording", wish=wish) from error
+        raise
 
 
 def _opened(file: Path, chart: RecordingMap | None) -> tuple[Path, list[Table], int | None]:

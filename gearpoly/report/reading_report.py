@@ -118,9 +118,10 @@ def _places(what: str, places: Sequence[str]) -> str:
     return f"{len(places)} {what}{'s' * (len(places) > 1)} ({', '.join(places[:PLACES_NAMED])}{more})"
 
 
-def json_text(surveys: Sequence[Survey]) -> str:
-    """All recordings as JSON."""
-    return json.dumps(surveys_json(surveys), indent=2) + "\n"
+def json_text(surveys: Sequence[Survey], inspections: Sequence[dict[str, Any]] = ()) -> str:
+    """All recordings as JSON, and inspection sheets beside them."""
+    beside = {"inspections": list(inspections)} if inspections else {}
+    return json.dumps(surveys_json(surveys) | beside, indent=2) + "\n"
 
 
 def surveys_json(surveys: Sequence[Survey]) -> dict[str, Any]:

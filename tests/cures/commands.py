@@ -12,6 +12,8 @@ from tests.cures.cure import BASE, Cure, command, put
 from tests.made_command import PAIR
 from tests.test_rexs import OLD
 
+SHEET = Path(__file__).parents[2] / "data" / "sheets" / "driven.csv"
+
 Words = Callable[[Path], tuple[object, ...]]
 
 
@@ -153,5 +155,26 @@ CURES = [
         says="want a shorter name",
         bad=lambda folder: write_text(folder / ("x" * 300), ""),
         good=lambda folder, message: write_text(folder / ("x" * 30), ""),
+    ),
+    words(
+        "design as a recording",
+        "want it given to gearpoly pair --from",
+        lambda f: ("read", f / "a.rexs"),
+        lambda f: ("pair", "--from", f / "a.rexs", f / "made.toml"),
+    ),
+    words(
+        "sheet drawn over time",
+        "leave --plot out",
+        lambda f: ("read", SHEET, "--plot", f / "a.png"),
+        lambda f: ("read", SHEET),
+    ),
+    Cure(
+        name="own sheet as a recording",
+        says='want it named in a pair file: sheet_csv = "own.csv" under [driving.inspection]',
+        bad=lambda f: (
+            command("pair", "--new", f / "own.toml", "--sheet", f / "own.csv"),
+            command("read", f / "own.csv"),
+        ),
+        good=lambda f, message: command("simulate", f / "own.toml"),
     ),
 ]

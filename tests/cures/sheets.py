@@ -6,10 +6,13 @@ from functools import cache
 from pathlib import Path
 
 import gearpoly
-from tests.cures.cure import Cure, command, put
+from tests.cures.cure import Cure, command, put, read
 from tests.made_sheets import Seen, inspect, known, mka
 
 RAW = known(z=(17, 20))
+ROOT = Path(__file__).parents[2]
+MODULED = (ROOT / "data" / "sheets" / "driven.csv").read_bytes()
+"""A table of a gear, of which the map beside it knows the module."""
 
 
 @cache
@@ -309,5 +312,19 @@ CURES = [
         file="a.csv",
         layout=ELEVEN,
         asked=(*ASKED, "--count", "clockwise"),
+    ),
+    *(
+        Cure(
+            name=f"{file} as a recording",
+            says="want it given to gearpoly pair --from",
+            bad=lambda folder, file=file, content=content: (put(folder, file, content()), read(folder, file)),
+            good=lambda folder, message, file=file, words=words: command(
+                "pair", "--from", folder / file, folder / "new.toml", *ASKED, *words
+            ),
+        )
+        for file, content, words in (
+            ("a.csv", lambda: MODULED, ("--count", "clockwise", "--map", ROOT / "data" / "sheets" / "driven_map.toml")),
+            ("a.mka", curves, ()),
+        )
     ),
 ]

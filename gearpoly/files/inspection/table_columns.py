@@ -53,7 +53,7 @@ def heads_of(file: Path, block: Block, layout: SheetMap, *, several: bool, besid
     flanks = ("flank", None) in named or any(meaning_of(head)[0] == "flank" for head in block.names)
     for k, head in enumerate(block.names):
         held = given[k]
-        meaning, side = stated(held) if held is not None else _by_name(head, block)
+        meaning, side = stated(held) if held is not None else by_name(head, block)
         if block.turned and k == 0:
             meaning = "tooth"  # numbers that follow one another are nothing else
         if not flanks:
@@ -114,7 +114,7 @@ def _sided(meaning: str, side: Side | None, block: Block) -> tuple[str, Side | N
     return meaning, (side or block.side) if meaning in SIGNED else side
 
 
-def _by_name(head: str, block: Block) -> tuple[str, Side | None]:
+def by_name(head: str, block: Block) -> tuple[str, Side | None]:
     """What a head says; one of a flank or of values alone is of the quantity that the title of its block names."""
     meaning, side = meaning_of(head)
     bare = UNIT.sub(" ", head).strip(" .:").lower()
