@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import gearpoly
 from gearpoly.errors import InputFileError
 from gearpoly.files.inspection.heads_of_sheets import is_sheet
 from gearpoly.recording.read import read_recording
@@ -42,6 +43,13 @@ def paired(command: Command, folder: Path, file: Path, chart: Path) -> tuple[int
     words = ("--as", "driving", "--flank", "left", "--count", "clockwise", "--map", chart)
     ran = command("pair", "--from", file, folder / "p.toml", *words)
     return ran.code, ran.err
+
+
+def test_python_tells_a_sheet_from_a_recording(tmp_path: Path) -> None:
+    file = tmp_path / "sheet.csv"
+    file.write_text(OWNERS["plain"], encoding="utf-8")
+    with pytest.raises(InputFileError, match=r"sheet\.csv: an inspection sheet, no recording; pair_from"):
+        gearpoly.survey(file)
 
 
 @pytest.mark.parametrize("name", EVERY)

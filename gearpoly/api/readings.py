@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from gearpoly import arguments
 from gearpoly.api.given import Recorded, each_of
 from gearpoly.api.words import told_in_python
-from gearpoly.errors import OutOfRangeError, shown, shown_value
+from gearpoly.errors import InputFileError, OutOfRangeError, shown, shown_value
+from gearpoly.files.inspection.heads_of_sheets import is_sheet
 from gearpoly.files.output import check_target, write_text
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.map_file import read_map
@@ -145,11 +146,14 @@ class Surveyed:
 def survey(files: Path | str | Sequence[Path | str], *, map: Path | str | None = None) -> Surveyed:
     """What files hold, as ``gearpoly read`` shows it; read by a ``map`` to see what that makes of them.
 
-    Raises ``InputFileError`` only where a file cannot be read at all.
+    Raises ``InputFileError`` only where a file cannot be read at all, or is an inspection sheet.
     """
     paths = _paths("files", files)
     if not paths:
         raise OutOfRangeError(f"files {shown_value(files)}: want the path of a recording, or a list of them")
+    for path in paths:
+        if is_sheet(path):
+            raise InputFileError(path, wish="an inspection sheet, no recording; pair_from(source) reads it")
     if map is not None:
         arguments.check_file("map", map)
     chart = None if map is None else read_map(Path(map))
