@@ -7,7 +7,6 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
-import numpy as np
 import pytest
 
 from gearpoly.diagnose.contest import Refitted
@@ -82,7 +81,7 @@ def test_once_per_turn_a_claim_is_ahead_or_behind_by_no_less_than_the_simulation
     def told(sigmas: float) -> float:
         other = Explanation(claim=None, log_evidence=mine - sense * 0.5 * sigmas**2, weight=1.0)
         standing = Explanation(claim=one, log_evidence=mine, weight=1.0)
-        kept, moved = _as_far_as_simulated(cast("Trial", trial), one, [standing, other], [np.full(samples, 1e-4)])
+        kept, moved = _as_far_as_simulated(cast("Trial", trial), one, [standing, other], FAINT)
         assert kept.log_evidence == mine
         return moved.log_evidence
 
