@@ -138,14 +138,7 @@ def judge(
     as_graded = _by_scale(model, linear, claim, gain) + gain - gain_beside_form(model, scenes, linear, k, gain)
     less -= 0.5 * min(as_graded, gain) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
-    if claim.physics.once_per_turn:
-        corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
-        explanations = _as_far_as_simulated(trial, claim, explanations, max(FAINT, corners))
-    if claim.physics.mean_tooth:
-        # A curve of no cause stands beside what no law has right already; another physics does not.
-        caused = [one for one in explanations if one.claim is not None]
-        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT, BESIDE_ANOTHER * deflection))
-        explanations = [*apart, *(one for one in explanations if one.claim is None)]
+    explanations = _told_apart(trial, claim, explanations, effect=effect, deflection=deflection)
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
 
@@ -198,6 +191,28 @@ def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float)
     # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
     log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
     return [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
+
+
+def _told_apart(
+    trial: Trial,
+    claim: Claim,
+    explanations: Sequence[Explanation],
+    *,
+    effect: Sequence[FloatArray],
+    deflection: float,
+) -> list[Explanation]:
+    """The ``explanations`` of a place, those that only the simulation's own error tells from the ``claim`` as likely as
+    it. What turns once with a shaft is known as far as corners hand over its ``effect`` (n_k,) in mm; a physics of all
+    teeth beside another as far as laws of compliance have the ``deflection`` in mm right. A curve of no cause stands
+    beside what no law has right already, so it counts as it is."""
+    if claim.physics.once_per_turn:
+        corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
+        return _as_far_as_simulated(trial, claim, explanations, max(FAINT, corners))
+    if claim.physics.mean_tooth:
+        caused = [one for one in explanations if one.claim is not None]
+        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT, BESIDE_ANOTHER * deflection))
+        return [*apart, *(one for one in explanations if one.claim is None)]
+    return list(explanations)
 
 
 def _as_far_as_simulated(
