@@ -89,7 +89,7 @@ def sheets_named(file: Path, chart: RecordingMap | None) -> Iterator[None]:
     except InputFileError as error:
         from gearpoly.files.inspection.heads_of_sheets import is_sheet  # few files are refused
 
-        if chart is None and "pair --from" not in error.wish and is_sheet(file):
+        if chart is None and "gearpoly pair --from" not in error.wish and is_sheet(file):
             wish = "want it given to gearpoly pair --from; gearpoly read shows what it holds"
             raise InputFileError(file, found="an inspection sheet, no recording", wish=wish) from error
         raise
