@@ -23,6 +23,7 @@ def graded() -> PairFile:
     return PairFile.model_validate({"model": {"tooth_deflection": False}, "driving": one, "driven": two})
 
 
+@pytest.mark.slow
 def test_waves_of_a_resolver_beside_graded_gears_have_their_own_size() -> None:
     """Graded teeth take half of an order near half their number, and leave its image on the other side. The true teeth
     (3 um rms) make 0.5 um of each order; that, and noise (0.02 um), is what the sizes may be off."""

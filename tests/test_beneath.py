@@ -66,7 +66,7 @@ def plain() -> Recording:
     return one
 
 
-@pytest.mark.parametrize(("order", "fitted"), [(1.83, True), (0.03, False)])
+@pytest.mark.parametrize(("order", "fitted"), [(1.83, True), pytest.param(0.03, False, marks=pytest.mark.slow)])
 def test_a_wave_beneath_the_teeth_is_fitted(order: float, fitted: bool, plain: Recording, tmp_path: Path) -> None:
     """Of 0.4 um, to three standard errors of a wave beneath white noise, 0.3 um sqrt(2 / n). What turns 1.4 times in 46
     turns is a drift, as a warming rig makes it."""
@@ -83,6 +83,7 @@ def test_a_wave_beneath_the_teeth_is_fitted(order: float, fitted: bool, plain: R
         assert waves_beneath(search, comparison) is search
 
 
+@pytest.mark.slow
 def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) -> None:
     """14 um twice per turn of a smooth wave are fitted as one, to what drawn pitches have so often themselves; as much
     of the pitches stays with the teeth."""
@@ -103,6 +104,7 @@ def test_a_smooth_wave_is_none_of_the_teeth(plain: Recording, tmp_path: Path) ->
     assert search.model.scope.smooth == frozenset()
 
 
+@pytest.mark.slow
 def test_where_a_tooth_is_claimed_a_smooth_wave_is_asked_with_nothing_left_beyond_noise(
     plain: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,6 +116,7 @@ def test_where_a_tooth_is_claimed_a_smooth_wave_is_asked_with_nothing_left_beyon
     assert search.model.scope.smooth == {(0, 2)}
 
 
+@pytest.mark.slow
 def test_an_image_of_what_comes_once_per_turn_is_no_smooth_wave(plain: Recording, tmp_path: Path) -> None:
     """Teeth show order 1 beside the mesh too, at z - 1 and z + 1: a gear or an encoder off its axis tells it, and as a
     wave of no cause it would take their name."""

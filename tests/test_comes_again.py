@@ -57,6 +57,7 @@ def test_a_place_of_every_swing_is_a_tooth_of_the_gear_that_meets_once() -> None
     assert "the same in 3 recordings" in says(one)
 
 
+@pytest.mark.slow
 def test_it_is_the_driving_tooth_where_that_shakes_each_time() -> None:
     one = places(*(shaken(swung(k), 8.0, 28.0) for k in range(3)))[0]
     assert (one.gear, one.tooth) == ("driving", 8)
@@ -76,6 +77,7 @@ def test_on_the_coast_flank_the_driven_tooth_is_the_next() -> None:
     assert (one.gear, one.tooth) == ("driven", 28)
 
 
+@pytest.mark.slow
 def test_what_shakes_at_other_places_or_once_stays_a_burst() -> None:
     apart = places(shaken(swung(0), 12.0), shaken(swung(1), 16.0), shaken(swung(2), 25.0))
     assert [e.recordings for e in sorted(apart, key=lambda e: e.recordings)] == [(0,), (1,), (2,)]

@@ -97,6 +97,7 @@ def bulging(without_load: float, folder: Path) -> Fit:
     )
 
 
+@pytest.mark.slow
 def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,6 +132,7 @@ def test_a_crowning_that_every_torque_shows_stays(tmp_path: Path) -> None:
     assert [claim.physics.name for claim in search.model.claims] == ["profile_crowning"]
 
 
+@pytest.mark.slow
 def test_a_wave_too_small_beside_another_for_a_name_stays_in_the_fit(tmp_path: Path) -> None:
     """0.12 um of driving order 33, made by another part of the drive, beside a pitch wave of 40 um: it was dropped for
     its size, and the fit left with it gone was worse than before the pitch wave, which was refused then."""

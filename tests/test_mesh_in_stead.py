@@ -30,6 +30,7 @@ def relieved(gear: int) -> Claim:
     return Claim(physics=physics, place=place, values=(RELIEF, LENGTH))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hidden", ["reliefs", "line"])
 def test_two_reliefs_have_a_name_only_where_they_are_more_than_one_wave(hidden: str, tmp_path: Path) -> None:
     """15 um off the tips of both gears, or 1.3 um at mesh order 2 that another wheel on the shaft has made. Either is

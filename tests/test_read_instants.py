@@ -182,6 +182,7 @@ def test_what_lies_between_readings_too_far_apart_is_said() -> None:
     assert any("arcsec rms" in deed.says for deed in one.done)
 
 
+@pytest.mark.slow
 def test_no_line_is_located_of_two_rates(tmp_path: Path) -> None:
     """A pair without deviations, its two encoders read each 4 and 5 rows: as where both are read in each row, only the
     waves are located that the recording has."""

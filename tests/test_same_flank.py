@@ -89,6 +89,7 @@ def test_teeth_of_a_thickness_that_nobody_stated_say_nothing(tmp_path: Path) -> 
     assert flanks(with_flanks(read, unstated, made.pair)) == ["drive", "coast"]
 
 
+@pytest.mark.slow
 def test_an_eccentric_gear_is_told_beside_a_step_between_both_ways(tmp_path: Path) -> None:
     """The step is located and has no name, and hides nothing: 4 um of the driven gear, or of its encoder."""
     file, path, made = pair(tmp_path)

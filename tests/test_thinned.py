@@ -19,6 +19,7 @@ def samples_of(fit: Fit) -> int:
     return sum(one.samples.size for one in fit.model.observed)
 
 
+@pytest.mark.slow
 def test_a_part_of_the_samples_proposes_and_all_of_them_weigh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A ghost order of 1 um of a pair that is recorded at 20 samples to the mesh: the same name with the same size,
     however many samples propose it."""

@@ -141,6 +141,7 @@ def test_a_gear_whose_teeth_say_nothing_is_made_like_its_mate() -> None:
     assert like_its_mate({}, (0, 1)) == {}
 
 
+@pytest.mark.slow
 def test_teeth_that_turn_out_coarser_beside_all_that_is_fitted_have_wider_limits(tmp_path: Path) -> None:
     """Teeth of 8 um rms, of which the first look told a third. What whole recordings tell of steps (8 um times the root
     of two) is what the limits are made of; a second look finds them so and leaves them."""
