@@ -83,7 +83,7 @@ def _ungraded(search: Fit, file: PairFile, gear: int) -> str:
         return "turns with the worm: what comes once per turn may be the worm's, and no grade is told"
     if others := search.model.scope.others_at(gear, 1):
         parts = " and ".join(others)
-        return f"turns with other parts ({parts}): what comes once per turn may be of_this_pair, and no grade is told"
+        return f"turns with other parts ({parts}): what comes once per turn may be theirs, and no grade is told"
     section = gear_section(file, gear)
     if not graded_by_iso(section):
         return f"is of a size for which ISO 1328-1 ({section.grade_edition}) has no tolerances, and no grade is told"

@@ -42,8 +42,8 @@ def earned(
     while True:
         if weighing.search.over:
             # What was not weighed to its end has no name.
-            alone = weighing.alone()
-            return weighing.search, alone, (*weighing.gone, *weighing.unweighed(alone))
+            told = {**weighing.weighed(), **weighing.alone()}
+            return weighing.search, told, (*weighing.gone, *weighing.unweighed(told))
         judged = weighing.judged()
         ways = weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.given_up
         if not any(way(judged) for way in ways):
@@ -71,6 +71,20 @@ class _Weighing:
         left = {one.claim.key for one in self.gone}
         return [one for one in self.search.model.claims if one.physics is not FREE_FORM and one.key not in left]
 
+    def weighed(self) -> dict[Key, Judged]:
+        """The claims that have a name where time ended after all of them were judged: each as likely as its name needs,
+        none likelier in its place, and of a tooth a curve of no cause fitted in its stead."""
+        if any(claim.key not in self.plain for claim in self.named):
+            return {}
+        asked = [one for one in self.named if one.place.tooth is None or _tooth(one) in self.doubts]
+        if len([one for one in asked if one.physics.mean_tooth]) > 1:
+            asked = [
+                one for one in asked if not one.physics.mean_tooth
+            ]  # what one curve would do for both is not known
+        judged = {one.key: _doubted(one, self.plain[one.key], self.doubts.get(_tooth(one))) for one in asked}
+        sure = {key: one for key, one in judged.items() if one.posterior.named}
+        return {key: one for key, one in sure.items() if _likelier(self.search, {key: one}, set()) is None}
+
     def alone(self) -> dict[Key, Judged]:
         """The waves of whole orders that have earned their name where time is over: nothing has to be fitted to its end
         to weigh them, and what is left of other places does not make them."""
@@ -82,11 +96,10 @@ class _Weighing:
                     found[claim.key] = judged
         return found
 
-    def unweighed(self, alone: Collection[Key]) -> Iterator[Unearned]:
-        """The places of the claims but those ``alone`` that were not weighed to their end; nobody knows how likely they
-        are."""
+    def unweighed(self, told: Collection[Key]) -> Iterator[Unearned]:
+        """The places of all claims but those ``told``: nobody weighed to their end how likely they are."""
         for claim in self.named:
-            if claim.key in alone:
+            if claim.key in told:
                 continue
             judged, rms = self.plain.get(claim.key), self.search.model.rms_of(self.search.scenes, claim)
             yield Unearned(claim=claim, rms=rms, posterior=None if judged is None else judged.posterior)

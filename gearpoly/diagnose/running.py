@@ -62,7 +62,7 @@ def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
     if all(one.graded for one in model.as_built.gears):
         slope = slope - common_lean(search, flank)
         # A limit must not be called broken, nor said to hold, by what does not show.
-        doubt += 0.0 if claimed else 0.5 * prior.mean_slope**2
+        doubt += 0.5 * prior.mean_slope**2
     if claimed:
         for claim, at in zip(model.claims, layout.claims, strict=True):
             if claim.physics.name not in COUNTED or claim.place.gear != gear:

@@ -35,10 +35,14 @@ def search_thinned_first(fit: Fit) -> tuple[Fit, list[Candidate]]:
 
 
 def _of_all_samples(fit: Fit, proposed: Fit) -> Fit:
-    """What was ``proposed``, fitted to all samples of a ``fit``. Raises ``GearpolyError`` where gears cannot run so."""
+    """What was ``proposed``, fitted to all samples of a ``fit``. Raises ``GearpolyError`` where gears cannot run so.
+
+    Time that is over for the search is not over for this: a pitch error of 6 um, found on the part, was left 84 short
+    of its least misfit by the one step that such a fit takes else, and unseen data refused it for that.
+    """
     now = proposed.model
     model = replace(
         fit.model, claims=now.claims, built=now.built, shift=now.shift, scale=now.scale, law=now.law,
-        as_built=now.as_built,
+        as_built=now.as_built, budget=fit.model.budget.further,
     )  # fmt: skip
-    return Fit.begun(model, fit.foreign, fit.step)
+    return Fit.begun(model, fit.foreign, fit.step).believing(budget=fit.model.budget)
