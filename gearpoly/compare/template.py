@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -110,6 +111,8 @@ Found = dict[tuple[GearPair, Flank, str, int], FlankContacts]
 """Contacts at the places that all templates of a pair begin with: the pair as it stands, flank, which places, and how
 many."""
 
+Made = TypeVar("Made")
+
 
 def make_template(
     assembled: Assembled,
@@ -127,27 +130,19 @@ def make_template(
     certified kernel disagrees, ``OutOfRangeError`` for a load beyond small deflections.
     """
     mesh = assembled.under(condition)
-    pair, flank, compliance = mesh.pair, condition.flank, mesh.compliance
-    meshes = pair.meshes_per_cycle
-    per_mesh = per_mesh or max(LEAST_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // meshes))
-    near = 0.0 if compliance is None else mesh.near
-
-    found = {} if found is None else found
+    pair, flank = mesh.pair, condition.flank
+    near, found = _near(mesh), {} if found is None else found
 
     def searched(theta_2: FloatArray, places: str) -> FlankContacts:
-        """Contacts that any torque may ask for, found once."""
-        key = (pair, flank, places, theta_2.size)
-        if key not in found or found[key].near < near:
-            found[key] = contacts(pair, theta_2, flank=flank, near=max(near, SHARERS), fast=True)
-        return found[key]
+        return _searched(mesh, theta_2, places, found)
 
     def curves(theta_2: FloatArray, *, places: str = "") -> tuple[FloatArray, FloatArray]:
         """Transmission error (n,) in mm with and without load."""
         met = mesh.met(searched(theta_2, places)) if places else mesh.at(theta_2, near=near, fast=True)
         return met.te * pair.r_b2, met.contacts.te * pair.r_b2
 
-    size = meshes * per_mesh
-    theta_2 = np.linspace(0.0, pair.cycle, size + 1)
+    per_mesh = per_mesh or _even_per_mesh(pair)
+    theta_2 = np.linspace(0.0, pair.cycle, pair.meshes_per_cycle * per_mesh + 1)
     met = mesh.met(searched(theta_2[:-1], "even"))
     rows, load = met.contacts, met.load
     even = met.te * pair.r_b2
@@ -163,11 +158,41 @@ def make_template(
         even=read_only(even),
         per_mesh=per_mesh,
         error=missed,
-        sharing=_sharing(pair, rows, load, compliance),
-        rigid=None if compliance is None else read_only(free),
+        sharing=_sharing(pair, rows, load, mesh.compliance),
+        rigid=None if mesh.compliance is None else read_only(free),
         twist=twist,
         giving=give,
     )
+
+
+def sharings_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[Sharing]:
+    """Which pairs carry together on even places of one hunting cycle, for each recording by its condition; what lies
+    between these places is not simulated. Raises what ``make_template`` does."""
+
+    def shared(condition: Condition, found: Found) -> Sharing:
+        mesh = assembled.under(condition)
+        pair = mesh.pair
+        places = np.linspace(0.0, pair.cycle, pair.meshes_per_cycle * _even_per_mesh(pair) + 1)[:-1]
+        met = mesh.met(_searched(mesh, places, "even", found))
+        return _sharing(pair, met.contacts, met.load, mesh.compliance)
+
+    return _by_condition(assembled, conditions, shared)
+
+
+def _even_per_mesh(pair: GearPair) -> int:
+    return max(LEAST_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // pair.meshes_per_cycle))
+
+
+def _near(mesh: Meshing) -> float:
+    return 0.0 if mesh.compliance is None else mesh.near
+
+
+def _searched(mesh: Meshing, theta_2: FloatArray, places: str, found: Found) -> FlankContacts:
+    """Contacts that any torque may ask for, found once."""
+    key, near = (mesh.pair, mesh.condition.flank, places, theta_2.size), _near(mesh)
+    if key not in found or found[key].near < near:
+        found[key] = contacts(mesh.pair, theta_2, flank=mesh.condition.flank, near=max(near, SHARERS), fast=True)
+    return found[key]
 
 
 Curves = Callable[..., tuple[FloatArray, FloatArray]]
@@ -268,9 +293,16 @@ def _sharing(pair: GearPair, rows: FlankContacts, load: LoadedContacts | None, b
 def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[Template]:
     """One simulation per recording, by its condition; those of one condition share theirs. Raises what
     ``make_template`` does."""
+    return _by_condition(assembled, conditions, lambda one, found: make_template(assembled, one, found=found))
+
+
+def _by_condition(
+    assembled: Assembled, conditions: Sequence[Condition], make: Callable[[Condition, Found], Made]
+) -> list[Made]:
+    """What is to ``make`` of each recording's condition, once of those that share one."""
     loads = assembled.feels_torque
     swings = assembled.shafts.frequency is not None
-    # What a condition changes nothing by does not part two templates.
+    # What a condition changes nothing by does not part two of them.
     keys = [
         Condition(
             flank=one.flank,
@@ -281,9 +313,9 @@ def templates_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[
         )
         for one in conditions
     ]
-    made: dict[Condition, Template] = {}
+    made: dict[Condition, Made] = {}
     found: Found = {}
     # The largest torque asks for the pairs furthest from touch; the others find theirs among them.
     for key in sorted(dict.fromkeys(keys), key=lambda one: -one.heaviest):
-        made[key] = make_template(assembled, key, found=found)
+        made[key] = make(key, found)
     return [made[key] for key in keys]

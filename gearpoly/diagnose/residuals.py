@@ -13,7 +13,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.template import templates_of
+from gearpoly.compare.template import ERROR, sharings_of
 from gearpoly.diagnose.fidelity import BY_LAWS, CORNER, OTHERS_BY_LAWS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.floors import magnified
@@ -86,10 +86,10 @@ def locate_residuals(
     # touch all at once.
     conditions = [replace(scene.samples.condition, varies=0.0) for scene in fit.scenes]
     try:
-        fitted = templates_of(fit.model.assembled(), conditions)
+        fitted = sharings_of(fit.model.assembled(), conditions)
     except GearpolyError:
         # At the samples the fitted gears run; between them an edge may carry alone, which no law of compliance holds.
-        fitted = templates_of(fit.model.assembled(fit.model.declared), conditions)
+        fitted = sharings_of(fit.model.assembled(fit.model.declared), conditions)
     residuals = [
         AlignedResidual(
             theta_1=scene.samples.theta_1,
@@ -101,19 +101,18 @@ def locate_residuals(
             torque=one.torque,
             speed=one.speed,
             flank=one.flank,
-            sharing=template.sharing,
+            sharing=sharing,
             coarse=one.coarse,
             averaged=one.averaged,
-            contact=template.sharing.contact,
+            contact=sharing.contact,
         )
-        for one, scene, rest, template in zip(comparison.aligned, fit.scenes, left, fitted, strict=True)
+        for one, scene, rest, sharing in zip(comparison.aligned, fit.scenes, left, fitted, strict=True)
     ]
     pair = comparison.assembled.pair
     return locate(
         residuals,
         gears=(gears[0], gears[1]),
-        floor=pair.chord_noise
-        + max(template.error + one.doubt for template, one in zip(fitted, comparison.aligned, strict=True)),
+        floor=pair.chord_noise + ERROR + max(one.doubt for one in comparison.aligned),
         numbered=comparison.alignment.numbered,
         over=over,
     )
