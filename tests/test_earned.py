@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.earned import _with_both, earned
+from gearpoly.diagnose.earned import _Weighing, _with_both, earned
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.infer.posterior import Posterior
@@ -196,3 +196,25 @@ def test_a_curve_of_no_cause_has_the_harmonics_of_a_corner() -> None:
     assert std[0] / std[6] == pytest.approx(4.0)
     assert harmonics_of(12) == [12, 24, 36]
     assert KNOTS >= 8
+
+
+def test_what_was_judged_to_its_end_has_its_name_when_time_is_over() -> None:
+    """Of a tooth once a curve was fitted in its stead; nothing where another is likelier, or one was not judged."""
+    wave = claim("undulation", gear=1, order=84)
+    tooth, spall = (claim(name, gear=0, tooth=3) for name in ("tooth_pitch", "tooth_spall"))
+    search: Any = SimpleNamespace(model=SimpleNamespace(claims=(wave, tooth)))
+
+    def sure(*chances: tuple[Claim, float]) -> Judged:
+        return Judged(gain=100.0, posterior=Posterior(claims=chances, unknown=0.01, nothing=0.0))
+
+    plain = {wave.key: sure((wave, 0.99)), tooth.key: sure((tooth, 0.99))}
+
+    def weighed(plain: dict[Any, Judged], doubts: dict[tuple[int, int], float]) -> set[Any]:
+        return set(_Weighing(search=search, refitted={}, gone=[], plain=plain, doubts=doubts).weighed())
+
+    assert weighed(plain, {}) == {wave.key}
+    assert weighed(plain, {(0, 3): 0.001}) == {wave.key, tooth.key}
+    assert weighed(plain, {(0, 3): 0.9}) == {wave.key}
+    assert weighed({wave.key: plain[wave.key]}, {(0, 3): 0.001}) == set()
+    likelier = {**plain, tooth.key: sure((spall, 0.7), (tooth, 0.29))}
+    assert weighed(likelier, {(0, 3): 0.001}) == {wave.key}

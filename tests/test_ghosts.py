@@ -1,7 +1,8 @@
-"""A claim that makes a small part of a ghost order is not what is there."""
+"""A claim that makes a small part of a ghost order is not what is there, and teeth are placed beside all of it."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.ghosts import _remnant_of
+from gearpoly.diagnose.ghosts import _remnant_of, ghost_waves
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -42,3 +43,36 @@ def test_a_tenth_of_a_ghost_order_is_no_name(order: int, made: float, label: str
         kind="shaft_order", p_value=0.0, recordings=(0,), gear="driven", order=30.0, amplitude_um=0.29, label=label
     )
     assert bool(list(_remnant_of(search, claim, [entry]))) == remnant
+
+
+def test_waves_at_ghost_orders_are_free_on_each_flank() -> None:
+    """Of what was located those of no pitch alone: of the driven shaft's 84 a wave on the drive flank, the same in both
+    of its recordings, and another on the coast flank."""
+    entries = [
+        ghost(84.0, gear="driven"),
+        ghost(120.0, gear="driven", companion_of=0),
+        replace(ghost(39.0, gear="driven"), label="side band +1 of mesh order 1"),
+        ghost(30.0, gear="driving"),
+    ]
+    turned = np.random.default_rng(5).uniform(0.0, 9.0, 18)
+    observed: Any = [
+        SimpleNamespace(samples=SimpleNamespace(flank=flank, size=9, theta_1=turned[:9], theta_2=turned[9:]))
+        for flank in ("drive", "coast", "drive")
+    ]
+    located: Any = SimpleNamespace(located=SimpleNamespace(entries=entries))
+    found = ghost_waves(located, observed)
+    for one, columns in zip(observed, found, strict=True):
+        mine = slice(0, 4) if one.samples.flank == "drive" else slice(4, 8)
+        first, second = 84.0 * one.samples.theta_2, 30.0 * one.samples.theta_1
+        waves = np.column_stack((np.cos(first), np.sin(first), np.cos(second), np.sin(second)))
+        np.testing.assert_array_equal(columns[:, mine], waves)
+        assert np.count_nonzero(columns) == waves.size
+    located.located.entries = entries[1:3]
+    assert [one.shape for one in ghost_waves(located, observed)] == [(9, 0)] * 3
+
+
+def ghost(order: float, *, gear: Any, companion_of: int | None = None) -> Entry:
+    return Entry(
+        kind="shaft_order", p_value=0.0, recordings=(0,), gear=gear, order=order, amplitude_um=2.0,
+        label="ghost order: no mesh harmonic", companion_of=companion_of,
+    )  # fmt: skip

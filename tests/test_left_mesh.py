@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.diagnose.claimed import GROWN
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
 from gearpoly.diagnose.imagine import NextRecording, imagined
 from gearpoly.diagnose.linear import derivatives
@@ -18,7 +19,6 @@ from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import every_place, polished, scan
-from gearpoly.diagnose.search import GROWN
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.models import PairFile
 from gearpoly.physics import catalogue

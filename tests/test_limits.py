@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,7 +23,7 @@ from gearpoly.diagnose.limits import (
     limits_of,
 )
 from gearpoly.diagnose.linear import Layout
-from gearpoly.diagnose.running import Running
+from gearpoly.diagnose.running import Running, running
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.chain import closed_chain
@@ -323,6 +324,19 @@ def test_what_two_graded_gears_lean_alike_accuses_neither() -> None:
         assert one.coast is not None
         assert one.coast.slope == pytest.approx(np.full(one.coast.slope.size, apart))
         assert {found.flank for found in one.exceeded} == {"coast"}
+
+
+def test_a_limit_holds_as_far_as_two_graded_gears_may_lean_alike() -> None:
+    """The half of either's own mean slope that does not show is doubt, whether something is claimed or not."""
+    search, _ = searched()
+    mean = 6.0
+    known = search.model.as_built
+    first, second = (replace(one, mean_slope=mean) for one in known.gears)
+    search.model.as_built = replace(known, gears=(first, second))
+    for claimed in (False, True):
+        one = running(search, 0, "drive", claimed=claimed)
+        alike = one.slope_covariance[0, 1]
+        assert alike == pytest.approx(0.5 * mean**2, rel=1e-6)
 
 
 def test_iso_grades_gears_of_half_a_module_and_five_millimetres_on() -> None:

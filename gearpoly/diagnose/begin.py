@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from gearpoly.assemble import assemble
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
@@ -15,6 +17,7 @@ from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.fitted_part import fitted_part
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, smooth_orders, strangers
+from gearpoly.diagnose.ghosts import ghost_waves
 from gearpoly.diagnose.heldout import beside_jumps
 from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
 from gearpoly.diagnose.method import Method
@@ -35,7 +38,8 @@ from gearpoly.units import FloatArray
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Begun:
     """The pair ``file`` and the recordings as they bear each other out: their ``comparison``, the working ``model``
-    before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes. ``assumed``:
+    before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes; ``ghosts``
+    are those of ghost orders, which are free until something is looked for. ``assumed``:
     what to tell of gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare``
     located what that explains; ``likely``: a physics of all teeth beside which hardly anything was left;
     ``beyond``: what it located where long recordings are not fitted; ``keys``: whether a key of the gears' shape was
@@ -46,12 +50,18 @@ class Begun:
     comparison: Comparison
     model: Model
     waves: list[FloatArray]
+    ghosts: list[FloatArray]
     assumed: tuple[str, ...] = ()
     misread: tuple[str, ...] = ()
     contradicted: tuple[Entry, ...] = ()
     likely: Claim | None = None
     beyond: tuple[Entry, ...] = ()
     keys: bool = False
+
+    @property
+    def all_waves(self) -> list[FloatArray]:
+        """The columns of each recording that are free until something is looked for."""
+        return _beside(self.waves, self.ghosts)
 
 
 def begin(
@@ -64,8 +74,9 @@ def begin(
         part = fitted_part(comparison)
         model, waves = before_claims(file, part.comparison, path=path, method=method, budget=budget)
         return Begun(
-            file=file, recordings=recordings, comparison=part.comparison, model=model, waves=waves, beyond=part.beyond
-        )
+            file=file, recordings=recordings, comparison=part.comparison, model=model, waves=waves,
+            ghosts=ghost_waves(part.comparison, model.observed), beyond=part.beyond,
+        )  # fmt: skip
 
     def seen(now: Begun) -> Begun:
         model, assumed = as_seen(now.model, now.waves, watch.stage("prepare"))
@@ -74,8 +85,9 @@ def begin(
     def stood(now: Begun) -> Begun:
         # Teeth of one form are placed wrongly where they have many: a sound gear of grade 10 needed another shape then.
         preparing = watch.stage("prepare")
-        model = with_forms(now.model, now.waves, preparing, orders=whole_orders(now.comparison.located.entries))
-        return replace(now, model=placed(model, now.waves, preparing))
+        orders = whole_orders(now.comparison.located.entries)
+        model = with_forms(now.model, now.all_waves, preparing, orders=orders)
+        return replace(now, model=placed(model, now.all_waves, preparing))
 
     now = beside(file, recordings)
     if now.comparison.another is not None:
@@ -104,7 +116,7 @@ def begin(
         # of 14 um did what a profile shift does. Else the teeth of the file are placed already, and others have to be.
         if now.model.phased or now.model.stated:
             return declared(file)
-        return replace(there.model, phased=True), there.waves
+        return replace(there.model, phased=True), there.all_waves
 
     keys, likely = misdeclared(now.file, declared, watch.stage("prepare"), stated=standing)
     if keys is None:
@@ -136,4 +148,8 @@ def _of_other_keys(now: Begun, file: PairFile) -> tuple[Model, list[FloatArray]]
     comparison = replace(now.comparison, assembled=assemble(known_file(file), path=model.path, seed=0))
     other, waves = before_claims(file, comparison, path=model.path, method=model.method, budget=model.budget)
     scope = replace(other.scope, inspected=model.scope.inspected, form=model.scope.form)
-    return replace(other, as_built=model.as_built, scope=scope), waves
+    return replace(other, as_built=model.as_built, scope=scope), _beside(waves, now.ghosts)
+
+
+def _beside(waves: list[FloatArray], ghosts: list[FloatArray]) -> list[FloatArray]:
+    return [np.concatenate(one, axis=1) for one in zip(waves, ghosts, strict=True)]

@@ -32,10 +32,11 @@ def _now() -> tuple[float, float]:
 @dataclass(frozen=True, kw_only=True)
 class Budget:
     """So many ``seconds``, from ``begun`` on. Time in which the machine works for others does not count: a verdict is
-    not to depend on what else runs."""
+    not to depend on what else runs. ``prolonged``: they are longer already than was searched."""
 
     seconds: float = math.inf
     begun: tuple[float, float] = field(default_factory=_now)
+    prolonged: bool = False
 
     @property
     def over(self) -> bool:
@@ -50,7 +51,7 @@ class Budget:
     @property
     def further(self) -> Budget:
         """The same with as much longer as weighing takes what was found."""
-        return replace(self, seconds=FURTHER * self.seconds)
+        return self if self.prolonged else replace(self, seconds=FURTHER * self.seconds, prolonged=True)
 
     @property
     def says(self) -> str:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gearpoly.compare.entries import Curve
+from gearpoly.diagnose.claimed import claimed
 from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.exchange import gained_since
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import curve_of_mesh, curve_of_tooth, mesh_in_stead, number_of, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, freer, judge
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.search import claimed, rise_without, withdrawn
+from gearpoly.diagnose.search import rise_without, withdrawn
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import EVEN, leaving
 from gearpoly.errors import GearpolyError
@@ -77,17 +78,15 @@ class _Weighing:
         if any(claim.key not in self.plain for claim in self.named):
             return {}
         asked = [one for one in self.named if one.place.tooth is None or _tooth(one) in self.doubts]
-        if len([one for one in asked if one.physics.mean_tooth]) > 1:
-            asked = [
-                one for one in asked if not one.physics.mean_tooth
-            ]  # what one curve would do for both is not known
+        if sum(one.physics.mean_tooth for one in asked) > 1:  # what one curve would do for both is not known
+            asked = [one for one in asked if not one.physics.mean_tooth]
         judged = {one.key: _doubted(one, self.plain[one.key], self.doubts.get(_tooth(one))) for one in asked}
         sure = {key: one for key, one in judged.items() if one.posterior.named}
         return {key: one for key, one in sure.items() if _likelier(self.search, {key: one}, set()) is None}
 
     def alone(self) -> dict[Key, Judged]:
         """The waves of whole orders that have earned their name where time is over: nothing has to be fitted to its end
-        to weigh them, and what is left of other places does not make them."""
+        to weigh them, and what is left of other places makes none."""
         found: dict[Key, Judged] = {}
         for k, claim in enumerate(self.search.model.claims):
             if claim in self.named and kind_of(claim) == "wave" and not claim.physics.once_per_turn:

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from gearpoly.diagnose.exchange import (
-    LIKELY,
-    alike_again,
-    gained_since,
-    promised_more,
-    reshaped,
-    set_back,
-    swapped,
-    without_idle,
-)
+from gearpoly.diagnose.claimed import accepted, claimed, laws_anew
+from gearpoly.diagnose.exchange import LIKELY, gained_since, without_idle
 from gearpoly.diagnose.fit import BETTER, Fit, better_of, forgotten, joined, settled, shared, with_best_law
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.multi_start import multi_started
 from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.softness import with_declared_law, with_declared_softness, with_wider_laws
+from gearpoly.diagnose.softness import with_declared_law, with_wider_laws
 from gearpoly.diagnose.unnamed import is_weighed, left_unnamed, likeliest, more_unnamed, waves_unnamed, weigh_at
 from gearpoly.diagnose.weigh import MOSTLY, gain_without, hopeful, matters, pays, significant, within_grade
 from gearpoly.errors import GearpolyError
@@ -46,9 +37,6 @@ MANY = 4
 
 POLISHED = 4
 """Candidates of different kinds that are polished before one is taken."""
-
-GROWN = 10.0
-"""Times that polishing a shape may make a size larger before that is doubted where it does not stand."""
 
 MINIMA_APART = 200.0
 """Misfit in sigmas squared by which local minima of unloaded teeth may differ: claims of nothing had gained 41 to 93 in
@@ -212,60 +200,6 @@ def _settled(fit: Fit) -> Fit | None:
         return None
 
 
-def claimed(fit: Fit, best: Candidate, found: Sequence[Candidate]) -> Fit | None:
-    """With the claim of the ``best`` candidate, or, where that does not stand and has grown while its shape was
-    polished, of it ``found`` coarsely and grown less: of a pit as narrow as its walls, columns promise what no
-    polygon shows. None where neither stands."""
-    there = _standing(fit, best)
-    if there is not None:
-        return there
-    coarse = next((one for one in found if one.claim.key == best.claim.key), None)
-    if coarse is None or abs(best.claim.values[0]) <= GROWN * abs(coarse.claim.values[0]):
-        return None
-    return _standing(fit, polished(fit.model, fit.scenes, fit.linear, coarse, roughly=True, grown=GROWN))
-
-
-def _standing(fit: Fit, one: Candidate) -> Fit | None:
-    """With the claim of a candidate where that leaves the fit better: what was exchanged for it may have gone again,
-    and left all worse. A pit that came to rest where it explains less than half of what it promises is of another
-    shape."""
-    there = accepted(fit, [one.claim])
-    if there is None or gained_since(there, fit) <= 2.0 * promised_more(there, one.claim):
-        return None
-    return there
-
-
-def accepted(fit: Fit, claims: Sequence[Claim]) -> Fit | None:
-    """With ``claims`` and everything fitted again; None where they do not stand, or leave gears that cannot run."""
-    try:
-        there = settled(joined(fit, claims))
-        single = all(one.place.tooth is not None for one in claims)
-        if single and there.model.claims != tuple(claims) and gained_since(there, fit) < 0.0:
-            return None  # neither law nor form mends what a single tooth has made worse
-        if there.over:
-            return None  # nobody knows what it would have been worth
-        # A wave or a tooth moves neither the place where all pairs hand over nor how much teeth give.
-        of_all = any(shows_in_laws(one) for one in claims)
-        there = reshaped(relaxed(there), None if of_all else claims)
-        if of_all:
-            there = laws_anew(there)
-        there = shared(there)
-        if there.over:
-            return None
-        there = without_idle(there)
-        if not {one.key for one in claims} <= {one.key for one in there.model.claims}:
-            return None
-        there = set_back(swapped(there))
-        return forgotten(alike_again(there) if of_all else there)
-    except GearpolyError:
-        return None
-
-
-def laws_anew(fit: Fit) -> Fit:
-    """With how soft teeth are, and by which law they give, asked again."""
-    return with_best_law(with_declared_law(with_declared_softness(fit)))
-
-
 def likely_ones(fit: Fit, found: list[Candidate], refused: set[tuple[object, ...]]) -> list[Candidate]:
     """The candidates that explain most, of several kinds, shapes polished, if they are more than chance."""
     chosen: list[Candidate] = []
@@ -350,9 +284,3 @@ def _settled_for(fit: Fit, claim: Claim) -> bool:
         return False
     beside = [one.physics for one in fit.model.claims if one is not claim]
     return (graded and claim.place.gear is not None) or any(one.mean_tooth and one.shaped for one in beside)
-
-
-def shows_in_laws(claim: Claim) -> bool:
-    """Whether another law of compliance may do what a claim does: what is the same at every mesh, or a mean. A single
-    tooth or a wave of one is no law."""
-    return claim.place.tooth is None and order_of(claim) is None

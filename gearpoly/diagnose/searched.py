@@ -22,7 +22,7 @@ from gearpoly.diagnose.exchange import freedoms
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.one_for_all import one_for_all
 from gearpoly.diagnose.placing import BETTER, well_placed
 from gearpoly.diagnose.relaxed import from_declared
@@ -81,17 +81,18 @@ def _known(
 
 
 def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
-    waves, preparing, assumed = start.waves, watch.stage("prepare"), start.assumed
-    search = well_placed(model, lambda one: from_declared(one, waves, preparing))
+    preparing, assumed = watch.stage("prepare"), start.assumed
+    search = well_placed(model, lambda one: from_declared(one, start.all_waves, preparing))
     if (coarser := as_fitted(search)) is not None:
         model, assumed = coarser
-        search = Fit.begun(model, waves, preparing)
+        search = Fit.begun(model, start.all_waves, preparing)
     anew = remounted(search.model, search.linear, deflection=search.deflection)
     comparison = _placed_alike(start.comparison, search)
     search = replace(search, step=watch.stage("search"))
     of_this_pair = anew is None and comparison.another is None
     if of_this_pair:
         search = waves_beneath(smooth_waves(search, comparison), comparison)
+    search = _without_ghosts(search, start)
     first, begun = search.linear, kept(search)
     looked_at: Sequence[Candidate] = []
     if of_this_pair:
@@ -117,6 +118,17 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
         search=search, comparison=comparison, start=first, begun=begun, looked_at=looked_at, refitted=refitted,
         unfinished=unfinished, assumed=assumed, anew=anew, stopped=stopped,
     )  # fmt: skip
+
+
+def _without_ghosts(search: Fit, start: Begun) -> Fit:
+    """With nothing at ghost orders any more: what is there is looked for from now on, about teeth that have not settled
+    for it."""
+    many = start.ghosts[0].shape[1]
+    if not many:
+        return search
+    bare = replace(search, foreign=[one[:, : one.shape[1] - many] for one in search.foreign]).linearised()
+    heard = noises(bare.model, bare.linear.left())
+    return replace(bare, noises=heard, linear=bare.linear.under(heard))
 
 
 def _placed_alike(comparison: Comparison, search: Fit) -> Comparison:
