@@ -53,13 +53,16 @@ def test_waves_at_ghost_orders_are_free_on_each_flank() -> None:
         ghost(120.0, gear="driven", companion_of=0),
         replace(ghost(39.0, gear="driven"), label="side band +1 of mesh order 1"),
         ghost(30.0, gear="driving"),
+        ghost(15.0, gear="driving"),  # an image of 3, where 18 teeth have a larger wave
     ]
+    pitches = replace(ghost(3.0, gear="driving"), amplitude_um=5.0)
     turned = np.random.default_rng(5).uniform(0.0, 9.0, 18)
     observed: Any = [
         SimpleNamespace(samples=SimpleNamespace(flank=flank, size=9, theta_1=turned[:9], theta_2=turned[9:]))
         for flank in ("drive", "coast", "drive")
     ]
-    located: Any = SimpleNamespace(located=SimpleNamespace(entries=entries))
+    teeth = [SimpleNamespace(z=z) for z in Z]
+    located: Any = SimpleNamespace(located=SimpleNamespace(entries=entries, where=(pitches,)), gears=teeth)
     found = ghost_waves(located, observed)
     for one, columns in zip(observed, found, strict=True):
         mine = slice(0, 4) if one.samples.flank == "drive" else slice(4, 8)

@@ -40,11 +40,7 @@ def ghost_waves(comparison: Comparison, observed: Sequence[Observed]) -> list[Fl
     recordings its own. No pitch makes them, so nothing but a claim explains them, and until there is one they must not
     move what is open: with 3 um of order 84 left out, teeth of 38 came to rest 0.09 pitches off and 0.4 times as
     soft, and nothing was found in the time given."""
-    found = [
-        one
-        for one in comparison.located.entries
-        if (one.label or "").startswith("ghost order") and one.companion_of is None and not one.parts
-    ]
+    found = [one for one in comparison.located.entries if _is_ghost(one) and not _of_pitches(one, comparison)]
     flanks = list(dict.fromkeys(one.samples.flank for one in observed))
     out = []
     for one in observed:
@@ -58,6 +54,23 @@ def ghost_waves(comparison: Comparison, observed: Sequence[Observed]) -> list[Fl
             wide[:, at : at + q] = waves
         out.append(wide)
     return out
+
+
+def _is_ghost(one: Entry) -> bool:
+    return (one.label or "").startswith("ghost order") and one.companion_of is None and not one.parts
+
+
+def _of_pitches(ghost: Entry, comparison: Comparison) -> bool:
+    """Whether a larger wave was located at the order of pitches of which this is an image: three waves of 61 um on 13
+    teeth come with orders 10, 16, 23 and 29."""
+    z = comparison.gears[0 if ghost.gear == "driving" else 1].z
+    apart = (ghost.order or 0.0) % z
+    return any(
+        one.gear == ghost.gear
+        and one.order == min(apart, z - apart)
+        and (one.amplitude_um or 0.0) > (ghost.amplitude_um or 0.0)
+        for one in (*comparison.located.entries, *comparison.located.where)
+    )
 
 
 def left_to_ghosts(search: Fit, comparison: Comparison) -> Fit:
@@ -84,7 +97,7 @@ def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator
     effect = search.model.change(search.scenes, claim, claim.values, but=claim)
     per_mesh = (order_of(claim) or 0) / z[own]
     for entry in entries:
-        if not (entry.label or "").startswith("ghost order") or entry.companion_of is not None or entry.parts:
+        if not _is_ghost(entry):
             continue
         at = (entry.order or 0.0) / z[0 if entry.gear == "driving" else 1]
         if not any(math.isclose(abs(per_mesh + j), at, rel_tol=1e-9) for j in range(-IMAGES, IMAGES + 1)):
