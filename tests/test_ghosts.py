@@ -70,6 +70,10 @@ def test_waves_at_ghost_orders_are_free_on_each_flank() -> None:
         waves = np.column_stack((np.cos(first), np.sin(first), np.cos(second), np.sin(second)))
         np.testing.assert_array_equal(columns[:, mine], waves)
         assert np.count_nonzero(columns) == waves.size
+    teeth_too = Entry(kind="tooth", p_value=0.0, recordings=(0,), gear="driving", tooth=3, amplitude_um=-4.0)
+    located.located.where = (pitches, teeth_too)  # a pit of 4 um makes dozens of orders
+    assert [one.shape for one in ghost_waves(located, observed)] == [(9, 0)] * 3
+    located.located.where = ()
     located.located.entries = entries[1:3]
     assert [one.shape for one in ghost_waves(located, observed)] == [(9, 0)] * 3
 

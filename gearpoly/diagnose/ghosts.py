@@ -40,7 +40,7 @@ def ghost_waves(comparison: Comparison, observed: Sequence[Observed]) -> list[Fl
     recordings its own. No pitch makes them, so nothing but a claim explains them, and until there is one they must not
     move what is open: with 3 um of order 84 left out, teeth of 38 came to rest 0.09 pitches off and 0.4 times as
     soft, and nothing was found in the time given."""
-    found = [one for one in comparison.located.entries if _is_ghost(one) and not _of_pitches(one, comparison)]
+    found = [one for one in comparison.located.entries if _is_ghost(one) and not _is_image(one, comparison)]
     flanks = list(dict.fromkeys(one.samples.flank for one in observed))
     out = []
     for one in observed:
@@ -60,17 +60,18 @@ def _is_ghost(one: Entry) -> bool:
     return (one.label or "").startswith("ghost order") and one.companion_of is None and not one.parts
 
 
-def _of_pitches(ghost: Entry, comparison: Comparison) -> bool:
-    """Whether a larger wave was located at the order of pitches of which this is an image: three waves of 61 um on 13
-    teeth come with orders 10, 16, 23 and 29."""
+def _is_image(ghost: Entry, comparison: Comparison) -> bool:
+    """Whether something larger was located that makes this order as well: a wave of pitches at the order of which this
+    is an image (three waves of 61 um on 13 teeth come with orders 10, 16, 23 and 29), or what one tooth has."""
     z = comparison.gears[0 if ghost.gear == "driving" else 1].z
-    apart = (ghost.order or 0.0) % z
-    return any(
-        one.gear == ghost.gear
-        and one.order == min(apart, z - apart)
-        and (one.amplitude_um or 0.0) > (ghost.amplitude_um or 0.0)
-        for one in (*comparison.located.entries, *comparison.located.where)
-    )
+    apart, size = (ghost.order or 0.0) % z, ghost.amplitude_um or 0.0
+
+    def larger(one: Entry) -> bool:
+        of_tooth = one.kind == "tooth" and (one.rms_um or abs(one.amplitude_um or 0.0)) > size
+        at_base = one.gear == ghost.gear and one.order == min(apart, z - apart) and (one.amplitude_um or 0.0) > size
+        return of_tooth or at_base
+
+    return any(larger(one) for one in (*comparison.located.entries, *comparison.located.where))
 
 
 def left_to_ghosts(search: Fit, comparison: Comparison) -> Fit:
