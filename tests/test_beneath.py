@@ -66,7 +66,8 @@ def plain() -> Recording:
     return one
 
 
-@pytest.mark.parametrize(("order", "fitted"), [(1.83, True), pytest.param(0.03, False, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "fitted"), [(1.83, True), (0.03, False)])
 def test_a_wave_beneath_the_teeth_is_fitted(order: float, fitted: bool, plain: Recording, tmp_path: Path) -> None:
     """Of 0.4 um, to three standard errors of a wave beneath white noise, 0.3 um sqrt(2 / n). What turns 1.4 times in 46
     turns is a drift, as a warming rig makes it."""

@@ -88,9 +88,8 @@ def graded() -> PairFile:
     return pair_file(GEARS, driving={"grade": 6}, driven={"grade": 6}, model=NO_LOAD, points=800, inspected=False)
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "told"), [(25.0, [("driving", 3.0)]), pytest.param(0.0, [], marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("amplitude", "told"), [(25.0, [("driving", 3.0)]), (0.0, [])])
 def test_a_wave_that_the_teeth_took_up_is_told(amplitude: float, told: list[tuple[str, float]], tmp_path: Path) -> None:
     """25 um three times per turn of a gear that says grade 6, F_p = 20 um or so, fitted by teeth alone."""
     own = np.random.default_rng(3).uniform(-3.0, 3.0, GEARS[0])

@@ -24,15 +24,15 @@ def of_all(name: str, gear: int, *values: float) -> Claim:
     return Claim(physics=physics, place=place, values=values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("true", "begun", "ends"),
     [
         ([("wear", 1, 20.0)], [("tip_relief", 0, 25.0, 0.9), ("profile_slope", 0, 30.0)], ["wear"]),
-        pytest.param(
+        (
             [("tip_relief", 0, 15.0, 0.9), ("tip_relief", 1, 15.0, 0.9)],
             [("tip_relief", 0, 15.0, 0.9), ("tip_relief", 1, 15.0, 0.9)],
             ["tip_relief", "tip_relief"],
-            marks=pytest.mark.slow,
         ),
     ],
 )

@@ -20,11 +20,11 @@ def test_gears_that_bend_too_far_between_the_samples_share_as_the_declared_ones(
 ) -> None:
     asked: list[str] = []
 
-    def templates_of(assembled: str, conditions: Any) -> Any:
+    def sharings_of(assembled: str, conditions: Any) -> Any:
         asked.append(assembled)
         raise OutOfRangeError("teeth bend by more than 5% of the module") if len(asked) == 1 else AskedTwiceError
 
-    monkeypatch.setattr("gearpoly.diagnose.residuals.templates_of", templates_of)
+    monkeypatch.setattr("gearpoly.diagnose.residuals.sharings_of", sharings_of)
     model = SimpleNamespace(assembled=lambda file="fitted": file, declared="declared")
     with pytest.raises(AskedTwiceError):
         locate_residuals(SimpleNamespace(model=model, scenes=[]), SimpleNamespace(gears=()), [])  # type: ignore[arg-type]

@@ -114,7 +114,7 @@ def written(folder: Path, *, backward: int | None, single: bool, in_csv: bool) -
         (0, False, True),
         pytest.param(1, False, False, marks=pytest.mark.slow),
         pytest.param(0, True, False, marks=pytest.mark.slow),
-        (1, True, True),
+        pytest.param(1, True, True, marks=pytest.mark.slow),
     ],
 )
 def test_a_sheet_counted_backward_from_tooth_0_is_taken_so(
