@@ -50,7 +50,7 @@ class Budget:
 
     @property
     def further(self) -> Budget:
-        """The same with as much longer as weighing takes what was found."""
+        """The same with as much longer as weighing takes what was found; itself where it has that already."""
         return self if self.prolonged else replace(self, seconds=FURTHER * self.seconds, prolonged=True)
 
     @property

@@ -16,6 +16,7 @@ from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import number_of
 from gearpoly.diagnose.model import Observed
+from gearpoly.diagnose.order_waves import STRONGEST, order_waves
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
@@ -30,30 +31,14 @@ PART = 0.5
 0.29 um as they were sampled, had left 0.03 um of an undulation, which was named. A judgement."""
 
 
-STRONGEST = 6
-"""Waves at ghost orders that are free while teeth are placed. A wave of the flanks makes one and its images, a damaged
-tooth dozens of small ones. A judgement."""
-
-
 def ghost_waves(comparison: Comparison, observed: Sequence[Observed]) -> list[FloatArray]:
     """Columns (n_k, q) of the waves at ghost orders that ``compare`` located, for each flank of the ``observed``
     recordings its own. No pitch makes them, so nothing but a claim explains them, and until there is one they must not
     move what is open: with 3 um of order 84 left out, teeth of 38 came to rest 0.09 pitches off and 0.4 times as
     soft, and nothing was found in the time given."""
     found = [one for one in comparison.located.entries if _is_ghost(one) and not _is_image(one, comparison)]
-    flanks = list(dict.fromkeys(one.samples.flank for one in observed))
-    out = []
-    for one in observed:
-        angles = one.samples.theta_1, one.samples.theta_2
-        turned = [(each.order or 0.0) * angles[0 if each.gear == "driving" else 1] for each in found[:STRONGEST]]
-        waves = np.column_stack([wave(angle) for angle in turned for wave in (np.cos, np.sin)]) if turned else None
-        q = 2 * len(turned)
-        wide = np.zeros((one.samples.size, q * len(flanks)))
-        if waves is not None:
-            at = q * flanks.index(one.samples.flank)
-            wide[:, at : at + q] = waves
-        out.append(wide)
-    return out
+    orders = [(0 if one.gear == "driving" else 1, one.order or 0.0) for one in found[:STRONGEST]]
+    return order_waves([one.samples for one in observed], orders)
 
 
 def _is_ghost(one: Entry) -> bool:

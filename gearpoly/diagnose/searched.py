@@ -82,6 +82,7 @@ def _known(
 
 def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     preparing, assumed = watch.stage("prepare"), start.assumed
+    preparing("fitting the teeth as they were built")
     search = well_placed(model, lambda one: from_declared(one, start.all_waves, preparing))
     if (coarser := as_fitted(search)) is not None:
         model, assumed = coarser

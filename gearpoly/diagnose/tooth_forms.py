@@ -13,6 +13,7 @@ from gearpoly.diagnose.both_flanks import CLEARLY
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.linear import Linear, whitened
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.order_waves import STRONGEST, Order, order_waves
 from gearpoly.diagnose.shortened import FEW, shortened
 from gearpoly.diagnose.sparse import Sparse
 from gearpoly.diagnose.system import System
@@ -42,13 +43,6 @@ tooth says nothing of how a gear was made, and all teeth of its mate meet it. A 
 MESH_WAVES = 8
 """Harmonics of the mesh that are free in every recording meanwhile: beyond those a hand-over holds little, and at 16
 samples per mesh nothing shows. Without them a wear of 32 times what shows turned forms on."""
-
-STRONGEST = 6
-"""Waves of whole orders that are free beside forms of inspected gears. One part of a drive makes one or two, an
-eccentricity under load its side bands; forms make dozens."""
-
-Order = tuple[int, float]
-"""A shaft (0 driving, 1 driven) and a whole order of it."""
 
 FINER, COARSER = 0.1, 1.3
 """Mean square of what forms come out as, over what they are beforehand, below and above which they are none. Of
@@ -164,7 +158,9 @@ def _differ(fit: Fit, told: AsBuilt, orders: Sequence[Order]) -> bool:
     every = np.concatenate([one.at for one in teeth])
     system = _beside_every_mesh(fit).with_columns(_of_all_teeth(columns, teeth))
     if orders:
-        system = system.with_columns(_waves(fit, orders))
+        waves = order_waves([scene.samples for scene in fit.scenes], orders)
+        white = [noise.whitened(one) for noise, one in zip(fit.noises, waves, strict=True)]
+        system = system.with_columns(white)
     score, information = _scores(system, columns, every, size=told.size)
     found = np.array([_evidence(score, information, told.precision, one.at) for one in teeth])
     asked, masks = [], [np.ones(scene.samples.size, dtype=np.bool_) for scene in fit.scenes]
@@ -199,21 +195,6 @@ def _beside_every_mesh(fit: Fit) -> System:
         columns.append(np.zeros((scene.samples.size, 2 * MESH_WAVES * len(fit.scenes))))
         columns[k][:, 2 * MESH_WAVES * k : 2 * MESH_WAVES * (k + 1)] = waves
     return fit.linear.system.with_columns(columns)
-
-
-def _waves(fit: Fit, orders: Sequence[Order]) -> list[FloatArray]:
-    """Whitened waves (n_k, 2 q) of whole ``orders``, the same in all recordings of a flank."""
-    flanks = list(dict.fromkeys(scene.samples.flank for scene in fit.scenes))
-    out = []
-    for scene, noise in zip(fit.scenes, fit.noises, strict=True):
-        angles = scene.samples.theta_1, scene.samples.theta_2
-        turned = np.stack([order * angles[gear] for gear, order in orders], axis=1)
-        waves = noise.whitened(np.concatenate((np.cos(turned), np.sin(turned)), axis=1))
-        wide = np.zeros((scene.samples.size, waves.shape[1] * len(flanks)))
-        at = waves.shape[1] * flanks.index(scene.samples.flank)
-        wide[:, at : at + waves.shape[1]] = waves
-        out.append(wide)
-    return out
 
 
 def _of_all_teeth(columns: list[Sparse], teeth: Sequence[_Tooth]) -> list[FloatArray]:
