@@ -17,7 +17,7 @@ from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.fitted_part import fitted_part
 from gearpoly.diagnose.foreign import foreign, foreign_entries, jumps, smooth_orders, strangers
-from gearpoly.diagnose.ghosts import ghost_waves
+from gearpoly.diagnose.ghosts import ghost_waves, slow_ghosts
 from gearpoly.diagnose.heldout import beside_jumps
 from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
 from gearpoly.diagnose.method import Method
@@ -75,7 +75,8 @@ def begin(
         model, waves = before_claims(file, part.comparison, path=path, method=method, budget=budget)
         return Begun(
             file=file, recordings=recordings, comparison=part.comparison, model=model, waves=waves,
-            ghosts=ghost_waves(part.comparison, model.observed), beyond=part.beyond,
+            ghosts=_beside(ghost_waves(part.comparison, model.observed), slow_ghosts(part.comparison, model)),
+            beyond=part.beyond,
         )  # fmt: skip
 
     def seen(now: Begun) -> Begun:

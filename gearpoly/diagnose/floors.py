@@ -104,8 +104,9 @@ def reading_floor(fit: Fit, one: Candidate) -> float:
 
 def clock_floor(fit: Fit, one: Candidate) -> float:
     """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time. Where
-    a single tooth stands is told by more than by what it moves at the ends of a recording."""
-    if not any(fit.model.scope.from_time) or one.claim.place.tooth is not None:
+    a single tooth stands is told by more than by what it moves at the ends of a recording; and that smears a wave, and
+    makes none at another order: to first order the clock's rate is in the fit."""
+    if not any(fit.model.scope.from_time) or one.claim.place.tooth is not None or one.claim.physics.wavelike:
         return 0.0
     return fit.late
 

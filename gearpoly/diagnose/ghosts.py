@@ -1,4 +1,5 @@
-"""Waves at ghost orders: free while teeth are placed, and no name of what makes but a small part of one.
+"""Waves at ghost orders and drifts: free while teeth are placed; and of a ghost order no name of what makes but a small
+part of it.
 
 No pitch of the teeth makes a ghost order, so what was located there is of one cause. Where teeth as built bend a little
 to follow it, what they leave looks like a wave of the flanks with an image there, and far smaller.
@@ -13,9 +14,10 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.slow import SLOW, slow_curves
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import number_of
-from gearpoly.diagnose.model import Observed
+from gearpoly.diagnose.model import Model, Observed
 from gearpoly.diagnose.order_waves import STRONGEST, order_waves
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import leaving
@@ -39,6 +41,23 @@ def ghost_waves(comparison: Comparison, observed: Sequence[Observed]) -> list[Fl
     found = [one for one in comparison.located.entries if _is_ghost(one) and not _is_image(one, comparison)]
     orders = [(0 if one.gear == "driving" else 1, one.order or 0.0) for one in found[:STRONGEST]]
     return order_waves([one.samples for one in observed], orders)
+
+
+def slow_ghosts(comparison: Comparison, model: Model) -> list[FloatArray]:
+    """Columns (n_k, q) of a slow course of each recording in which `compare` located a drift, but where it is free
+    anyway. Whether it has a name is asked with all else; until then it must not be made up of teeth: 0.9 um of a shaft
+    that turned once in five and a half turns gave 60 teeth forms of their own, and these hid 18 um of a spall."""
+    drifts = {k for one in comparison.located.entries if one.kind == "time" and one.hz == 0.0 for k in one.recordings}
+    asked = [k in drifts and not wanders for k, wanders in enumerate(model.scope.wanders)]
+    many = (SLOW - 1) * sum(asked)
+    out, at = [], 0
+    for one, mine in zip(model.observed, asked, strict=True):
+        columns = np.zeros((one.samples.size, many))
+        if mine:
+            columns[:, at : at + SLOW - 1] = slow_curves(one.samples.along)[:, 1:]
+            at += SLOW - 1
+        out.append(columns)
+    return out
 
 
 def _is_ghost(one: Entry) -> bool:

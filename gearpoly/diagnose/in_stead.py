@@ -7,10 +7,12 @@ needed beside the other, where both together make one wave that another part of 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from scipy.special import expit, logit
+from scipy.special import expit, log_ndtr, logit
 
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.linear import Linear
@@ -22,7 +24,17 @@ from gearpoly.infer.free_form import FREE_FORM, curve_covariance, free_forms
 from gearpoly.infer.prior import ONE_TOOTH, SCALE_WEIGHTS, SCALES, unknown_share
 from gearpoly.infer.unknown import mesh_curves, mesh_std
 from gearpoly.physics.base import Claim
-from gearpoly.units import UM, FloatArray
+from gearpoly.units import UM, BoolArray, FloatArray
+
+FAR = 30.0
+"""Standard deviations, beforehand, to which a place of a curve has to be told at least, or the recordings say nothing
+of it: a tenth of a mm on teeth that are drawn to um."""
+
+ALIKE = 1.0
+"""Misfit below which two states run alike: a tenth of what would count against one of them."""
+
+HALVINGS = 4
+"""Halvings of the way to the least of a value that nothing tells: to a sixteenth of it."""
 
 
 def unknown_in_stead(search: Fit, gear: int, tooth: int) -> float:
@@ -100,9 +112,50 @@ def _log_evidence(search: Fit, linear: Linear, claims: Sequence[Claim], dispersi
         # Where gears could not go all the way, the misfit is that of the straight line's end: so are its values.
         values = np.array(linear.system.solution[at])
         values[a:] = 0.0
-        told = dispersion * linear.system.covariance[at, at]
-        total += _of_values(values, told, _prior(search, claim), a)
+        told, prior = dispersion * linear.system.covariance[at, at], _prior(search, claim)
+        apart = np.diag(told) > FAR**2 * np.diag(prior)
+        if claim.physics is FREE_FORM and apart.any():
+            values[apart] = _least_apart(search, claim, apart)[apart]
+            total += _of_values(values, told, prior, a, apart=apart)
+        else:
+            total += _of_values(values, told, prior, a)
     return total
+
+
+def _least_apart(search: Fit, claim: Claim, apart: BoolArray) -> FloatArray:
+    """Values (q,) of a curve that stand nearest to what the others make likely where the recordings tell nothing of
+    them, ``apart`` (q,), and teeth run as they do with those of the ``claim``: once teeth have lost touch there, a fit
+    leaves a value wherever the last step took it."""
+    values, k = np.array(claim.values), number_of(search, claim)
+    likely = values.copy()
+    rest, prior = ~apart, _prior(search, claim)
+    likely[apart] = prior[np.ix_(apart, rest)] @ np.linalg.solve(prior[np.ix_(rest, rest)], values[rest])
+    before = search.model.residuals(search.scenes)
+
+    def alike(tried: FloatArray) -> bool:
+        claims = list(search.model.claims)
+        claims[k] = replace(claim, values=tuple(tried.tolist()))
+        model = replace(search.model, claims=tuple(claims))
+        try:
+            after = model.residuals(model.scenes())
+        except GearpolyError:
+            return False
+        both = zip(search.noises, before, after, strict=True)
+        return sum(float(np.sum(noise.whitened(one - other) ** 2)) for noise, one, other in both) < ALIKE
+
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], apart.astype(int), [0]))))
+    for first, end in edges.reshape(-1, 2).tolist():
+        here = slice(first, end)
+        near, far = likely[here], values[here].copy()
+        values[here] = near
+        if alike(values):
+            continue
+        low, high = 0.0, 1.0  # parts of the way to where the fit left them
+        for _ in range(HALVINGS):
+            values[here] = near + 0.5 * (low + high) * (far - near)
+            low, high = (low, 0.5 * (low + high)) if alike(values) else (0.5 * (low + high), high)
+        values[here] = near + high * (far - near)
+    return values
 
 
 def _prior(search: Fit, claim: Claim) -> FloatArray:
@@ -115,14 +168,26 @@ def _prior(search: Fit, claim: Claim) -> FloatArray:
     return np.diag(np.array([*amplitude_std(claim.physics), *shapes]) ** 2)
 
 
-def _of_values(values: FloatArray, told: FloatArray, prior: FloatArray, amplitudes: int) -> float:
+def _of_values(
+    values: FloatArray, told: FloatArray, prior: FloatArray, amplitudes: int, *, apart: BoolArray | None = None
+) -> float:
     """Log of the mean of the likelihood over the prior of values (q,), over its largest; told to a covariance (q, q):
-    N(values; 0, prior + told) / N(0; 0, told), averaged over the scales of the amplitudes."""
-    logs = []
+    N(values; 0, prior + told) / N(0; 0, told), averaged over the scales of the amplitudes. Those that stand ``apart``
+    (q,) are told to be beyond their values only: by the part of the prior that lies there, the others being what they
+    are."""
+    logs, seen = [], np.ones(values.size, dtype=np.bool_) if apart is None else ~apart
+    mine, told = values[seen], told[np.ix_(seen, seen)]
     for scale in SCALES:
         by = np.ones(values.size)
         by[:amplitudes] = scale
-        whole = by[:, None] * prior * by + told
+        known = by[:, None] * prior * by
+        whole = known[np.ix_(seen, seen)] + told
         spread = np.linalg.slogdet(whole)[1] - np.linalg.slogdet(told)[1]
-        logs.append(-0.5 * float(values @ np.linalg.solve(whole, values)) - 0.5 * float(spread))
+        log = -0.5 * float(mine @ np.linalg.solve(whole, mine)) - 0.5 * float(spread)
+        if apart is not None:
+            cross = np.linalg.solve(known[np.ix_(seen, seen)], known[np.ix_(seen, apart)])
+            off = values[apart] - mine @ cross
+            left = known[np.ix_(apart, apart)] - known[np.ix_(apart, seen)] @ cross
+            log += float(log_ndtr(-math.sqrt(max(0.0, float(off @ np.linalg.solve(left, off))))))
+        logs.append(log)
     return log_mean(logs, weights=SCALE_WEIGHTS)

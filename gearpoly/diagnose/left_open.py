@@ -21,7 +21,10 @@ def nuisance_of(model: Model, scenes: list[Scene], laws: LawModes | None) -> Nui
     meshes_otherwise = any(one.physics.mean_tooth for one in model.claims)
     shift_std = max(model.shift_std, HAND_OVER * model.scope.gears[1].tau if meshes_otherwise else 0.0)
     parts = None if laws is None else laws.parts
-    return make_nuisance(scenes, shift_std=shift_std, laws=parts, scaled=scaled, apart=_apart(model, scenes))
+    return make_nuisance(
+        scenes, shift_std=shift_std, laws=parts, scaled=scaled,
+        timed=any(model.scope.from_time), apart=_apart(model, scenes),
+    )  # fmt: skip
 
 
 def _apart(model: Model, scenes: list[Scene]) -> float:

@@ -1,4 +1,4 @@
-"""What is open without being physics: the zeros, the mean, and how soft teeth truly are.
+"""What is open without being physics: the zeros, the mean, the rate of a clock, and how soft teeth truly are.
 
 No two compliance laws agree, and a fit with the wrong one finds reliefs where there are none. So the compliance may be
 scaled, and its shape may vary as a beam, ISO 6336, the potential-energy method and Weber and Banaschek differ.
@@ -14,6 +14,7 @@ from itertools import product
 
 import numpy as np
 
+from gearpoly.compare.clock import RATE_STD
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance import law_names
 from gearpoly.scene import Scene
@@ -55,29 +56,40 @@ CONTACTS = ("linear", "palmgren")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Nuisance:
     """Columns (n_k, q) per recording, in mm per unit, and the prior standard deviation (q,) of each; ``scale`` is the
-    place of the compliance's scale among them, if any, ``shift`` that of the zero, ``discrepancy`` those of the model
-    discrepancy over the mesh."""
+    place of the compliance's scale among them, if any, ``shift`` that of the zero, ``rates`` those of each recording's
+    clock, if any angle was made of time, ``discrepancy`` those of the model discrepancy over the mesh."""
 
     columns: list[FloatArray]
     std: FloatArray
     shift: int
     scale: int | None
+    rates: slice
     discrepancy: slice
 
     def sloping(self, scenes: list[Scene]) -> Nuisance:
-        """The same with the slopes of the ``scenes`` as they are now, where a zero is late."""
+        """The same with the slopes of the ``scenes`` as they are now, where a zero is late or a clock's rate is off."""
         columns = [one.copy() for one in self.columns]
-        for mine, scene in zip(columns, scenes, strict=True):
+        timed = self.rates.stop > self.rates.start
+        for k, (mine, scene) in enumerate(zip(columns, scenes, strict=True)):
             mine[:, self.shift] = slope_of(scene)
+            if timed:
+                mine[:, self.rates.start + k] = late_of(scene, mine[:, self.shift])
         return replace(self, columns=columns)
 
 
 def make_nuisance(
-    scenes: list[Scene], *, shift_std: float, laws: list[FloatArray] | None, scaled: bool, apart: float = 0.0
+    scenes: list[Scene],
+    *,
+    shift_std: float,
+    laws: list[FloatArray] | None,
+    scaled: bool,
+    timed: bool = False,
+    apart: float = 0.0,
 ) -> Nuisance:
     """The nuisance of all scenes; ``shift_std`` in rad the doubt about the driven zero, ``laws`` the modes (n_k, q) in
     mm in which compliance laws differ; ``scaled``: the compliance is declared, so its scale is open (else it is
-    claimed, and no nuisance); ``apart`` in mm, one sigma, how far the means of recordings may be apart.
+    claimed, and no nuisance); ``timed``: an angle was made of time, so its rate is open; ``apart`` in mm, one sigma,
+    how far the means of recordings may be apart.
     """
     sizes = [scene.samples.size for scene in scenes]
     counted = [scene.samples.counted for scene in scenes]
@@ -95,6 +107,12 @@ def make_nuisance(
     for mine, scene in zip(columns, scenes, strict=True):
         mine.append(slope_of(scene))
     std.append(shift_std)
+    rates = slice(len(std), len(std) + (len(scenes) if timed else 0))
+    for k, mine in enumerate(columns[: len(scenes) if timed else 0]):
+        late = late_of(scenes[k], mine[at_shift])
+        for j, each_one in enumerate(columns):
+            each_one.append(late if j == k else np.zeros(sizes[j]))
+        std.append(1.0)
     at_scale = None
     if scaled and any(scene.bends for scene in scenes):
         at_scale = len(std)
@@ -120,7 +138,9 @@ def make_nuisance(
     if laws is not None:
         out = [np.concatenate((mine, law), axis=1) for mine, law in zip(out, laws, strict=True)]
         std += [1.0] * laws[0].shape[1]
-    return Nuisance(columns=out, std=np.array(std), shift=at_shift, scale=at_scale, discrepancy=discrepancy)
+    return Nuisance(
+        columns=out, std=np.array(std), shift=at_shift, scale=at_scale, rates=rates, discrepancy=discrepancy
+    )
 
 
 def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
@@ -178,6 +198,13 @@ def slope_of(scene: Scene) -> FloatArray:
     at, te = scene.samples.theta_2, scene.mesh_te[unique]
     there, here = (np.interp(at + by, place, te, period=period) for by in (h, -h))
     return scene.swung((there - here) / (2.0 * h))
+
+
+def late_of(scene: Scene, slope: FloatArray) -> FloatArray:
+    """What a clock whose rate is off by one standard deviation adds (n,) in mm, by the ``slope`` (n,) in mm/rad of the
+    simulated curve: teeth take over later and later, from the middle of the recording on."""
+    angle = scene.samples.theta_2
+    return RATE_STD * (angle - float(np.mean(angle))) * slope
 
 
 def softened(scene: Scene) -> FloatArray:

@@ -14,7 +14,15 @@ from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
 from gearpoly.diagnose.softness import with_declared_law, with_wider_laws
-from gearpoly.diagnose.unnamed import is_weighed, left_unnamed, likeliest, more_unnamed, waves_unnamed, weigh_at
+from gearpoly.diagnose.unnamed import (
+    is_weighed,
+    left_unnamed,
+    likeliest,
+    more_unnamed,
+    slow_unnamed,
+    waves_unnamed,
+    weigh_at,
+)
 from gearpoly.diagnose.weigh import MOSTLY, gain_without, hopeful, matters, pays, significant, within_grade
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
@@ -153,7 +161,7 @@ def forward(fit: Fit, most: int = MOST) -> tuple[Fit, list[Candidate], list[Road
         ones = likely_ones(fit, found, refused)
         best = next((one for one in ones if matters(fit, one) and (is_weighed(one.claim) or pays(fit, one))), None)
         if best is None:
-            left = waves_unnamed(fit, found[:SHORTLIST])
+            left = waves_unnamed(slow_unnamed(fit, ones), found[:SHORTLIST])
             there = None if left is fit else _settled(left)
             if there is None:
                 break

@@ -66,8 +66,6 @@ def with_forms(
         fit = Fit.begun(*shortened(_in_common(model), foreign, few=FEW[-1]), step, trial=ROUNDS)
     except GearpolyError:  # teeth that cannot run so are told where they are to run
         return model
-    if all(one.graded for one in told.gears if one.form):
-        orders = ()  # teeth of a grade may have any pitch, and waves with it
     return replace(model, as_built=told, built=np.zeros(told.size)) if _differ(fit, told, orders) else model
 
 
