@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.entries import Entry
-from gearpoly.diagnose.ghosts import _remnant_of, ghost_waves
+from gearpoly.diagnose.ghosts import _remnant_of, ghost_waves, slow_ghosts
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -76,6 +76,21 @@ def test_waves_at_ghost_orders_are_free_on_each_flank() -> None:
     located.located.where = ()
     located.located.entries = entries[1:3]
     assert [one.shape for one in ghost_waves(located, observed)] == [(9, 0)] * 3
+
+
+def test_a_drift_is_free_in_its_recording_until_something_is_looked_for() -> None:
+    """Of three recordings the second drifts, and the third wanders, where a slow course is free anyway: ramp, bow and S
+    of the second alone."""
+    drift = Entry(kind="time", p_value=0.0, recordings=(1, 2), hz=0.0, amplitude_um=3.0, label="drift")
+    hum = Entry(kind="time", p_value=0.0, recordings=(0,), hz=50.0, amplitude_um=1.0)
+    along = np.linspace(-1.0, 1.0, 9)
+    observed = [SimpleNamespace(samples=SimpleNamespace(size=9, along=along))] * 3
+    model: Any = SimpleNamespace(scope=SimpleNamespace(wanders=(False, False, True)), observed=observed)
+    located: Any = SimpleNamespace(located=SimpleNamespace(entries=[drift, hum]))
+    first, second, third = slow_ghosts(located, model)
+    curves = (along, 1.5 * along**2 - 0.5, 2.5 * along**3 - 1.5 * along)
+    np.testing.assert_allclose(second, np.column_stack(curves), atol=1e-12)
+    assert not np.any(first) and not np.any(third)
 
 
 def ghost(order: float, *, gear: Any, companion_of: int | None = None) -> Entry:

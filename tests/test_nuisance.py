@@ -105,6 +105,25 @@ def test_what_wanders_in_some_recordings_opens_the_means_of_all(tmp_path: Path) 
     assert apart.shift == plain.shift + len(scenes)
 
 
+def test_the_rate_of_a_clock_is_open_in_each_recording_where_an_angle_was_made_of_time(tmp_path: Path) -> None:
+    """A rate that is off by 0.0015 is a zero that is late by so much of the way from the middle on: nothing there, more
+    and more to either end. Nothing in other recordings, and none where encoders were read."""
+    scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=0.0)
+    plain = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True)
+    timed = make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True, timed=True)
+    assert plain.rates.start == plain.rates.stop
+    assert timed.rates.stop - timed.rates.start == len(scenes) == timed.std.size - plain.std.size
+    assert timed.sloping(scenes).columns[0] == pytest.approx(timed.columns[0])
+    for k, scene in enumerate(scenes):
+        late = scene.samples.theta_2 - np.mean(scene.samples.theta_2)
+        zero, mine = (timed.columns[k][:, at] for at in (timed.shift, timed.rates.start + k))
+        assert np.any(zero)
+        np.testing.assert_allclose(mine, 1.5e-3 * late * zero, rtol=1e-12)
+        for j in range(len(scenes)):
+            if j != k:
+                assert not np.any(timed.columns[j][:, timed.rates.start + k])
+
+
 def test_laws_give_alike_on_both_flanks(tmp_path: Path) -> None:
     """The same torque moves the transmission error down on the drive flank and up on the coast flank, so that signed
     means cancel: what makes a law as soft as another is how far teeth give. Flanks mirror each other but for microns of

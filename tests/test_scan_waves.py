@@ -13,7 +13,7 @@ from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.fidelity import FAINT
 from gearpoly.diagnose.floors import reading_floor
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.scan import Candidate, _enlarged
+from gearpoly.diagnose.scan import LIKELY, Candidate, _enlarged, _likely_orders
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -45,6 +45,22 @@ def test_whitening_enlarges_waves_between_uneven_samples_as_it_does(order: int) 
     waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])
     outright = float(np.sum(coloured.whitened(waves) ** 2)) / N
     assert _enlarged(coloured, theta / (2.0 * math.pi))[order] == pytest.approx(outright, rel=0.01)
+
+
+def test_even_samples_are_asked_at_orders_where_something_can_be() -> None:
+    """720 even samples a turn show order 88 at 632, 808, 1352 ... as well, 22 of them up to 8192, and each of two
+    shafts: more than are looked at closely. Asked about undulations up to half the sampling, it is the first."""
+    theta = np.asarray(2.0 * math.pi * np.arange(N) / PER_TURN)
+    white = noise(())
+    samples = SimpleNamespace(theta_1=theta, theta_2=theta, size=N)
+    left = 0.2 * UM * (np.cos(88 * theta) + np.cos(91 * theta) + np.cos(95 * theta)) / white.innovation
+    linear: Any = SimpleNamespace(noises=[white], system=SimpleNamespace(left=[left]))
+    scenes: Any = [SimpleNamespace(samples=samples)]
+    physics = catalogue()["undulation"]
+    asked = [(physics, Place(gear=1, order=order, flank="drive")) for order in range(30, 360)]
+    assert _likely_orders(asked, scenes, linear) == (set(), {88, 91, 95})
+    every = [(physics, Place(gear=1, order=order, flank="drive")) for order in range(30, 8192)]
+    assert len(_likely_orders(every, scenes, linear)[1]) == LIKELY
 
 
 def fit_of(theta: FloatArray, level: float) -> Any:

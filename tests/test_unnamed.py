@@ -10,7 +10,7 @@ import pytest
 
 from gearpoly.diagnose.at_place import Weighed
 from gearpoly.diagnose.scan import Candidate
-from gearpoly.diagnose.unnamed import left_unnamed, waves_unnamed
+from gearpoly.diagnose.unnamed import left_unnamed, slow_unnamed, waves_unnamed
 from gearpoly.infer.posterior import Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -77,3 +77,29 @@ def test_no_wave_of_no_cause_stands_beside_a_claim_of_its_order(order: int, left
     surely = Weighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
     there = left_unnamed(one, wave(1, order).claim, surely)  # type: ignore[arg-type]
     assert (there is not None) == left
+
+
+@pytest.mark.parametrize(("unknown", "left"), [(0.97, True), (0.8, False)])
+def test_a_slow_course_of_no_cause_is_fitted_and_goes_on(
+    unknown: float, left: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where a drift of no cause is surely likelier than one of the catalogue, its curve stands in the fit as the last
+    of the columns; where it is not sure, or nothing slow is left, nothing is changed."""
+    physics = catalogue()["thermal_drift"]
+    drift = Candidate(
+        claim=Claim(physics=physics, place=Place(recordings=(0,)), values=(1.0, 0.2, 0.1)), gain=90.0, freedoms=3
+    )
+    curve = np.linspace(-1.0, 1.0, N)[:, None]
+    weighed = Weighed(posterior=Posterior(claims=(), unknown=unknown, nothing=0.0), unknown=[curve])
+    monkeypatch.setattr("gearpoly.diagnose.unnamed._weighed_at", lambda fit, claim: weighed)
+    model = SimpleNamespace(
+        unnamed=(), strangers=((0, 1),), slow_courses=0, change=lambda scenes, claim, values: [np.full(N, 1e-3)]
+    )
+    one: Any = MadeFit(model=model, foreign=[np.ones((N, 2))], scenes=[None])
+    there = slow_unnamed(one, [wave(0, 11), drift])
+    assert (there is not one) == left
+    assert slow_unnamed(one, [wave(0, 11)]) is one
+    if left:
+        np.testing.assert_array_equal(there.foreign[0], np.concatenate((np.ones((N, 2)), curve), axis=1))
+        assert (there.model.slow_courses, there.model.strangers) == (1, ((0, 1),))
+        assert there.model.unnamed[0].claim is drift.claim

@@ -129,7 +129,7 @@ def _least_apart(search: Fit, claim: Claim, apart: BoolArray) -> FloatArray:
     values, k = np.array(claim.values), number_of(search, claim)
     likely = values.copy()
     rest, prior = ~apart, _prior(search, claim)
-    likely[apart] = prior[np.ix_(apart, rest)] @ np.linalg.solve(prior[np.ix_(rest, rest)], values[rest])
+    likely[apart] = values[rest] @ np.linalg.solve(prior[np.ix_(rest, rest)], prior[np.ix_(rest, apart)])
     before = search.model.residuals(search.scenes)
 
     def alike(tried: FloatArray) -> bool:
@@ -188,6 +188,7 @@ def _of_values(
             cross = np.linalg.solve(known[np.ix_(seen, seen)], known[np.ix_(seen, apart)])
             off = values[apart] - mine @ cross
             left = known[np.ix_(apart, apart)] - known[np.ix_(apart, seen)] @ cross
-            log += float(log_ndtr(-math.sqrt(max(0.0, float(off @ np.linalg.solve(left, off))))))
+            # Where they are what the others make likely, nothing is asked of them.
+            log += float(log_ndtr(-math.sqrt(float(off @ np.linalg.solve(left, off))))) if np.any(off) else 0.0
         logs.append(log)
     return log_mean(logs, weights=SCALE_WEIGHTS)

@@ -1,0 +1,79 @@
+"""A curve of no cause pays for where it makes teeth lose touch, though the recordings tell nothing of it there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal, norm
+
+from gearpoly.diagnose.in_stead import _least_apart, _of_values
+from gearpoly.infer.free_form import FREE_FORM, KNOTS, curve_covariance
+from gearpoly.infer.prior import SCALE_WEIGHTS, SCALES
+from gearpoly.physics.base import Claim
+from gearpoly.physics.place import Place
+from gearpoly.units import FloatArray
+
+TOUCHES = -5.0
+"""um above which the flank of the stub below shows."""
+
+
+def test_what_is_told_to_be_beyond_a_value_costs_the_part_of_the_prior_there() -> None:
+    """Of two values that know nothing of each other the first is told to 0.1, the second to be below -6 only: a normal
+    density over its largest times a normal tail, averaged over the scales."""
+    prior, told = np.diag([9.0, 4.0]), np.diag([0.01, 1e8])
+    by_hand = sum(
+        weight
+        * norm.pdf(2.0, scale=math.sqrt(9.0 * s**2 + 0.01)) / norm.pdf(0.0, scale=0.1)
+        * norm.cdf(-6.0 / (2.0 * s))
+        for s, weight in zip(SCALES, SCALE_WEIGHTS, strict=True)
+    )  # fmt: skip
+    apart = np.array([False, True])
+    assert _of_values(np.array([2.0, -6.0]), told, prior, 2, apart=apart) == pytest.approx(math.log(by_hand), abs=1e-9)
+    # Told to a tenth of a mm on either side of -6, it would have cost nothing.
+    alone = math.log(
+        sum(
+            weight * multivariate_normal.pdf(2.0, cov=9.0 * s**2 + 0.01) / multivariate_normal.pdf(0.0, cov=0.01)
+            for s, weight in zip(SCALES, SCALE_WEIGHTS, strict=True)
+        )
+    )
+    assert _of_values(np.array([2.0, -6.0]), told, prior, 2) == pytest.approx(alone, abs=1e-3)
+    assert _of_values(np.array([2.0, 0.0]), told, prior, 2, apart=apart) == pytest.approx(alone, abs=1e-9)
+
+
+@dataclass(frozen=True)
+class Stub:
+    """A model whose one sample shows how far knots 8 and 9 stand above where teeth touch, and never knot 0."""
+
+    claims: tuple[Claim, ...]
+
+    def scenes(self) -> list[Any]:
+        return []
+
+    def residuals(self, scenes: list[Any]) -> list[FloatArray]:
+        values = self.claims[0].values
+        return [np.array([max(values[8], TOUCHES) + max(values[9], TOUCHES)])]
+
+
+def test_a_curve_goes_no_deeper_than_where_teeth_lose_touch() -> None:
+    """Knots that the last step of a fit took to -40 and -70 um are told to be below -5 um: the deeper one says how far
+    both have come, to a sixteenth of the way. A knot that no tooth meets goes to what its neighbours make likely."""
+    values = [2.0] * KNOTS
+    values[0], values[8], values[9] = -30.0, -40.0, -70.0
+    place = Place(gear=0, tooth=3, flank="drive", shape=tuple(np.linspace(1.0, 5.0, KNOTS).tolist()))
+    claim = Claim(physics=FREE_FORM, place=place, values=tuple(values))
+    noise = SimpleNamespace(whitened=lambda one: one / 0.3)
+    search: Any = SimpleNamespace(model=Stub((claim,)), scenes=[], noises=[noise])
+    apart = np.isin(np.arange(KNOTS), (0, 8, 9))
+    least = _least_apart(search, claim, apart)
+    rest = np.flatnonzero(~apart)
+    prior = curve_covariance()
+    likely = prior[np.ix_([0], rest)] @ np.linalg.solve(prior[np.ix_(rest, rest)], np.full(rest.size, 2.0))
+    assert least[0] == pytest.approx(float(likely[0]))
+    assert least[8] <= TOUCHES and least[9] <= TOUCHES
+    assert least[8] > TOUCHES - 42.0 / 16.0
+    np.testing.assert_array_equal(least[~apart], 2.0)
