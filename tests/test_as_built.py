@@ -86,3 +86,16 @@ def test_a_tooth_that_leans_as_none_of_its_fellows_does_is_set_upright() -> None
     np.testing.assert_array_equal(made.pitch(out, "drive", 0), made.pitch(values, "drive", 0))
     np.testing.assert_array_equal(made.slope(out, "drive", 1), made.slope(values, "drive", 1))
     np.testing.assert_array_equal(made.upright(out, [0]), out)
+
+
+def test_an_opened_tooth_is_as_doubtful_as_stated_and_its_fellows_as_they_were() -> None:
+    """Covariances add: of pitch and slope of one tooth alone, whatever it has in common with others."""
+    made = make_as_built((prior(shared=1.0, own=1.0),) * 2, ["coast", "drive"])
+    at = made.at_tooth("coast", 1, 2)
+    np.testing.assert_array_equal(made.pitch(np.arange(made.size), "coast", 1)[2], at[0])
+    np.testing.assert_array_equal(made.slope(np.arange(made.size), "coast", 1)[2], at[1])
+    before = np.linalg.inv(made.precision)
+    np.testing.assert_allclose(made.known(at), before[np.ix_(at, at)], rtol=1e-9)
+    more = np.zeros_like(before)
+    more[at, at] = 30.0**2
+    np.testing.assert_allclose(np.linalg.inv(made.opened(at, 30.0).precision), before + more, rtol=1e-6, atol=1e-6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,12 +12,18 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
-from gearpoly.diagnose.in_stead import _least_apart, _of_values
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.fit import joined, settled
+from gearpoly.diagnose.in_stead import _least_apart, _of_values, unknown_in_stead
+from gearpoly.diagnose.prepare import prepare
+from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.infer.free_form import FREE_FORM, KNOTS, curve_covariance
 from gearpoly.infer.prior import SCALE_WEIGHTS, SCALES
+from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from gearpoly.units import FloatArray
+from tests.physics_cases import Condition, recorded, rough, scope_of
 
 TOUCHES = -5.0
 """um above which the flank of the stub below shows."""
@@ -77,3 +84,26 @@ def test_a_curve_goes_no_deeper_than_where_teeth_lose_touch() -> None:
     assert least[8] <= TOUCHES and least[9] <= TOUCHES
     assert least[8] > TOUCHES - 42.0 / 16.0
     np.testing.assert_array_equal(least[~apart], 2.0)
+
+
+@pytest.mark.parametrize(("deviation", "surely"), [(lambda u: -12.0 * u, True), (lambda u: -9.0 * (u > 0.5), False)])
+def test_a_tooth_that_leans_as_no_sheet_says_is_no_pit(deviation: Any, surely: bool, tmp_path: Path) -> None:
+    """12 um that an inspected flank leans look like a pit whose wall is a mm wide, up to the tip; 9 um off its upper
+    half are a pit. Half as many samples do not tell the one from the other."""
+    known = rough((17, 22), bends=False)
+    scope = scope_of(known)
+    low, high = scope.reach[0]
+    along = np.linspace(low, high, KNOTS)
+    flank = Place(gear=0, tooth=3, flank="drive", shape=tuple(along.tolist()))
+    u = (along - low) / (high - low)
+    made = FREE_FORM.write(known, flank, tuple(deviation(u).tolist()))
+    (one,) = recorded(made, (Condition(torque_nm=0.0),), np.random.default_rng(7), cycles=2.5, per_mesh=14)
+    path = tmp_path / "pair.toml"
+    model = prepare(known, compare(known, [one], path=path), path=path)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    spall = catalogue()["tooth_spall"]
+    r_from, r_to = (math.hypot(l, scope.gears[0].r_b) for l in (low + 0.5 * (high - low), high))
+    pit = Claim(physics=spall, place=Place(gear=0, tooth=3), values=(9.0, r_from, r_to, 0.8 if surely else 0.02))
+    search = settled(settled(joined(search, [pit])))
+    unknown = unknown_in_stead(search, 0, 3)
+    assert (unknown > 0.95) if surely else (unknown < 0.05)

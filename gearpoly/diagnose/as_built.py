@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -118,6 +118,25 @@ class AsBuilt:
         """Where the half waves of a tooth's form stand (K,) among the parameters."""
         one = self.gears[gear]
         return self.start(flank, gear) + 2 * one.z + 1 + tooth + np.arange(len(one.form)) * one.z
+
+    def at_tooth(self, flank: Flank, gear: int, tooth: int) -> IntArray:
+        """Where the pitch and the slope of a tooth stand (2,) among the parameters."""
+        start = self.start(flank, gear)
+        return np.array([start + tooth, start + self.gears[gear].z + tooth])
+
+    def known(self, at: IntArray) -> FloatArray:
+        """Covariance (k, k) in um^2 beforehand of the parameters ``at`` (k,)."""
+        units = np.zeros((self.size, at.size))
+        units[at, np.arange(at.size)] = 1.0
+        return np.asarray(np.linalg.solve(self.precision, units)[at])
+
+    def opened(self, at: IntArray, std: float) -> AsBuilt:
+        """The same with parameters ``at`` (k,) that may be further from what was known, by ``std`` in um."""
+        # Inverse of a covariance to which something is added at a few places (Woodbury).
+        columns = self.precision[:, at]
+        inner = np.eye(at.size) / std**2 + self.precision[np.ix_(at, at)]
+        precision = self.precision - columns @ np.linalg.solve(inner, columns.T)
+        return replace(self, precision=read_only(precision))
 
     def alike(self, values: FloatArray, gears: Sequence[int]) -> FloatArray:
         """The parameters (m,) with the teeth of these ``gears`` without crowning and form, all of a flank leaning as

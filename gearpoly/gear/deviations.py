@@ -143,7 +143,7 @@ class Wave:
 class Pit:
     """A spall: ``depth`` mm off one ``tooth`` of ``z`` between the radii ``r_from`` and ``r_to`` in mm, where half the
     depth is gone; its walls rise as tanh over ``wall`` mm, but no less than over the depth: steeper ones would fold the
-    flank over itself. ``r_b`` is the gear's base radius."""
+    flank over itself. An infinite ``r_to`` is none: the pit reaches over the tip. ``r_b`` is the gear's base radius."""
 
     depth: float
     tooth: int

@@ -32,7 +32,7 @@ WALL = 0.05
 """Modules over which the walls of a spall rise at first."""
 
 LEAST = 0.01
-"""mm. Walls steeper than this show no more."""
+"""mm. Walls steeper than this show no more, nor one this near the tip circle."""
 
 SHALLOWER = (0.1, 0.2, 0.3)
 """Parts of its depth at which a pit's bottom may lie as well: where teeth lose touch over it, a deep bowl with walls
@@ -49,7 +49,9 @@ class Spall(Section):
     tooth: int = Field(ge=0, description="number of the tooth, from 0")
     depth_um: UmSize = Field(description="depth in um, 0 or more")
     from_mm: Length = Field(description="radius in mm where it begins")
-    to_mm: Length = Field(description="radius in mm where it ends, above from_mm")
+    to_mm: Length = Field(
+        description="radius in mm where it ends, above from_mm; that of the tip circle: it reaches over the tip"
+    )
     wall_mm: Length = field("length in mm over which its walls rise, as tanh(r/wall)", 0.05)
 
     @model_validator(mode="after")
@@ -69,9 +71,16 @@ def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
     spalls: tuple[Spall, ...] = section.spall
     return Deviations(
         drive=tuple(
-            Pit(one.depth_um * UM, one.tooth, gear.z, gear.r_b, one.from_mm, one.to_mm, one.wall_mm) for one in spalls
+            Pit(one.depth_um * UM, one.tooth, gear.z, gear.r_b, one.from_mm, _end(gear, one.to_mm), one.wall_mm)
+            for one in spalls
         )
     )
+
+
+def _end(gear: Gear, r_to: float) -> float:
+    """Radius in mm where a spall ends; none where it reaches the tip circle: it has no wall there, and the tip's corner
+    lies as deep as its bottom. With half the depth there a missing tip was named beside 9 um off the upper half."""
+    return r_to if r_to < gear.r_a - LEAST else math.inf
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -96,8 +105,7 @@ def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArra
     gear = place.gear or 0
     ideal = scene.gear(gear)
     low, high = sorted(values[1:3])
-    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, high, max(values[3], LEAST))
-
+    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, _end(ideal, high), max(values[3], LEAST))
     return scene.deviated_tooth(gear, place.tooth, pit.along)
 
 
