@@ -10,11 +10,12 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.locate import Located
 from gearpoly.diagnose.fit import Fit, settled
 from gearpoly.diagnose.foreign import by_wave, foreign_entries, foreign_waves, smooth_orders
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relaxed import Few, few_of
-from gearpoly.diagnose.residuals import left_of, locate_residuals, stands_out
+from gearpoly.diagnose.residuals import left_of, locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import LINE_COUNTS, LOW
@@ -43,9 +44,10 @@ KNOWN = 0.5
 """Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
 
 
-def waves_beneath(search: Fit, comparison: Comparison) -> Fit:
+def waves_beneath(search: Fit, comparison: Comparison, located: Located | None = None) -> Fit:
     """With the waves fitted beside all else that stand out of what a fit leaves, each located where ``comparison`` says
-    how the recordings were laid; the same ``search`` where there are none.
+    how the recordings were laid; the same ``search`` where there are none. ``located``: what stands out beside the
+    teeth, where somebody has looked.
 
     Teeth of a grade hide what is as small as their limits until they are fitted. What is left out then speaks against
     every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
@@ -54,7 +56,7 @@ def waves_beneath(search: Fit, comparison: Comparison) -> Fit:
     for look in range(LOOKS):
         if look and search.model.budget.past(EARLY):
             break
-        before, there = there, _fitted_anew(there, comparison)
+        before, there = there, _fitted_anew(there, comparison, None if look else located)
         if there is before:
             break
     if there is search:
@@ -65,10 +67,10 @@ def waves_beneath(search: Fit, comparison: Comparison) -> Fit:
         return search  # gears jam where the fit would have them
 
 
-def _fitted_anew(fit: Fit, comparison: Comparison) -> Fit:
+def _fitted_anew(fit: Fit, comparison: Comparison, located: Located | None) -> Fit:
     """With the waves of one look; the same ``fit`` where there are none."""
-    left = left_of(fit)
-    located = locate_residuals(fit, comparison, left, over=lambda: fit.over)
+    left = left_of(fit) if located is None else residuals_of(fit)
+    located = located or locate_residuals(fit, comparison, left, over=lambda: fit.over)
     aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
     for wave in by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
         entries = [entry for _, entry in wave]

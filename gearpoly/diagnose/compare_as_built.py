@@ -59,7 +59,7 @@ def compare_as_built(
     model = with_forms(model, waves, step)
     try:
         fit = Fit.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
-        return with_teeth_of(fit, comparison, seen_at=seen_at)
+        return with_teeth_of(fit, comparison, located_beside(fit, comparison), seen_at=seen_at)
     except GearpolyError:  # teeth that cannot run so say nothing about those that do
         return comparison
 
@@ -70,10 +70,15 @@ def teeth_are_open(comparison: Comparison) -> bool:
     return graded and any(map(_with_teeth, comparison.located.entries))
 
 
-def with_teeth_of(fit: Fit, comparison: Comparison, *, seen_at: Sequence[IntArray]) -> Comparison:
-    """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet, of which
-    the recordings have the samples of the numbers ``seen_at`` (n_k,)."""
-    first, left = comparison.located, locate_residuals(fit, comparison, residuals_of(fit))
+def located_beside(fit: Fit, comparison: Comparison) -> Located:
+    """What stands out beside the teeth of a ``fit``, waves that no pair makes with their size."""
+    return locate_residuals(fit, comparison, residuals_of(fit))
+
+
+def with_teeth_of(fit: Fit, comparison: Comparison, left: Located, *, seen_at: Sequence[IntArray]) -> Comparison:
+    """The ``comparison`` with what stands out beside the teeth of a ``fit`` in which nothing is claimed yet: of what is
+    ``left`` beside them, and of which the recordings have the samples of the numbers ``seen_at`` (n_k,)."""
+    first = comparison.located
     whole = all(seen.size == one.theta_2.size for seen, one in zip(seen_at, comparison.aligned, strict=True))
     residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in left.noises])
     repeats = [one.whole for one in fit.model.observed]

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
+from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import Begun
 from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
 from gearpoly.diagnose.budget import Watch
-from gearpoly.diagnose.compare_as_built import teeth_are_open, with_teeth_of
+from gearpoly.diagnose.compare_as_built import located_beside, teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import without_dear
 from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.exchange import freedoms
@@ -88,11 +89,13 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
         model, assumed = coarser
         search = Fit.begun(model, start.all_waves, preparing)
     anew = remounted(search.model, search.linear, deflection=search.deflection)
-    comparison = _placed_alike(start.comparison, search)
+    comparison, located = _placed_alike(start.comparison, search)
     search = replace(search, step=watch.stage("search"))
     of_this_pair = anew is None and comparison.another is None
     if of_this_pair:
-        search = waves_beneath(smooth_waves(search, comparison), comparison)
+        smooth = smooth_waves(search, comparison)
+        # Where no wave turned out to be a smooth one, what stands out beside the teeth is known already.
+        search = waves_beneath(smooth, comparison, located if smooth is search else None)
     search = _without_ghosts(search, start)
     first, begun = search.linear, kept(search)
     looked_at: Sequence[Candidate] = []
@@ -132,17 +135,19 @@ def _without_ghosts(search: Fit, start: Begun) -> Fit:
     return replace(bare, noises=heard, linear=bare.linear.under(heard))
 
 
-def _placed_alike(comparison: Comparison, search: Fit) -> Comparison:
-    """The comparison with the teeth where the search has them, and as they were built where they are open."""
-    model = search.model
+def _placed_alike(comparison: Comparison, search: Fit) -> tuple[Comparison, Located | None]:
+    """The comparison with the teeth where the search has them, and as they were built where they are open; and what was
+    located beside those."""
+    model, located = search.model, None
     if model.offset:
         comparison = comparison.moved(model.offset)
     if model.turned_by:
         comparison = comparison.turned(model.turned_by)
     if teeth_are_open(comparison) and not search.over:
         every = [np.arange(one.samples.size) for one in model.observed]
-        comparison = with_teeth_of(search, comparison, seen_at=every)
-    return comparison
+        located = located_beside(search, comparison)
+        comparison = with_teeth_of(search, comparison, located, seen_at=every)
+    return comparison, located
 
 
 def _better_place(found: Searched) -> float | None:
