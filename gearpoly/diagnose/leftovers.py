@@ -52,6 +52,13 @@ def located_at_every_mesh(comparison: Comparison) -> list[Entry]:
     return [one for one in comparison.located.entries if one.kind in EVERY_MESH][:FOREMOST]
 
 
+def located_by_load(comparison: Comparison) -> tuple[Entry, ...]:
+    """The foremost of what ``compare`` located where a load bends teeth otherwise: at every mesh, and between
+    recordings."""
+    kinds = ("condition", *EVERY_MESH)
+    return tuple(one for one in comparison.located.where if one.kind in kinds)[:FOREMOST]
+
+
 def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did to all samples: the place alone,
     and no cause. Of a tooth the rms over its own pitch is told, as of teeth that were located."""

@@ -46,9 +46,14 @@ def of_search(
             yield f"by pitch and slope the {name} gear as it runs {shown}, not its declared grade {section.grade}"
 
 
+def beyond_laws(scale: tuple[float, float] | None) -> bool:
+    """Whether teeth give far more or less than declared: no law of compliance is so far off."""
+    return scale is not None and abs(scale[0] - 1.0) > SOFTER * SCALE_STD
+
+
 def of_compliance(scale: tuple[float, float] | None) -> Iterator[str]:
-    """A word where teeth give far more or less than declared: no law of compliance is so far off."""
-    if scale is not None and abs(scale[0] - 1.0) > SOFTER * SCALE_STD:
+    """A word where teeth give far more or less than declared."""
+    if scale is not None and beyond_laws(scale):
         softer = "; shafts that give, and flanks that carry on a part of their width, look alike"
         yield (
             f"teeth give {scale[0]:.2f} times as much as declared, and laws of compliance are not so far off: check "
