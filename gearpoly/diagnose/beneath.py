@@ -99,7 +99,8 @@ def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER
     # First what teeth of the grade cannot hold, then what they could.
     for one in (*located.entries, *located.where):
         lines = any(image.order in LINE_COUNTS for image in _images(one, search, comparison))
-        if _either(one, search) and not lines and not _known(search, _columns(one, comparison)):
+        once = _of_once_per_turn(one, search, comparison)
+        if _either(one, search) and not lines and not once and not _known(search, _columns(one, comparison)):
             ones.setdefault((one.gear, one.order), one)
     strongest = list(ones.values())[:MOST]
     few = few_of(search) if strongest else None
@@ -131,6 +132,17 @@ def _images(entry: Entry, fit: Fit, comparison: Comparison) -> list[Entry]:
     order = entry.order or 0.0
     ones = [one for one in comparison.located.entries if one.kind == "shaft_order" and one.gear == entry.gear]
     return [one for one in ones if one.order in (z - order, z + order)]
+
+
+def _of_once_per_turn(entry: Entry, fit: Fit, comparison: Comparison) -> bool:
+    """Whether a wave lies one order beside the mesh's of a gear that has a larger one once per turn: an image of what
+    a gear or an encoder off its axis does, which is simulated."""
+    z = fit.model.scope.gears[0 if entry.gear == "driving" else 1].z
+    if entry.order not in (z - 1, z + 1):
+        return False
+    every = (*comparison.located.entries, *comparison.located.where)
+    ones = [one for one in every if one.kind == "shaft_order" and (one.gear, one.order) == (entry.gear, 1.0)]
+    return any((one.amplitude_um or 0.0) > (entry.amplitude_um or 0.0) for one in ones)
 
 
 def _smooth(search: Fit, comparison: Comparison, ones: Sequence[Entry], few: Few | None) -> Fit:
