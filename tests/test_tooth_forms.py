@@ -20,7 +20,7 @@ from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import gear_priors
-from gearpoly.diagnose.tooth_forms import HALF_WAVES, gain_beside_form, with_forms
+from gearpoly.diagnose.tooth_forms import HALF_WAVES, gain_beside_form, has_forms, with_forms
 from gearpoly.files.models import PairFile
 from gearpoly.gear.deviations import Form, Span
 from gearpoly.keys.inspection import Inspection
@@ -225,3 +225,19 @@ def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest
     np.testing.assert_allclose(columns.dense(), expected, rtol=1e-9, atol=1e-12 * UM)
     assert max(one.size for one in columns.at) < told.size / 2  # of a few meshes, and not of all teeth
     assert not told.columns(replace(scene, samples=replace(scene.samples, flank="coast"))).dense().any()
+
+
+def test_a_smooth_wave_gives_graded_teeth_no_forms() -> None:
+    """5 um of another wheel, 4 times per turn of the driving shaft: teeth of one form that have to make it up look as
+    if they differed in form."""
+    file = pair(Z, grade=6, bends=False)
+    recording = recorded(drawn(pair(Z, bends=False), 1), per_mesh=14, cycles=2.2, torque_nm=0.0)
+    driving, driven = recording.driving_angle_rad, recording.driven_angle_rad
+    assert driving is not None and driven is not None
+    r_b = 2.0 * Z[1] * math.cos(math.radians(20.0)) / 2.0
+    recording = replace(recording, driven_angle_rad=driven + 5.0 * UM / r_b * np.cos(4.0 * driving))
+    found = compare(file, [recording], path="pair.toml")
+    model, waves = before_claims(file, found, path=Path("pair.toml"), method=Method(), budget=Budget())
+    assert has_forms(with_forms(model, waves, lambda _: None))
+    told = with_forms(model, waves, lambda _: None, orders=((0, 4.0),))
+    assert not has_forms(told)
