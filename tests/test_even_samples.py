@@ -70,6 +70,15 @@ def test_a_slow_wave_of_even_samples_is_told_first_with_its_alias(
     assert located.noise_level / UM == pytest.approx(0.1, rel=0.05)  # as everywhere for noise
 
 
+@pytest.mark.parametrize(("hz", "mesh"), [(63.0, ["mesh order 7, which so few samples show alike"]), (62.0, [])])
+def test_a_mesh_order_above_half_the_rate_is_told_beside_its_alias(tmp_path: Path, hz: float, mesh: list[str]) -> None:
+    """9 meshes a second, 100.3 samples: mesh order 7 is seen at 37.3 Hz, where no pair makes a wave. 62 Hz is none."""
+    wave = compared(tmp_path, turning(hz, rate=100.3, seconds=40.0)).located.where[0]
+    seen = wave.hz or (wave.order or 0.0) * 0.5
+    assert seen == pytest.approx(100.3 - hz, abs=0.01)
+    assert [one for one in wave.rivals if "mesh" in one] == mesh
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("hz", [0.26, 0.05])
 def test_no_encoder_is_blamed_for_a_wave_of_even_samples(tmp_path: Path, hz: float) -> None:

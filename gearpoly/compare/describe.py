@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -133,12 +134,14 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         rivals: tuple[str, ...] = (
             () if peak.gain - peak.rival > TIE else (f"order {peak.frequency * per_hz:.4g} of the driving shaft",)
         )
+        also = aliases(peak.frequency, s.data.even.time)
+        rivals += _meshes_alike([one * s.sampling.pace for one in also], span=s.sampling.span)
         if peak.gain - peak.image <= TIE and s.sampling.time_grid is not None:
             rivals += (f"{abs(s.sampling.rate - peak.frequency):.4g} Hz, which so few samples show alike",)
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
             phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
-            label=_train(peak, "Hz"), together=peak.faint, aliases=aliases(peak.frequency, s.data.even.time),
+            label=_train(peak, "Hz"), together=peak.faint, aliases=also,
         )  # fmt: skip
     found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
     best = max(found, key=lambda j: found[j][3])
@@ -159,6 +162,9 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     z = search.z_2 if gear == "driven" else search.z_1
     if peak.gain - peak.rival <= TIE and s.sampling.time_grid is not None:
         rivals = (*rivals, f"{peak.frequency / s.sampling.pace:.4g} Hz")
+    also = _order_aliases(s.data.even, kind, gear, order, z_1=search.z_1)
+    if not peak.known:
+        rivals = (*rivals, *_meshes_alike([one / z for one in also], span=s.sampling.span))
     return Entry(
         kind="mesh_order" if kind == "mesh_order" else "shaft_order",
         gear=gear,
@@ -175,7 +181,16 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         rivals=rivals,
         gain=square,
         together=peak.faint,
-        aliases=_order_aliases(s.data.even, kind, gear, order, z_1=search.z_1),
+        aliases=also,
+    )
+
+
+def _meshes_alike(per_mesh: Sequence[float], *, span: float) -> tuple[str, ...]:
+    """The mesh orders among aliases, in cycles ``per_mesh`` (k,), of a wave in a record of ``span`` meshes, in words:
+    above half the sampling rate a mesh order is seen where no pair makes a wave."""
+    near = ((one, round(one)) for one in per_mesh)
+    return tuple(
+        f"mesh order {k}, which so few samples show alike" for one, k in near if abs(one - k) * span < HALF_A_LINE
     )
 
 
