@@ -65,12 +65,22 @@ def gain_of_slope(recorded: FloatArray) -> float:
 
 
 @pytest.mark.parametrize(
-    ("physics", "values", "left_open"),
-    [("profile_crowning", (0.3,), True), ("profile_crowning", (1.5,), False), ("tip_relief", (0.3, 0.5), False)],
+    ("physics", "values", "stated", "left_open"),
+    [
+        ("profile_crowning", (0.3,), True, True),
+        ("profile_crowning", (1.5,), True, False),
+        ("tip_relief", (0.3, 0.5), True, False),
+        ("tip_relief", (0.3, 0.5), False, True),
+        ("tip_relief", (0.6, 0.5), False, False),
+    ],
 )
-def test_a_grade_leaves_a_bulge_open_but_no_relief(physics: str, values: tuple[float, ...], left_open: bool) -> None:
+def test_a_grade_leaves_a_bulge_open_but_no_relief(
+    physics: str, values: tuple[float, ...], stated: bool, left_open: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of 1 um of form: a bulge of 0.3 um may be how the gear was made. A relief only sets in on the way up the flank;
-    that is ground on purpose, and seven spalls were claimed where one of 1.2 um was taken for the gear as built."""
+    that is ground on purpose, and seven spalls were claimed where one of 1.2 um was taken for the gear as built. Where
+    nobody stated a grade, up to half of the form may be how the teeth were printed."""
+    monkeypatch.setattr("gearpoly.diagnose.weigh.is_unstated", lambda model, gear: not stated)
     weigh: Any = MadeFit(model=SimpleNamespace(scope=SimpleNamespace(form=(1.0, 1.0))))
     claim = Claim(physics=catalogue()[physics], place=Place(gear=1), values=values)
     assert within_grade(weigh, Candidate(claim=claim, gain=100.0, freedoms=1)) is left_open

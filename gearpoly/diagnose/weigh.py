@@ -21,7 +21,7 @@ from gearpoly.diagnose.floors import (
 from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
 from gearpoly.diagnose.scan import KNOWN, Candidate, columns_of, together
 from gearpoly.diagnose.system import System
-from gearpoly.diagnose.teeth_scale import WORTH_COUNTING, beside_finer, of_pitches
+from gearpoly.diagnose.teeth_scale import WORTH_COUNTING, beside_finer, is_unstated, of_pitches
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
@@ -33,10 +33,11 @@ which is no name."""
 PARTLY, MOSTLY = 0.03, 0.1
 """Parts of the misfit beyond noise that a claim must explain: any, and a further one of the mean tooth."""
 
-SETS_IN = 0.25
+SETS_IN, UNSTATED_SETS_IN = 0.25, 0.5
 """Part of the form that a grade leaves open by which tips may fall off that nobody relieved: a reference of the tool
-that is not straight does that. Of printed gears as grade 8 to 11 has them, 3.1 um were named a relief, 0.16 of it. Of
-another 1.3 to 1.5 um still are, 0.3 to 0.35 of it: where 0.3 um of 1 um counts as the gear's own, so do pits."""
+that is not straight does that. Twice as much where nobody stated a grade, so that its limits were told by the teeth
+themselves. Of printed gears as grade 8 to 11 has them, 3.1 um were named a relief, 0.16 of it, of others 1.3 to 1.5 and
+3.6 um, 0.3 to 0.35 of it."""
 
 
 HALF = 0.5
@@ -125,7 +126,8 @@ def within_grade(fit: Fit, one: Candidate) -> bool:
     gear, physics = one.claim.place.gear, one.claim.physics
     if gear is None or not physics.mean_tooth:
         return False
-    part = SETS_IN if physics.shaped else 1.0
+    sets_in = UNSTATED_SETS_IN if is_unstated(fit.model, gear) else SETS_IN
+    part = sets_in if physics.shaped else 1.0
     return abs(one.claim.values[0]) < part * fit.model.scope.form[gear]
 
 
