@@ -41,8 +41,8 @@ class Begun:
     before any physics is claimed, and ``waves``, the columns (n, q) of each recording that no pair makes; ``ghosts``
     are those of ghost orders and drifts, which are free until something is looked for. ``assumed``: what to tell of
     gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare`` located what that
-    explains; ``likely``: a physics of all teeth beside which hardly anything was left; ``beyond``: what it located where
-    long recordings are not fitted; ``keys``: whether a key of the gears' shape was put right."""
+    explains; ``likely``: a physics of all teeth beside which hardly anything was left; ``beyond``: what it located
+    where long recordings are not fitted; ``keys``: whether a key of the gears' shape was put right."""
 
     file: PairFile
     recordings: Sequence[Recording]
