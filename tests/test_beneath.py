@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
+from gearpoly.compare.entries import Entry
+from gearpoly.diagnose.beneath import _of_once_per_turn, smooth_waves, waves_beneath
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
@@ -130,3 +133,21 @@ def test_an_image_of_what_comes_once_per_turn_is_no_smooth_wave(plain: Recording
     assert smooth_waves(search, both) is search
     assert search.model.scope.smooth == frozenset()
     assert search.model.strangers == ()
+
+
+@pytest.mark.parametrize(
+    ("order", "once_um", "image"), [(22.0, 9.0, True), (24.0, 9.0, True), (22.0, 0.3, False), (21.0, 9.0, False)]
+)
+def test_what_lies_one_order_beside_the_mesh_is_an_image_of_what_comes_once_per_turn(
+    order: float, once_um: float, image: bool
+) -> None:
+    """Of 23 teeth orders 22 and 24, where order 1 is larger; of the other gear's order 1 it is none."""
+
+    def wave(gear: Any, order: float, size: float) -> Entry:
+        return Entry(kind="shaft_order", p_value=0.0, recordings=(0,), gear=gear, order=order, amplitude_um=size)
+
+    fit: Any = SimpleNamespace(model=SimpleNamespace(scope=SimpleNamespace(gears=[SimpleNamespace(z=z) for z in Z])))
+    one, mate = wave("driven", order, 0.5), wave("driving", 1.0, 30.0)
+    located = SimpleNamespace(entries=(one, mate), where=(wave("driven", 1.0, once_um),))
+    comparison: Any = SimpleNamespace(located=located)
+    assert _of_once_per_turn(one, fit, comparison) == image

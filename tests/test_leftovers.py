@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
+from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.foreign import STANDS, large
-from gearpoly.diagnose.leftovers import taken_back
+from gearpoly.diagnose.leftovers import located_by_load, taken_back
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -93,3 +94,11 @@ def test_a_tooth_is_told_with_the_rms_over_its_own_pitch(gear: int, z: int) -> N
     assert (entry.kind, entry.tooth) == ("tooth", 2)
     assert entry.rms_um == pytest.approx(0.4)
     assert UM**2 * entry.mean_square(17, 51) == pytest.approx(float(np.mean(turn**2)))
+
+
+def test_a_load_that_bends_teeth_otherwise_shows_at_every_mesh_and_between_recordings() -> None:
+    """Of all that was located the foremost four of these, as they stand: no order of a shaft, and no tooth."""
+    kinds: Any = ("shaft_order", "condition", "mesh_order", "tooth", "mesh_phase", "mesh_order", "condition")
+    where = tuple(Entry(kind=kind, p_value=0.0, recordings=(k,)) for k, kind in enumerate(kinds))
+    comparison: Any = SimpleNamespace(located=SimpleNamespace(where=where))
+    assert located_by_load(comparison) == (where[1], where[2], where[4], where[5])

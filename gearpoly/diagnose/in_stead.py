@@ -28,7 +28,8 @@ from gearpoly.units import UM, BoolArray, FloatArray
 
 FAR = 30.0
 """Standard deviations, beforehand, to which a place of a curve has to be told at least, or the recordings say nothing
-of it: a tenth of a mm on teeth that are drawn to um."""
+of it: a tenth of a mm on teeth that are drawn to um. Of two curves it was 10 000 where teeth had lost touch, and 2.6 at
+most elsewhere."""
 
 ALIKE = 1.0
 """Misfit below which two states run alike: a tenth of what would count against one of them."""

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gearpoly.compare.clock import RATE_STD
 from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.nuisance import late_of
 from gearpoly.scene import Scene
 
 
@@ -23,6 +23,5 @@ def by_clock(scenes: Sequence[Scene], linear: Linear) -> float:
     for scene, columns, noise in zip(scenes, linear.columns, linear.noises, strict=True):
         angle = scene.samples.theta_2
         curve = scene.mesh_te + columns.times(at, linear.system.solution[at])
-        late = RATE_STD * (angle - np.mean(angle)) * np.gradient(curve, angle)
-        off.append(noise.whitened(late))
+        off.append(noise.whitened(late_of(scene, np.gradient(curve, angle))))
     return mean_innovation(linear.noises) * math.sqrt(float(np.mean(np.concatenate(off) ** 2)))
