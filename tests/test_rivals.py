@@ -50,19 +50,23 @@ def test_a_freedom_costs_what_it_might_have_told() -> None:
     assert _behind(far, chip, Refitted(claim=spall, behind=0.5), 4.0) == 0.5
 
 
-def test_a_missing_tip_is_not_behind_a_pit_that_ends_at_the_tip_circle() -> None:
+def test_a_missing_tip_and_a_pit_that_ends_at_the_tip_circle_are_one_as_likely_as_the_other() -> None:
     """Both say that the flank is gone there, and no tip breaks off with the sharp edge that is drawn: up to a tenth of
-    the gain. Of a pit whose edge lies a tenth of a module below the tip circle, or of a larger difference, nothing of
-    the kind is known."""
+    the gain. The pit's end, depth and wall then tell nothing, so they cost nothing; but one pit of four reaches the
+    tip. Of a pit whose edge lies a tenth of a module below the tip circle, or of a larger difference, nothing of the
+    kind is known: three freedoms less cost less (Schwarz 1978), and a refit counts 2 for each."""
     spall, chip = claim("tooth_spall", SPALL), claim("tooth_chip", CHIP)
     gain = 2000.0
     at_tip, below = tip_at(SPALL[2]), tip_at(SPALL[2] + 0.2)
-    dearer = 2.0 * (math.log(gain) - 2.0)
-    assert _behind(at_tip, spall, Refitted(claim=chip, behind=130.0), gain) == 0.0
-    assert _behind(at_tip, spall, Refitted(claim=chip, behind=5.0), gain) == pytest.approx(5.0 - dearer)
-    assert _behind(at_tip, spall, Refitted(claim=chip, behind=300.0), gain) == pytest.approx(300.0 - dearer)
-    assert _behind(below, spall, Refitted(claim=chip, behind=130.0), gain) == pytest.approx(130.0 - dearer)
-    assert _behind(at_tip, chip, Refitted(claim=spall, behind=130.0), gain) == pytest.approx(130.0 + dearer)
+    freedoms = len(SPALL) - len(CHIP)
+    dearer = freedoms * (math.log(gain) - 2.0)
+    for fits in (130.0, 5.0, -130.0):
+        assert _behind(at_tip, spall, Refitted(claim=chip, behind=fits - 2.0 * freedoms), gain) == -math.log(16.0)
+        assert _behind(at_tip, chip, Refitted(claim=spall, behind=fits + 2.0 * freedoms), gain) == math.log(16.0)
+    for tip, fits in ((at_tip, 300.0), (below, 130.0)):
+        far = fits - 2.0 * freedoms
+        assert _behind(tip, spall, Refitted(claim=chip, behind=far), gain) == pytest.approx(far - dearer)
+    assert _behind(below, chip, Refitted(claim=spall, behind=5.0), gain) == pytest.approx(5.0 + dearer)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -174,7 +174,24 @@ def test_a_tooth_that_came_once_tells_nothing_unseen(passes: list[float], again:
     at = np.array(passes)[:, None]
     effect = np.any(np.abs(turns - np.floor(at) - 6 / 20) < 0.5 / 20, axis=0).astype(float)
     one = search(waves(1.0), np.zeros(N), [tooth], [[0, 1]])
+    one.noises = [SimpleNamespace(level=1.0)]
     one.model.change = lambda *args, **keys: [effect]
+    assert repeats(one, tooth) == again
+
+
+@pytest.mark.parametrize(("noise", "again"), [(1.0, True), (3.0, False)])
+def test_a_tooth_whose_first_pass_holds_nearly_all_came_again_where_the_other_is_seen(
+    noise: float, again: bool
+) -> None:
+    """At the bottom of a pit a single sample may hold most of what is seen. Over the same samples of a second pass, a
+    hundredth as large, the misfit is n / noise^2: it has to be 25, five standard deviations."""
+    tooth = Claim(physics=catalogue()["tooth_spall"], place=Place(gear=1, tooth=6), values=(5.0, 1.0, 2.0, 0.1))
+    turns = ANGLE / (2.0 * math.pi) - 6 / 20
+    first, second = (np.abs(turns - at) < 0.5 / 20 for at in (1.0, 2.0))
+    assert np.count_nonzero(second) == 11
+    one = search(waves(1.0), np.zeros(N), [tooth], [[0, 1, 2, 3]])
+    one.noises = [SimpleNamespace(level=noise)]
+    one.model.change = lambda *args, **keys: [100.0 * first + 2.0 * second]
     assert repeats(one, tooth) == again
 
 

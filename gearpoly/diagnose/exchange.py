@@ -118,9 +118,10 @@ def reshaped(fit: Fit, claims: Sequence[Claim] | None = None) -> Fit:
             continue
         # What takes less of a flank and has no other form need only be as good.
         by = BETTER if claim.place.form else 0.0
-        fit = _first_exchanged(fit, k, claim.otherwise(fit.model.scope), by=by)
         for _ in range(SWAPS):
             before = fit
+            # What came of another beginning may have another form in turn: a bowl, as pits with a flat bottom.
+            fit = _first_exchanged(fit, k, fit.model.claims[k].otherwise(fit.model.scope), by=by)
             for one in _aside(fit, fit.model.claims[k]):
                 fit = _exchanged(fit, k, one, by=BETTER)
             if fit is before:

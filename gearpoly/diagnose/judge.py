@@ -51,6 +51,10 @@ EDGE, NEAR_TIP = 0.1, 0.05
 which a pit ends there: no tip breaks off with the sharp edge that is drawn. Of one 0.84 mm high the pit had 1850 of
 misfit, and the missing tip 131 less. Judgements."""
 
+REACHES = 2.0 * math.log(4.0)
+"""Misfit that it costs a pit to reach the tip circle: every fourth does, as of the windows in which one is looked for.
+A judgement."""
+
 LOOKED_AT = 12
 """Rivals that are looked at closely."""
 
@@ -154,11 +158,18 @@ def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
 
 
 def _behind(model: Model, claim: Claim, refit: Refitted, gain: float) -> float:
-    """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative); a
-    missing tip is not behind a pit that ends at the tip circle, but for how the edge was drawn."""
+    """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative). Of a
+    missing tip and a pit that ends at the tip circle neither is behind the other, but for how the edge was drawn: the
+    end of such a pit, its depth and its wall tell nothing, and only that it reaches the tip costs. Of 40 um off the
+    upper 0.6 mm of one flank a missing tip was made, 99 in 100."""
     behind = refit.behind + freer(refit.claim, claim, gain)
-    broken = refit.claim.physics.name == TIP and _at_tip(model, claim) and behind < EDGE * gain
-    return min(behind, 0.0) if broken else behind
+    fits = refit.behind + 2.0 * (len(claim.values) - len(refit.claim.values))
+    if {refit.claim.physics.name, claim.physics.name} != {PIT, TIP} or abs(fits) >= EDGE * gain:
+        return behind
+    is_pit = refit.claim.physics.name == PIT
+    if not _at_tip(model, refit.claim if is_pit else claim):
+        return behind
+    return REACHES if is_pit else -REACHES
 
 
 def _at_tip(model: Model, claim: Claim) -> bool:

@@ -39,9 +39,11 @@ LEAST, MOST, TURNS = 8, 12, 3
 tell nothing new. From so many turns of the gear in question on, where nothing slow is claimed, a block is a whole turn
 or more: a wave that only one turn has is then not foretold by the rest of that turn."""
 
-ONCE = 0.9
-"""Part of what a tooth does that one pass of it holds, from which on it came into mesh once: a second pass at the end
-of a recording may be cut."""
+ONCE, SEEN_AGAIN = 0.9, 25.0
+"""Part of what a tooth does that one pass of it holds, from which on it came into mesh once, since a second pass at the
+end of a recording may be cut; and misfit in the other passes from which on it was seen again all the same, five
+standard deviations: at the bottom of a pit one sample of 2880 held more than nine parts of ten, and three other passes
+57. A judgement."""
 
 LACK_OF_FIT = 1.2
 """Times the rms expected of unseen samples, mostly noise, that they may be left at beside names: what repeats and is
@@ -340,8 +342,9 @@ def repeats(search: Fit, claim: Claim) -> bool:
     effects = search.model.change(search.scenes, claim, claim.values, but=claim)
     z = search.model.scope.gears[gear].z
     passes = []
-    for scene, effect in zip(search.scenes, effects, strict=True):
+    for scene, noise, effect in zip(search.scenes, search.noises, effects, strict=True):
         angle = scene.samples.theta_1 if gear == 0 else scene.samples.theta_2
         turn = np.floor(angle / (2.0 * math.pi) - tooth / z + 0.5).astype(np.int64)
-        passes += np.bincount(turn - np.min(turn), effect**2).tolist()
-    return bool(max(passes) < ONCE * sum(passes))
+        passes += np.bincount(turn - np.min(turn), (effect / noise.level) ** 2).tolist()
+    again = sum(passes) - max(passes)
+    return bool(again > SEEN_AGAIN or max(passes) < ONCE * sum(passes))

@@ -38,6 +38,11 @@ SHALLOWER = (0.1, 0.2, 0.3)
 """Parts of its depth at which a pit's bottom may lie as well: where teeth lose touch over it, a deep bowl with walls
 that rise slowly looks like a shallow pit whose walls are steep where the bowl is as deep."""
 
+NEAR_TIP = 0.1
+"""Modules from the tip circle within which a pit that ends there may as well reach over the tip: the step between is no
+small one, since the tip's corner then lies as deep. Of 9 um off the upper half a pit was made that ended 0.1 mm below
+the tip, and a missing tip beside it. A judgement."""
+
 BOWL = 12.0
 """Walls that the edges of such a bowl are apart at most: at twelve its bottom is flat to 1e-5, and it is a pit,
 however little of its depth teeth see."""
@@ -110,7 +115,11 @@ def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArra
 
 
 def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Place, Values]]:
-    """A bowl as pits with a flat bottom, whose edges lie where it is half as deep as they are, and rise as it does."""
+    """A pit that ends near the tip circle as one that reaches over it; a bowl as pits with a flat bottom, whose edges
+    lie where it is half as deep as they are, and rise as it does."""
+    low, high, tip = *sorted(values[1:3]), _tip(scope, place)
+    if tip - NEAR_TIP * scope.gears[place.gear or 0].m < high < tip:
+        yield place, (values[0], low, tip, values[3])
     depth, wall = values[0], max(values[3], values[0] * UM, LEAST)  # no steeper than a pit is drawn
     middle, half = 0.5 * (values[1] + values[2]), 0.5 * abs(values[2] - values[1])
     if depth <= 0.0 or 2.0 * half > BOWL * wall:
