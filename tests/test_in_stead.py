@@ -14,9 +14,13 @@ from scipy.stats import multivariate_normal, norm
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import joined, settled
-from gearpoly.diagnose.in_stead import _least_apart, _of_values, unknown_in_stead
+from gearpoly.diagnose.in_stead import _as_drawn, _least_apart, _of_other_form, _of_values, unknown_in_stead
+from gearpoly.diagnose.linear import KNOTS as LOOSE_KNOTS
+from gearpoly.diagnose.linear import Layout, Linear
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
+from gearpoly.diagnose.sparse import full
+from gearpoly.diagnose.system import System
 from gearpoly.infer.free_form import FREE_FORM, KNOTS, curve_covariance
 from gearpoly.infer.prior import SCALE_WEIGHTS, SCALES
 from gearpoly.physics import catalogue
@@ -84,6 +88,51 @@ def test_a_curve_goes_no_deeper_than_where_teeth_lose_touch() -> None:
     assert least[8] <= TOUCHES and least[9] <= TOUCHES
     assert least[8] > TOUCHES - 42.0 / 16.0
     np.testing.assert_array_equal(least[~apart], 2.0)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fit of 80 samples with two as-built parameters, the forms of a tooth and its one claim."""
+
+    linear: Linear
+    model: Any
+
+
+def fitted() -> Fitted:
+    rng = np.random.default_rng(3)
+    form = slice(2, 2 + LOOSE_KNOTS)
+    layout = Layout(built=slice(0, 2), nuisance=slice(2, 2), foreign=slice(2, 2), forms=form, claims=[slice(14, 15)])
+    columns = rng.standard_normal((80, 15))
+    known = np.diag([1.0, 1.0, *np.full(LOOSE_KNOTS, 4.0), 1e-6])
+    target = columns @ np.array([0.5, -0.3, *rng.normal(0.0, 0.5, LOOSE_KNOTS), 7.0]) + rng.standard_normal(80)
+    white = [full(columns)]
+    system = System(white=white, target=[target], precision=known, prior=np.zeros(15))
+    linear = Linear(system=system, layout=layout, columns=white, target=[target], noises=[])
+    tooth = Claim(physics=catalogue()["tooth_spall"], place=Place(gear=0, tooth=3), values=(7.0, 1.0, 2.0, 0.1))
+    return Fitted(linear=linear, model=SimpleNamespace(claims=(tooth,)))
+
+
+def test_a_form_that_is_left_open_pays_for_what_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside all that is believed but the claim, by the log of the likelihood's normalisation with forms over that
+    without: -1/2 log(|I + R R' + F F' / 4| / |I + R R'|) of R as-built columns of prior 1 and F forms of prior 1/2. As
+    drawn, nothing is paid and the misfit is that of a system that has no such columns."""
+    search: Any = fitted()
+    misfits: list[float] = []
+
+    def log_evidence(search: Any, linear: Linear, claims: Any, dispersion: float) -> float:
+        misfits.append(linear.system.misfit)
+        return 0.0
+
+    monkeypatch.setattr("gearpoly.diagnose.in_stead._log_evidence", log_evidence)
+    columns = search.linear.columns[0].dense()
+    rest, form = columns[:, :2], columns[:, 2:14]
+    without = np.eye(80) + rest @ rest.T
+    paid = np.linalg.slogdet(without)[1] - np.linalg.slogdet(without + 0.25 * form @ form.T)[1]
+    assert _of_other_form(search, search.model.claims, 1.0) == pytest.approx(0.5 * paid, rel=1e-9)
+    assert _as_drawn(search, search.model.claims, 1.0) == 0.0
+    bare = search.linear.system.without(list(range(2, 14)))
+    assert misfits == pytest.approx([search.linear.system.misfit, bare.misfit], rel=1e-4)
+    assert misfits[1] > misfits[0] + 10.0
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,14 @@ def test_a_pit_with_a_bottom_has_no_other_form() -> None:
     assert not list(PITTED.otherwise(scope, Place(gear=0, tooth=4), (0.0, 11.96, 12.06, 0.045)))
 
 
+@pytest.mark.parametrize(("below", "over"), [(0.08, True), (0.15, False), (0.0, False)])
+def test_a_pit_that_ends_near_the_tip_is_also_tried_as_one_that_reaches_over_it(below: float, over: bool) -> None:
+    """Within a tenth of a module of the tip circle of 24 teeth of module 1, 13 mm; one that ends there does already."""
+    scope, place = scope_of(Pitted(m=1.0, tooth=4, pit=(4.0, 11.8, 12.2, 0.03)).file()), Place(gear=0, tooth=4)
+    forms = list(PITTED.otherwise(scope, place, (9.0, 12.2, 13.0 - below, 0.02)))
+    assert forms == ([(place, (9.0, 12.2, 13.0, 0.02))] if over else [])
+
+
 @pytest.mark.slow
 def test_a_narrow_pit_with_steep_walls_is_as_deep_as_it_is(tmp_path: Path) -> None:
     """4.4 um over 0.28 mm at module 1: where teeth lose touch over its bottom, a bowl of 51 um is nearly as good, a fit

@@ -30,9 +30,12 @@ def claim(name: str, values: tuple[float, ...], **place: Any) -> Claim:
     return Claim(physics=catalogue()[name], place=Place(gear=1, tooth=18, **place), values=values)
 
 
-def tip_at(r_a: float) -> Any:
-    """A model of two gears of module 2 with tip circles of this radius in mm."""
-    return SimpleNamespace(scope=SimpleNamespace(gears=(SimpleNamespace(r_a=r_a, m=2.0),) * 2))
+def tip_at(r_a: float, *flanks: str) -> Any:
+    """A model of two gears of module 2 with tip circles of this radius in mm, recorded on one flank or more."""
+    return SimpleNamespace(
+        scope=SimpleNamespace(gears=(SimpleNamespace(r_a=r_a, m=2.0),) * 2),
+        as_built=SimpleNamespace(flanks=flanks or ("drive",)),
+    )
 
 
 def test_a_freedom_costs_what_it_might_have_told() -> None:
@@ -63,6 +66,12 @@ def test_a_missing_tip_and_a_pit_that_ends_at_the_tip_circle_are_one_as_likely_a
     for fits in (130.0, 5.0, -130.0):
         assert _behind(at_tip, spall, Refitted(claim=chip, behind=fits - 2.0 * freedoms), gain) == -math.log(16.0)
         assert _behind(at_tip, chip, Refitted(claim=spall, behind=fits + 2.0 * freedoms), gain) == math.log(16.0)
+    # The coast flank tells a pit of the drive flank, and the tip alone is excused by how its edge was drawn.
+    both = tip_at(SPALL[2], "drive", "coast")
+    far = 130.0 - 2.0 * freedoms
+    assert _behind(both, spall, Refitted(claim=chip, behind=far), gain) == pytest.approx(min(far - dearer, 0.0))
+    far = 130.0 + 2.0 * freedoms
+    assert _behind(both, chip, Refitted(claim=spall, behind=far), gain) == pytest.approx(far + dearer)
     for tip, fits in ((at_tip, 300.0), (below, 130.0)):
         far = fits - 2.0 * freedoms
         assert _behind(tip, spall, Refitted(claim=chip, behind=far), gain) == pytest.approx(far - dearer)

@@ -159,9 +159,9 @@ def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
 
 def _behind(model: Model, claim: Claim, refit: Refitted, gain: float) -> float:
     """How far a rival that was fitted to its end is behind the ``claim`` in misfit, or ahead of it (negative). Of a
-    missing tip and a pit that ends at the tip circle neither is behind the other, but for how the edge was drawn: the
-    end of such a pit, its depth and its wall tell nothing, and only that it reaches the tip costs. Of 40 um off the
-    upper 0.6 mm of one flank a missing tip was made, 99 in 100."""
+    missing tip and a pit that ends at the tip circle, the tip is not behind, but for how the edge was drawn; nor is the
+    pit on one flank alone: its end, its depth and its wall tell nothing there, and only that it reaches the tip costs.
+    Of 40 um off the upper 0.6 mm of one flank a missing tip was made, 99 in 100."""
     behind = refit.behind + freer(refit.claim, claim, gain)
     fits = refit.behind + 2.0 * (len(claim.values) - len(refit.claim.values))
     if {refit.claim.physics.name, claim.physics.name} != {PIT, TIP} or abs(fits) >= EDGE * gain:
@@ -169,6 +169,8 @@ def _behind(model: Model, claim: Claim, refit: Refitted, gain: float) -> float:
     is_pit = refit.claim.physics.name == PIT
     if not _at_tip(model, refit.claim if is_pit else claim):
         return behind
+    if len(model.as_built.flanks) > 1:
+        return behind if is_pit else min(behind, 0.0)
     return REACHES if is_pit else -REACHES
 
 

@@ -21,7 +21,7 @@ from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.heldout import Checked, Rms, cross_validated, foretold_to, held
 from gearpoly.diagnose.kept import Kept, come_back
-from gearpoly.diagnose.linear import Linear
+from gearpoly.diagnose.linear import Linear, whole_effect
 from gearpoly.diagnose.system import Mask, System
 from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.diagnose.weigh import gain_without
@@ -340,6 +340,8 @@ def repeats(search: Fit, claim: Claim) -> bool:
     if tooth is None:
         return any(_comes_round(search, k, claim, gear=gear) for k in range(len(search.scenes)))
     effects = search.model.change(search.scenes, claim, claim.values, but=claim)
+    if not any(map(np.any, effects)):  # a tooth that has left the mesh: only the whole tells
+        effects = whole_effect(search.model, search.scenes, claim)
     z = search.model.scope.gears[gear].z
     passes = []
     for scene, noise, effect in zip(search.scenes, search.noises, effects, strict=True):
