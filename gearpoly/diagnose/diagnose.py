@@ -17,6 +17,7 @@ from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale
+from gearpoly.diagnose.causes import MANY
 from gearpoly.diagnose.conditions import elsewhere, held_places
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
@@ -116,7 +117,7 @@ def diagnose(
     back = () if unseen is None or left_over or findings else unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
     if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
-        left_over = comparison.located.entries[:FOREMOST] or start.comparison.located.where[:FOREMOST] or left_over
+        left_over = comparison.located.entries[:MANY] or start.comparison.located.where[:FOREMOST] or left_over
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))

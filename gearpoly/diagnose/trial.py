@@ -103,7 +103,7 @@ class Trial:
         for wave in self.others.strangers:
             columns = [start + column for column in wave]
             mine = [white.part(columns) for white in self.plain.white]
-            if here and _held(mine, here) > SAME:
+            if max((held_by(mine, one.sized.columns) for one in here), default=0.0) > SAME:
                 taken += columns
                 std = np.full(len(columns), math.sqrt(2.0 / len(columns)) * size)
                 found.append(Unexplained(sized=Sized(columns=mine, std=std, scaled=std.size), weight=1.0))
@@ -172,13 +172,11 @@ def ordinary_rms(claim: Claim, columns: Sequence[FloatArray], effect: Sequence[F
     return rms(own, np.array(amplitude_std(physics)))
 
 
-def _held(columns: Sequence[FloatArray], found: Sequence[Unexplained]) -> float:
-    """Part of the power of white columns (n_k, q) that the best of some explanations holds."""
-    mine = np.concatenate(list(columns))
+def held_by(columns: Sequence[FloatArray], others: Sequence[FloatArray]) -> float:
+    """Part of the power of white columns (n_k, q) that others (n_k, p) hold."""
+    mine, theirs = np.concatenate(list(columns)), np.concatenate(list(others))
     power = float(np.sum(mine**2))
-    most = 0.0
-    for one in found if power > 0.0 else ():
-        theirs = np.concatenate(one.sized.columns)
-        left = mine - theirs @ np.linalg.lstsq(theirs, mine)[0]
-        most = max(most, 1.0 - float(np.sum(left**2)) / power)
-    return most
+    if power <= 0.0:
+        return 0.0
+    left = mine - theirs @ np.linalg.lstsq(theirs, mine)[0]
+    return 1.0 - float(np.sum(left**2)) / power
