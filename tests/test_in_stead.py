@@ -141,7 +141,7 @@ def test_a_form_that_is_left_open_pays_for_what_it_takes(monkeypatch: pytest.Mon
 )
 def test_a_tooth_that_leans_as_no_sheet_says_is_no_pit(deviation: Any, surely: bool, tmp_path: Path) -> None:
     """12 um that an inspected flank leans look like a pit whose wall is a mm wide, up to the tip; 9 um off its upper
-    half are a pit. Half as many samples do not tell the one from the other."""
+    half are a pit."""
     known = rough((17, 22), bends=False)
     scope = scope_of(known)
     low, high = scope.reach[0]
