@@ -131,8 +131,20 @@ def test_a_form_that_is_left_open_pays_for_what_it_takes(monkeypatch: pytest.Mon
     assert _of_other_form(search, search.model.claims, 1.0) == pytest.approx(0.5 * paid, rel=1e-9)
     assert _as_drawn(search, search.model.claims, 1.0) == 0.0
     bare = search.linear.system.without(list(range(2, 14)))
-    assert misfits == pytest.approx([search.linear.system.misfit, bare.misfit], rel=1e-4)
+    assert misfits == pytest.approx([search.linear.system.misfit, bare.misfit], rel=1e-6)
     assert misfits[1] > misfits[0] + 10.0
+
+
+def test_parameters_that_are_fixed_leave_a_system_without_them() -> None:
+    """All others where they stood, at the same values, as well known, with the same misfit."""
+    system = fitted().linear.system
+    gone, stay = list(range(2, 14)), [0, 1, 14]
+    fixed, bare = system.fixed_at_zero(gone), system.without(gone)
+    assert fixed.misfit == pytest.approx(bare.misfit, rel=1e-6)
+    np.testing.assert_allclose(fixed.solution[stay], bare.solution, rtol=1e-6)
+    np.testing.assert_allclose(fixed.solution[gone], 0.0, atol=1e-6)
+    np.testing.assert_allclose(fixed.covariance[np.ix_(stay, stay)], bare.covariance, rtol=1e-6)
+    assert system.fixed_at_zero([]).misfit == pytest.approx(system.misfit, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.fit import Fit, settled
-from gearpoly.diagnose.foreign import by_wave, foreign_entries, foreign_waves, smooth_orders
+from gearpoly.diagnose.foreign import by_wave, foreign_entries, foreign_waves, smooth_orders, wave_in_each
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.relaxed import Few, few_of
 from gearpoly.diagnose.residuals import left_of, locate_residuals, residuals_of, stands_out
@@ -100,7 +100,7 @@ def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER
     for one in (*located.entries, *located.where):
         lines = any(image.order in LINE_COUNTS for image in _images(one, search, comparison))
         once = _of_once_per_turn(one, search, comparison)
-        if _either(one, search) and not lines and not once and not _known(search, _columns(one, comparison)):
+        if _either(one, search) and not lines and not once and not _known(search, wave_in_each(one, comparison)):
             ones.setdefault((one.gear, one.order), one)
     strongest = list(ones.values())[:MOST]
     few = few_of(search) if strongest else None
@@ -109,11 +109,6 @@ def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER
         if there is not search:
             search, few = there, few_of(there)
     return search
-
-
-def _columns(one: Entry, comparison: Comparison) -> list[FloatArray]:
-    """A wave in each recording, of a size of its own."""
-    return foreign_waves(comparison, [(k, one) for k in range(len(comparison.aligned))])
 
 
 def _either(entry: Entry, fit: Fit) -> bool:
@@ -151,7 +146,7 @@ def _smooth(search: Fit, comparison: Comparison, ones: Sequence[Entry], few: Few
     gain = max(SMOOTHER, PART * search.linear.system.beyond)
     best, smooth, least = search, None, _of_data(search.linear) - gain
     for entry in ones:
-        columns = _columns(entry, comparison)
+        columns = wave_in_each(entry, comparison)
         if search.over or _known(search, columns):
             continue
         if few is not None and _gained(few, columns) < HALF * few.part * gain:

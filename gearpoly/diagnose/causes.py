@@ -9,7 +9,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import EVERY_MESH, Entry
 from gearpoly.diagnose.at_place import at_place
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.foreign import foreign_waves
+from gearpoly.diagnose.foreign import wave_in_each
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.trial import SAME, held_by
 from gearpoly.infer.posterior import Posterior
@@ -19,10 +19,6 @@ from gearpoly.physics.place import Place
 
 MANY = 12
 """Places that are asked for their causes, the foremost first: each takes a look at every physics there."""
-
-
-NOTHING = 1e-4
-"""Part of what the recordings tell a wave to, to which one is known to be nothing."""
 
 
 def causes(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> list[Posterior | None]:
@@ -43,18 +39,17 @@ def causes(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> lis
 def _without_its_waves(search: Fit, comparison: Comparison, entry: Entry) -> Linear:
     """The linear system without those waves of no cause that are in the fit where an ``entry`` is: beside them nothing
     is left that a cause could do. Of 1.5 um five times per turn none was told."""
-    linear, system = search.linear, search.linear.system
+    linear = search.linear
     if entry.kind != "shaft_order" or not search.model.strangers:
         return linear
-    columns = foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))])
+    columns = wave_in_each(entry, comparison)
     there = [noise.whitened(one) for noise, one in zip(linear.noises, columns, strict=True)]
+    gone: list[int] = []
     for wave in search.model.strangers:
         places = [linear.layout.foreign.start + column for column in wave]
         if held_by([white.part(places) for white in linear.system.white], there) > SAME:
-            for place in places:  # known to be nothing: taken out, all parameters that stand behind it would move
-                here = slice(place, place + 1)
-                system = system.believing(here, system.normal[here, here] / NOTHING**2)
-    return replace(linear, system=system)
+            gone += places
+    return replace(linear, system=linear.system.fixed_at_zero(gone))
 
 
 def _tooth(comparison: Comparison, entry: Entry) -> int | None:

@@ -90,6 +90,11 @@ def foreign_waves(comparison: Comparison, entries: Found) -> list[FloatArray]:
     return [np.concatenate(mine, axis=1) for mine in out]
 
 
+def wave_in_each(entry: Entry, comparison: Comparison) -> list[FloatArray]:
+    """The wave (n_k, q) of an ``entry`` in each recording, of a size of its own."""
+    return foreign_waves(comparison, [(k, entry) for k in range(len(comparison.aligned))])
+
+
 def foreign_entries(comparison: Comparison, parts: Sequence[Part] = ()) -> Found:
     """Recordings and what is fitted in each: hum and jumps where they were found, waves over angle in all, once, and
     the meshes of other ``parts`` of the drive that the pair file states."""

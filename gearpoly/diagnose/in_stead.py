@@ -37,9 +37,6 @@ ALIKE = 1.0
 LEANS = 100.0
 """um, one standard deviation, by which such a tooth may stand and lean at most: more than any that still meshes."""
 
-DRAWN = 1e-3
-"""Part of what a form may be otherwise to which one is known that is as it is drawn."""
-
 HALVINGS = 4
 """Halvings of the way to the least of a value that nothing tells: to a sixteenth of it."""
 
@@ -65,12 +62,9 @@ def _mean(logs: Sequence[float]) -> float:
 
 def _as_drawn(search: Fit, claims: Sequence[Claim], dispersion: float) -> float:
     """Log evidence of ``claims`` about a tooth that are of no other form than is drawn."""
-    linear, system = search.linear, search.linear.system
-    # Known to a thousandth: taken out, all parameters that stand behind them would move.
-    for place in _forms(search, claims):
-        here = slice(place, place + 1)
-        system = system.believing(here, system.precision[here, here] / DRAWN**2)
-    return _log_evidence(search, replace(linear, system=system), claims, dispersion)
+    linear = search.linear
+    drawn = replace(linear, system=linear.system.fixed_at_zero(_forms(search, claims)))
+    return _log_evidence(search, drawn, claims, dispersion)
 
 
 def _of_other_form(search: Fit, claims: Sequence[Claim], dispersion: float) -> float:

@@ -53,8 +53,9 @@ and a loaded 17/22 with seven others each, the best was one of the three, or wit
 to 330 behind the claim, where 10 decide, and to try them all closely took a third of 50 s."""
 
 FEWER = (1500, FEW[1])
-"""Samples of a recording on which other claims are tried, at first and then closely: eight places of each take most of
-the time, and the first trial only says which are worth the second."""
+"""Samples of a recording on which other claims are tried, at first and then closely. Of a printed 13/40 with two
+recordings of 3640 samples the first trial took 27 s with all of them and 17 s with these, and the three claims that did
+best were the same."""
 
 BETTER = 10.0, 0.005
 """Misfit, and part of the misfit, by which another place must be better than the stated one: more than three standard
