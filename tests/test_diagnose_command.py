@@ -103,7 +103,7 @@ class Alignment(BaseModel):
 
 class Where(BaseModel):
     model_config = ConfigDict(strict=True, allow_inf_nan=False)
-    kind: Literal["shaft_order", "tooth", "mesh_phase", "mesh_order", "time", "condition", "slow", "jump"]
+    kind: Literal["shaft_order", "tooth", "mesh_phase", "mesh_order", "time", "drift", "step", "condition"]
     gear: Gear | None = None
     tooth: Count | None = None
     encoder_deg: Deg | None = None

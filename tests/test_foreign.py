@@ -130,6 +130,6 @@ def test_a_wave_at_a_whole_order_of_both_shafts_may_be_of_either_gear() -> None:
         return Entry(kind="shaft_order", gear=gear, order=order, p_value=0.0, recordings=(0,))
 
     ones = [wave_at("driving", order) for order in (2.0, 3.0, 1.7)]
-    jump = Entry(kind="time", hz=0.0, driving_turn=0.5, p_value=0.0, recordings=(0,))
+    jump = Entry(kind="step", driving_turn=0.5, p_value=0.0, recordings=(0,))
     assert smooth_orders([(0, one) for one in (*ones, jump)], z=(24, 36)) == {(0, 2), (1, 3), (0, 3)}
     assert smooth_orders([(0, wave_at("driven", 3.0))], z=(24, 36)) == {(1, 3), (0, 2)}

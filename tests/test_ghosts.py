@@ -81,7 +81,7 @@ def test_waves_at_ghost_orders_are_free_on_each_flank() -> None:
 def test_a_drift_is_free_in_its_recording_until_something_is_looked_for() -> None:
     """Of three recordings the second drifts, and the third wanders, where a slow course is free anyway: ramp, bow and S
     of the second alone."""
-    drift = Entry(kind="time", p_value=0.0, recordings=(1, 2), hz=0.0, amplitude_um=3.0, label="drift")
+    drift = Entry(kind="drift", p_value=0.0, recordings=(1, 2), amplitude_um=3.0, label="drift")
     hum = Entry(kind="time", p_value=0.0, recordings=(0,), hz=50.0, amplitude_um=1.0)
     along = np.linspace(-1.0, 1.0, 9)
     observed = [SimpleNamespace(samples=SimpleNamespace(size=9, along=along))] * 3

@@ -173,7 +173,7 @@ def test_a_jump_is_found(kind: str, size: float, gears: Callable[[], tuple[GearK
     data = made(2, kind)
     entries = found(jumped(data, (0.37, size)), gears=gears())
     assert len(entries) == 1
-    assert (entries[0].kind, entries[0].hz, entries[0].recordings) == ("time", 0.0, (0,))
+    assert (entries[0].kind, entries[0].hz, entries[0].recordings) == ("step", None, (0,))
     assert matches(entries[0], data, 0.37, size)
     # Of a step in white noise the place is known to a few (sigma/size)^2 samples; coloured noise of 0.6 has
     # (1 + 0.6)/(1 - 0.6) = 4 times the power where a step lives.
@@ -190,12 +190,13 @@ def test_a_large_jump_is_placed_between_two_samples() -> None:
 
 def test_it_is_said_like_an_engineer_would() -> None:
     entry = Entry(
-        kind="time", hz=0.0, p_value=1e-9, recordings=(1,), amplitude_um=-3.12, std_um=0.104, time_s=41.332,
+        kind="step", p_value=1e-9, recordings=(1,), amplitude_um=-3.12, std_um=0.104, time_s=41.332,
         time_s_std=0.04, label="jump",
     )  # fmt: skip
     assert says(entry) == "a jump by -3.12 +- 0.10 um at 41.33 s of recording 1"
     written = entry.to_json()
-    assert written["time_s"] == 41.332 and written["hz"] == 0.0 and written["label"] == "jump"
+    assert written["time_s"] == 41.332 and "hz" not in written
+    assert (written["kind"], written["label"]) == ("step", "jump")
     assert "driving_turn" not in written
     turned = replace(entry, time_s=None, time_s_std=None, driving_turn=12.34, driving_turn_std=0.3)
     assert says(turned) == "a jump by -3.12 +- 0.10 um at turn 12.3 of the driving shaft of recording 1"

@@ -48,7 +48,7 @@ def wave(**more: object) -> Entry:
         (wave(gear="driving", order=1.0), 122.219),  # 478.69 x 12 / 47
         (wave(kind="mesh_order", order=1.0), 10.185),  # 478.69 / 47
         (wave(kind="time", hz=0.05), 20.0),
-        (wave(kind="time", hz=0.0), None),
+        (wave(kind="drift"), None),
         (wave(kind="tooth", gear="driven", tooth=3), None),
     ],
 )
@@ -102,7 +102,7 @@ NAMED = [
     (wave(gear="driving", order=1.0), (), ("the driving gear's turn", "order 4 of the worm")),  # 3.917
     (wave(gear="driven", order=4.0), (), ("the driving gear's turn", "order 4 of the worm")),
     (wave(gear="driven", order=9.0), (), ()),
-    (wave(kind="time", hz=0.0), (), ()),
+    (wave(kind="drift"), (), ()),
 ]
 
 

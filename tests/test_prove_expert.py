@@ -78,8 +78,8 @@ def test_a_wave_is_located_at_its_order_or_an_alias(tmp_path: Path, entry: dict[
     [
         (3.0, {"kind": "shaft_order", "gear": "driven", "order": 3.2}, True),  # half a line is 0.25
         (3.0, {"kind": "shaft_order", "gear": "driven", "order": 3.3}, False),
-        (0.3, {"kind": "time", "hz": 0.0, "label": "drift"}, True),
-        (0.6, {"kind": "time", "hz": 0.0, "label": "drift"}, False),  # of 1.2 waves the order can be told
+        (0.3, {"kind": "drift", "label": "drift"}, True),
+        (0.6, {"kind": "drift", "label": "drift"}, False),  # of 1.2 waves the order can be told
         (0.3, {"kind": "mesh_order", "order": 1}, False),
     ],
 )

@@ -256,7 +256,7 @@ def test_hum_jumps_and_pulses(tmp_path: Path) -> None:
     assert score("a", verdict(unexplained=[{"kind": "time", "hz": 50.02}]), hum, LIMITS).located
     assert not score("a", verdict(unexplained=[{"kind": "time", "hz": 60.0}]), hum, LIMITS).located
     jump = truth(tmp_path, {"shape": "jump", "at": 0.4, "amplitude_um": 1.0}, kind="unknown")
-    assert score("a", verdict(unexplained=[{"kind": "time", "hz": 0.0}]), jump, LIMITS).located
+    assert score("a", verdict(unexplained=[{"kind": "step", "time_s": 3.0}]), jump, LIMITS).located
     assert not score("a", verdict(), jump, LIMITS).located
     pulse = truth(tmp_path, {"shape": "pulse", "order": 0.31, "gear": 2, "amplitude_um": 1.0}, kind="unknown")
     third = {"kind": "shaft_order", "gear": "driven", "order": 0.93}

@@ -276,8 +276,8 @@ def test_half_a_recording_foretells_the_other_as_well_as_it_knows_it() -> None:
          {"gear": "driving", "tooth": 4, "encoder_deg": 72.0}),
         (Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=1, tooth=4), values=(1.0,)), "tooth",
          {"gear": "driven", "tooth": None, "encoder_deg": 72.0}),
-        (Claim(physics=catalogue()["thermal_drift"], place=Place(recordings=(1,)), values=(1.0, 0.0, 0.0)), "time",
-         {"hz": 0.0, "recordings": (1,)}),
+        (Claim(physics=catalogue()["thermal_drift"], place=Place(recordings=(1,)), values=(1.0, 0.0, 0.0)), "drift",
+         {"hz": None, "recordings": (1,)}),
         (Claim(physics=catalogue()["friction"], place=Place(), values=(0.1,)), "mesh_phase", {"recordings": (0, 1)}),
         # These set the means of recordings apart, and turn with no shaft.
         (Claim(physics=catalogue()["shaft_windup"], place=Place(), values=(2.0,)), "condition", {"recordings": (1,)}),

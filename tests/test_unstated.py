@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+import scipy.stats
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built
@@ -24,11 +25,13 @@ from gearpoly.diagnose.teeth_scale import (
     COARSEST,
     beside_finer,
     beyond_scale,
+    counted,
     gain_beside_any,
     of_pitches,
     spread_of,
     wider,
 )
+from gearpoly.diagnose.trial import amplitude_std
 from gearpoly.diagnose.unstated import (
     SEEN,
     _step,
@@ -286,6 +289,52 @@ def test_the_spread_of_teeth_is_that_of_their_prior(wider_by: float) -> None:
     linear.system.solution[:] = 0.0
     linear.system.covariance = np.linalg.inv(teeth.precision)
     assert spread_of(linear, model, 1)[0] == pytest.approx(z, rel=1e-9)
+
+
+@pytest.mark.parametrize("z", [13, 24])
+def test_one_of_teeth_of_unknown_scale_counts_as_student_has_it(z: int) -> None:
+    """Index deviations that are read exactly, of which one stands out: its density beside the others is Student's, of
+    one freedom fewer than there are teeth (Student 1908), here as scipy has it. Of a stated grade they are no coarser,
+    and it counts for no less than it gained."""
+    rng = np.random.default_rng(6)
+    plain = GearSection(teeth=z, module_mm=1.0)
+    gears = tuple(
+        GearPrior(z=n, pitch=np.eye(n), slope=1.0, mean_slope=1.0, crowning=1.0, thickness=1.0, shared=(0.5, 0.5),
+                  own=(0.0, 0.0), graded=True, single=1.0)
+        for n in (z, 40)
+    )  # fmt: skip
+    teeth = make_as_built((gears[0], gears[1]), ["drive"])
+    at, other = teeth.start("drive", 0), rng.normal(0.0, 1.0, z - 1)
+    solution = np.zeros(teeth.size)
+    solution[at + 1 : at + z] = other  # the claim has taken tooth 0
+    system = SimpleNamespace(precision=teeth.precision, solution=solution, covariance=np.zeros_like(teeth.precision))
+    linear: Any = SimpleNamespace(layout=SimpleNamespace(built=slice(0, teeth.size)), system=system)
+    claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=0, flank="drive"), values=(5.0,))
+    spread = float(other @ other)
+    scatter = math.sqrt(spread / (z - 1))
+    for off in (3.0, 8.0, 20.0):
+        for grade in (None, 6):
+            file = PairFile(driving=plain.model_copy(update={"grade": grade}), driven=plain)
+            model: Any = SimpleNamespace(as_built=teeth, claims=[claim], declared=file)
+            found = counted(linear, model, claim, off**2)
+            if grade is None:
+                density = scipy.stats.t(df=z - 1).logpdf([0.0, off / scatter])
+                assert found == pytest.approx(2.0 * float(density[0] - density[1]), rel=1e-9)
+            else:
+                assert found >= off**2
+
+
+def test_a_fault_of_pitch_is_at_least_what_its_gear_allows_a_single_one() -> None:
+    """Of a gear whose single pitches may be 25 um off a fault is ordinarily as large; of a fine or an inspected one 4
+    um, as of all else than pitches."""
+    pitch, pit = (catalogue()[name] for name in ("tooth_pitch", "tooth_spall"))
+    for single, graded, ordinary in ((25.0, True, 25.0), (2.0, True, 4.0), (25.0, False, 4.0)):
+        gear = SimpleNamespace(graded=graded, single=single)
+        model: Any = SimpleNamespace(as_built=SimpleNamespace(gears=(gear, gear)))
+        off = Claim(physics=pitch, place=Place(gear=0, tooth=0), values=(1.0,))
+        assert amplitude_std(model, off) == [ordinary]
+        deep = Claim(physics=pit, place=Place(gear=0, tooth=0), values=(1.0, 8.0, 9.0, 0.1))
+        assert amplitude_std(model, deep) == [pit.ordinary[0]]
 
 
 def test_a_pit_gains_as_much_beside_teeth_of_any_scale_and_a_pitch_does_not() -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtrc
 
-from gearpoly.compare.entries import Entry, Gear, named
+from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
@@ -244,14 +244,14 @@ def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[float]) -> En
     size = abs(entry.amplitude_um or 0.0) if entry.rms_um is None else math.sqrt(2.0) * entry.rms_um
     z = z_2 if entry.gear == "driven" else z_1
     low = entry.kind == "shaft_order" and entry.order_std is None and (entry.order or 0.0) <= z / 2
-    if low or entry.kind == "condition" or entry.hz == 0.0 or size > most:
+    if low or entry.kind in ("condition", "drift", "step") or size > most:
         return entry
     return replace(entry, companion_of="the rounding of the readings")
 
 
 def _touching(entries: list[Entry]) -> list[Entry]:
     """Those that may move contacts: a wave of no whole order, or of time, belongs to nothing that touches."""
-    return [e for e in entries if e.kind != "time" and e.order_std is None]
+    return [e for e in entries if e.kind not in IN_TIME and e.order_std is None]
 
 
 def _echo(entry: Entry, entries: list[Entry]) -> Entry:
@@ -322,8 +322,7 @@ def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     best = int(np.argmin(tail))
     std = amplitude / math.sqrt(size[best] / math.exp(level[best]))
     return Entry(
-        kind="time",
-        hz=0.0,
+        kind="drift",
         amplitude_um=amplitude / UM,
         std_um=std / UM,
         rms_um=float(np.std(curve)) / UM,

@@ -41,8 +41,7 @@ def jump_entries(search: JointModel, solution: Solution, k: int) -> list[Entry]:
         rise = float(along[min(found.at + side, along.size - 1)] - along[max(0, found.at - side)])
         out.append(
             Entry(
-                kind="time",
-                hz=0.0,
+                kind="step",
                 time_s=moment if timed else None,
                 time_s_std=moment_std if timed else None,
                 driving_turn=None if timed else moment,

@@ -15,7 +15,7 @@ import numpy as np
 
 from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.describe import kind_of
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
@@ -201,7 +201,7 @@ def beyond_all(entry: Entry, residuals: Sequence[FloatArray]) -> bool:
     others, a fraction of a line beside it, cancel it, and none has that size. Of two driving turns 0.1 um rms were
     listed as waves of 164 and 162 um, of one turn 35 um as a drift of 521."""
     whole = max((float(np.ptp(residuals[k])) for k in entry.recordings), default=math.inf)
-    waving = entry.kind in ("shaft_order", "mesh_order", "time")
+    waving = entry.kind in ("shaft_order", "mesh_order", *IN_TIME)
     return waving and abs(entry.amplitude_um or 0.0) * UM > whole
 
 

@@ -10,7 +10,10 @@ Gear = Literal["driving", "driven"]
 EVERY_MESH = ("mesh_order", "mesh_phase")
 """Kinds of entries about what is the same at every mesh."""
 
-Kind = Literal["shaft_order", "mesh_order", "time", "tooth", "mesh_phase", "condition"]
+Kind = Literal["shaft_order", "mesh_order", "time", "drift", "step", "tooth", "mesh_phase", "condition"]
+
+IN_TIME = ("time", "drift", "step")
+"""Kinds of entries that are told by when they are: a wave or a burst, a slow course, a jump."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +131,7 @@ class Entry:
     @property
     def drift(self) -> bool:
         """Whether it is a slow course."""
-        return self.kind == "time" and self.hz == 0.0 and self.moment is None and self.burst is None
+        return self.kind == "drift"
 
     @property
     def of_the_pair(self) -> bool:
@@ -149,9 +152,9 @@ class Entry:
     def turned_round(self, turns: float) -> Entry:
         """What was found with time counting back from 0, as the recording of ``turns`` driving turns has it, or the
         other way round: a step up is then one down."""
-        if self.kind != "time":
+        if self.kind not in IN_TIME:
             return self
-        jump = self.moment is not None
+        jump = self.kind == "step"
         return replace(
             self,
             time_s=None if self.time_s is None else -self.time_s,
@@ -229,12 +232,12 @@ def named(entry: Entry) -> str:
     """A few words for an entry."""
     if entry.kind == "tooth":
         return f"a tooth of the {entry.gear} gear" if entry.tooth is None else f"{entry.gear} tooth {entry.tooth}"
+    if entry.kind == "drift":
+        return "drift"
+    if entry.kind == "step":
+        return f"the jump at {entry.moment}"
     if entry.kind == "time":
-        if entry.moment is not None:
-            return f"the jump at {entry.moment}"
-        if entry.burst is not None:
-            return f"the burst {entry.burst}"
-        return "drift" if entry.drift else f"{entry.hz:.4g} Hz"
+        return f"{entry.hz:.4g} Hz" if entry.burst is None else f"the burst {entry.burst}"
     if entry.kind == "condition":
         return f"the change of condition in recording {entry.recordings[0]}"
     if entry.kind == "mesh_phase":
@@ -307,20 +310,20 @@ def says(entry: Entry) -> str:
         return f"order {shown} of the {entry.gear} shaft, {size}{extra}"
     if entry.kind == "mesh_order":
         return f"mesh order {entry.order:.0f}, {size}{extra}"
+    if entry.kind == "step":
+        sign = "-" if (entry.amplitude_um or 0.0) < 0.0 else "+"
+        extra = extra.removeprefix(f" ({entry.label})")
+        return f"a jump by {sign}{size} at {entry.moment} of recording {entry.recordings[0]}{extra}"
+    if entry.kind == "drift":
+        if len(entry.recordings) > 1:
+            which = " and ".join(str(k) for k in entry.recordings)
+            return f"a slow course over the arc of recordings {which}, {size} in each{extra}"
+        return f"a slow drift over recording {entry.recordings[0]}, {size}{extra}"
     if entry.kind == "time":
-        if entry.moment is not None:
-            sign = "-" if (entry.amplitude_um or 0.0) < 0.0 else "+"
-            extra = extra.removeprefix(f" ({entry.label})")
-            return f"a jump by {sign}{size} at {entry.moment} of recording {entry.recordings[0]}{extra}"
         if entry.burst is not None:
             tone = "" if entry.hz is None else f", ringing at {entry.hz:.3g} Hz"
             extra = extra.removeprefix(f" ({entry.label})")
             return f"a burst of {size} {entry.burst} of recording {entry.recordings[0]}{tone}{extra}"
-        if entry.drift:
-            if len(entry.recordings) > 1:
-                which = " and ".join(str(k) for k in entry.recordings)
-                return f"a slow course over the arc of recordings {which}, {size} in each{extra}"
-            return f"a slow drift over recording {entry.recordings[0]}, {size}{extra}"
         return f"{entry.hz:.4g} Hz, fixed in time, {size}{extra}"
     if entry.kind == "mesh_phase" and entry.phase is not None:
         low, high = entry.phase

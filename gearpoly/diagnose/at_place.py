@@ -61,7 +61,7 @@ def at_place(
     dispersion = max(1.0, linear.system.whiteness, STRAIGHT * found[0].gain)
     trial, without_cause = Trial(
         others=model, scenes=scenes, linear=linear, plain=linear.system, dispersion=dispersion
-    ).at(first, size=ordinary_rms(first, columns, effect), effect=effect)
+    ).at(first, size=ordinary_rms(model, first, columns, effect), effect=effect)
     more = 0.0
     if of_pitches(model, first):
         # Beside teeth finer than their grade it stands out by more, and so does any other cause there.

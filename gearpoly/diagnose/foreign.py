@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from gearpoly.compare.beside import Aligned, Comparison
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import Grid
@@ -179,7 +179,7 @@ def _all_foreign(comparison: Comparison) -> Found:
     for entry in comparison.located.entries:
         if not is_foreign(entry) or (runs_up and swells_by(entry, z_1, z_2)):
             continue
-        if entry.kind == "time":
+        if entry.kind in IN_TIME:
             out += [(k, entry) for k in entry.recordings]
             continue
         driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
@@ -285,8 +285,8 @@ def is_foreign(entry: Entry) -> bool:
         return False
     if entry.companion_of is not None and not entry.parts:
         return False
-    if entry.kind == "time":
-        return bool(entry.hz) or entry.moment is not None
+    if entry.kind in IN_TIME:
+        return not entry.drift
     if entry.kind != "shaft_order" or entry.order is None:
         return False
     return not float(entry.order).is_integer() or bool(entry.parts)

@@ -47,7 +47,7 @@ def slow_ghosts(comparison: Comparison, model: Model) -> list[FloatArray]:
     """Columns (n_k, q) of a slow course of each recording in which `compare` located a drift, but where it is free
     anyway. Whether it has a name is asked with all else; until then it must not be made up of teeth: 0.9 um of a shaft
     that turned once in five and a half turns gave 60 teeth forms of their own, and these hid 18 um of a spall."""
-    drifts = {k for one in comparison.located.entries if one.kind == "time" and one.hz == 0.0 for k in one.recordings}
+    drifts = {k for one in comparison.located.entries if one.drift for k in one.recordings}
     asked = [k in drifts and not wanders for k, wanders in enumerate(model.scope.wanders)]
     many = (SLOW - 1) * sum(asked)
     out, at = [], 0

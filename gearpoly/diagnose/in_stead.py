@@ -237,7 +237,7 @@ def _prior(search: Fit, claim: Claim) -> FloatArray:
     a = claim.physics.amplitudes
     scope = search.model.scope
     shapes = [shape_std(claim, k, scope) for k in range(a, len(claim.values))]
-    return np.diag(np.array([*amplitude_std(claim.physics), *shapes]) ** 2)
+    return np.diag(np.array([*amplitude_std(search.model, claim), *shapes]) ** 2)
 
 
 def _of_values(

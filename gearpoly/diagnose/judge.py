@@ -99,7 +99,7 @@ def judge(
     )
     effect = model.change(scenes, claim, claim.values, but=claim)
     columns = [one.part(linear.layout.claims[k]) for one in linear.columns]
-    trial, without_cause = trial.at(claim, size=ordinary_rms(claim, columns, effect), effect=effect)
+    trial, without_cause = trial.at(claim, size=ordinary_rms(model, claim, columns, effect), effect=effect)
     ways = (_standing(trial, claim, linear, k, wider, effect, loose=loose) for loose in (False, True))
     mine = trial.either_form(ways)
     rise = 0.0 if without is None else without - (plain.misfit - linear.system.misfit)
@@ -139,7 +139,8 @@ def judge(
             explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
-    as_graded = _by_scale(model, linear, claim, gain) + gain - gain_beside_form(model, scenes, linear, k, gain)
+    beside_form = gain_beside_form(model, scenes, linear, k, gain)
+    as_graded = gain - beside_form + _by_scale(model, linear, claim, beside_form)
     less -= 0.5 * min(as_graded, gain) / trial.dispersion
     explanations = [replace(one, log_evidence=one.log_evidence + less) for one in explanations]
     explanations = _told_apart(trial, claim, explanations, effect=effect, deflection=deflection)

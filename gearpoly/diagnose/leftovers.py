@@ -71,7 +71,7 @@ def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     if physics.mean_tooth:
         return entry
     if physics.slow or place.gear is None:
-        return replace(entry, kind="time", phase=None, hz=0.0)
+        return replace(entry, kind="drift", phase=None)
     entry = replace(entry, gear="driving" if place.gear == 0 else "driven", phase=None)
     if place.tooth is None:
         return replace(entry, kind="shaft_order", order=float(place.order or 1))
@@ -135,8 +135,7 @@ def slow_or_sudden(search: Fit, looked_at: Sequence[Candidate]) -> tuple[Entry, 
         amplitude = 0.5 * max(float(np.ptp(curve)) for curve in curves) / UM
         return (
             Entry(
-                kind="time",
-                hz=0.0,
+                kind="drift",
                 amplitude_um=amplitude,
                 std_um=amplitude / math.sqrt(one.gain),
                 rms_um=size_of(search, one) / UM,

@@ -63,7 +63,11 @@ def counted(linear: Linear, model: Model, claim: Claim, gain: float, *, beside_a
     assert gear is not None
     scaled = min(gain, max(0.0, gain - beside_any))
     spread, freedom = spread_of(linear, model, gear, beside=claim)
-    return gain - scaled + beyond_scale(scaled, spread=spread, freedom=freedom, stated=not is_unstated(model, gear))
+    stated = not is_unstated(model, gear)
+    if not stated:
+        # Were nothing there, the claimed teeth would be of that scale too.
+        freedom += freedoms_of(claim)
+    return gain - scaled + beyond_scale(scaled, spread=spread, freedom=freedom, stated=stated)
 
 
 def beyond_scale(gain: float, *, spread: float, freedom: float, stated: bool = False) -> float:
@@ -102,8 +106,12 @@ def spread_of(linear: Linear, model: Model, gear: int, *, beside: Claim | None =
     if beside is not None and all(one.key != beside.key for one in claims):
         claims.append(beside)
     mine = [one for one in claims if one.place.gear == gear and not one.physics.mean_tooth]
-    taken = sum(1 if one.place.tooth is not None else len(one.values) for one in mine)
-    return max(spread, 1.0), max(1.0, float(at.size - taken))
+    return max(spread, 1.0), max(1.0, float(at.size - sum(map(freedoms_of, mine))))
+
+
+def freedoms_of(claim: Claim) -> int:
+    """Index deviations that a claim about a gear's teeth takes out of what tells their scale."""
+    return 1 if claim.place.tooth is not None else len(claim.values)
 
 
 def gain_beside_any(linear: Linear, model: Model, gear: int, claim: Claim) -> float:

@@ -11,12 +11,13 @@ import numpy as np
 from gearpoly.diagnose.linear import KNOTS, Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.posterior import Explanation, Sized
 from gearpoly.infer.prior import FORM, order_of
 from gearpoly.infer.unknown import mesh_harmonics, mesh_std, rms, tooth_hats, unknowns
-from gearpoly.physics.base import Claim, Physics, Scope
+from gearpoly.physics.base import Claim, Scope
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
@@ -120,7 +121,7 @@ class Trial:
         of its ``effect`` (n_k,)."""
         physics, scope = claim.physics, self.others.scope
         a = physics.amplitudes
-        std = [*amplitude_std(physics), *(shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
+        std = [*amplitude_std(self.others, claim), *(shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
         bounds = (-math.inf, math.inf)
         if a == 1 and not physics.fixed_amplitudes:
             bounds = physics.coordinates[0].bounds(scope, claim.place)
@@ -148,9 +149,14 @@ class Trial:
         return curves, std * FORM * mean / rms(curves, std)
 
 
-def amplitude_std(physics: Physics) -> list[float]:
-    """Standard deviation of each amplitude, in its unit, of an ordinary fault."""
+def amplitude_std(model: Model, claim: Claim) -> list[float]:
+    """Standard deviation of each amplitude, in its unit, of an ordinary fault of a claim's kind: of pitches at least
+    what the limits of their gear allow a single one, since a fault is what stands out of the teeth of its gear. Of
+    printed teeth of 8 um one was off by 63 um: beside the 4 um of a ground gear that is a fault that hardly comes."""
+    physics = claim.physics
     size = math.sqrt(sum(one**2 for one in physics.ordinary) / physics.amplitudes)
+    if of_pitches(model, claim):
+        size = max(size, model.as_built.gears[claim.place.gear or 0].single)
     return [size] * physics.amplitudes
 
 
@@ -160,7 +166,7 @@ def shape_std(claim: Claim, k: int, scope: Scope) -> float:
     return (high - low) / math.sqrt(12.0)
 
 
-def ordinary_rms(claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> float:
+def ordinary_rms(model: Model, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> float:
     """Rms in mm that an ordinary fault of a claim's kind has at its place, by its derivatives (n_k, q), or by its whole
     ``effect`` (n_k,) if it is there or is not; the mean taken off where only the course is told."""
     physics = claim.physics
@@ -169,7 +175,7 @@ def ordinary_rms(claim: Claim, columns: Sequence[FloatArray], effect: Sequence[F
     own = [one[:, : physics.amplitudes] for one in columns]
     if physics.mean_tooth:
         own = [one - np.mean(one, axis=0) for one in own]
-    return rms(own, np.array(amplitude_std(physics)))
+    return rms(own, np.array(amplitude_std(model, claim)))
 
 
 def held_by(columns: Sequence[FloatArray], others: Sequence[FloatArray]) -> float:

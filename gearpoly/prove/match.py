@@ -86,7 +86,7 @@ def stands_at(entry: Entry, item: Item, truth: Truth, limits: Thresholds) -> boo
     assert item.order is not None
     most = 1 if item.shape == "line" else limits.harmonics
     line = _line(item, truth)
-    if item.order < line and entry["kind"] == "time" and entry.get("hz", math.inf) == 0.0:
+    if item.order < line and entry["kind"] == "drift":
         return True
     within = max(limits.order, 0.5 * line)
     for gear, order in _orders(entry, truth):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from gearpoly.prove.match import MESH, TIME_KINDS, at_place, names, on_tooth, order_of, reported_set, stands_at
+from gearpoly.prove.match import MESH, at_place, names, on_tooth, order_of, reported_set, stands_at
 from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import Item, Truth
@@ -142,12 +142,10 @@ def _left(entry: Entry, truth: Truth, limits: Thresholds) -> StatedChances:
 
 def _something_there(entry: Entry, truth: Truth, limits: Thresholds) -> bool:
     alone = {"missing": [], "unexplained": [entry]}
-    # A tone of no frequency is a course over the whole recording.
-    kind = "drift" if entry["kind"] in TIME_KINDS and entry.get("hz") == 0.0 else entry["kind"]
     for item in (*truth.items, *truth.background):
         place = _slow_place(item)
         if place:
-            if kind in WHERE[place] or _of_all_meshes(entry, place, truth):
+            if entry["kind"] in WHERE[place] or _of_all_meshes(entry, place, truth):
                 return True
         elif at_place(alone, place_of(item), truth, limits):
             return True
