@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from markdown_it import MarkdownIt
@@ -59,11 +60,16 @@ def pages() -> list[Path]:
 
 def blocks(path: Path) -> list[tuple[int, bool, list[Token]]]:
     """Line, whether it is a table's cell, and inline parts of every paragraph, heading, list item and cell; no code."""
+    return _blocks(path.read_text(encoding="utf-8"))
+
+
+@cache
+def _blocks(text: str) -> list[tuple[int, bool, list[Token]]]:
     out = []
     line = 1
     cell = False
     # What stands before a notebook's text is for programs; its lines still count.
-    text = re.sub(r"\A---\n(.*\n)*?---\n", lambda head: "\n" * head[0].count("\n"), path.read_text(encoding="utf-8"))
+    text = re.sub(r"\A---\n(.*\n)*?---\n", lambda head: "\n" * head[0].count("\n"), text)
     for token in MarkdownIt("commonmark").enable("table").parse(text):
         line = token.map[0] + 1 if token.map else line
         if token.type in ("td_open", "th_open", "td_close", "th_close"):
@@ -148,16 +154,19 @@ def explained() -> set[str]:
     return {term.strip().strip("`").lower() for cell in found for term in cell.split(",")}
 
 
-def terms() -> list[str]:
-    """Terms of the field and of statistics whose use asks for an entry in the glossary."""
-    return [line for line in TERMS.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+@cache
+def terms() -> dict[str, re.Pattern[str]]:
+    """Terms of the field and of statistics whose use asks for an entry in the glossary, and what finds each."""
+    lines = TERMS.read_text(encoding="utf-8").splitlines()
+    told = [line for line in lines if line and not line.startswith("#")]
+    return {term: re.compile(rf"\b{re.escape(term.lower())}(?:s|es)?\b") for term in told}
 
 
 def used(path: Path) -> set[str]:
     """Terms that a page uses: those of the list, and abbreviations in capitals."""
     text = " ".join(spoken(parts) for _, _, parts in blocks(path))
     low = text.lower()
-    found = {term for term in terms() if re.search(rf"\b{re.escape(term.lower())}(?:s|es)?\b", low)}
+    found = {term for term, pattern in terms().items() if term.lower() in low and pattern.search(low)}
     return found | {one.lower() for one in ABBREVIATION.findall(text) if one not in PLACES}
 
 

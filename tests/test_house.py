@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from functools import cache
@@ -175,9 +176,14 @@ def test_folders_import_one_way(folder: str) -> None:
     allowed = {"gearpoly"} if folder == "examples" else set(FOLDERS[: FOLDERS.index(folder) + 1])
     files = sorted((ROOT / folder).rglob("*.py"))
     assert files
+    barred = {*FOLDERS, "examples"} - allowed
+    # Most files do not so much as hold the words; to read all of them as Python takes long.
+    words = re.compile(rf"\b(?:from|import)\b.*\b(?:{'|'.join(sorted(barred))})\b")
     for file in files:
-        own = {*FOLDERS, "examples"} & {name.split(".")[0] for name in named(ast.parse(file.read_text("utf-8")))}
-        assert own <= allowed, f"{file.relative_to(ROOT)} imports {sorted(own - allowed)}"
+        text = file.read_text("utf-8")
+        if barred and words.search(text):
+            own = barred & {name.split(".")[0] for name in named(ast.parse(text))}
+            assert not own, f"{file.relative_to(ROOT)} imports {sorted(own)}"
 
 
 def test_no_two_benchmarks_import_each_other() -> None:

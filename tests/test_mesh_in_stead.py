@@ -62,7 +62,8 @@ def test_a_state_that_gears_could_not_reach_is_weighed_by_the_values_its_misfit_
     one = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=3), values=(1.0,))
     system = SimpleNamespace(misfit=10.0, solution=np.array([42.0]), covariance=np.array([[0.25]]))
     linear: Any = SimpleNamespace(system=system, layout=SimpleNamespace(claims=[slice(0, 1)]))
-    search: Any = SimpleNamespace(model=SimpleNamespace(claims=[one], scope=None))
+    inspected = SimpleNamespace(gears=(SimpleNamespace(graded=False),) * 2)
+    search: Any = SimpleNamespace(model=SimpleNamespace(claims=[one], scope=None, as_built=inspected))
     size = one.physics.ordinary[0]
     as_it_is = -5.0 + _of_values(np.array([42.0]), np.array([[0.25]]), np.array([[size**2]]), 1)
     assert _log_evidence(search, linear, [one], 1.0) == pytest.approx(as_it_is)
