@@ -94,7 +94,7 @@ def beside(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Comparison, 
     none = np.empty(0)
     located = Located(
         entries=ENTRIES, where=ENTRIES, divisions=(), noises=(), noise_level=0.2 * UM, maps=(), as_built=none,
-        as_built_std=none, left=(), residual_rms=laid.aligned[0].rms, repeatable_rms=None,
+        as_built_std=none, left=(), residual_rms=laid.aligned[0].rms, repeatable_rms=None, slow_terms=(4,),
     )  # fmt: skip
     comparison = Comparison(**{field.name: getattr(laid, field.name) for field in fields(laid)}, located=located)
     page = made.declared.with_suffix(".html")

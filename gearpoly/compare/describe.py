@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtrc
 
+from gearpoly.compare.courses import of_degrees, slow_noise
 from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
@@ -19,8 +20,9 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.sampling import SLOWEST
+from gearpoly.compare.slow import SLOW
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
-from gearpoly.units import UM, FloatArray
+from gearpoly.units import UM
 
 GEARS: tuple[Gear, Gear] = ("driving", "driven")
 
@@ -41,12 +43,6 @@ ECHO_WAVE = 0.1
 PRESENT_CHI2 = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
-
-SLOW_LINES = 25
-"""Turns of the record up to which the noise's wandering is read off for its power law."""
-
-FITTED_STRETCHES = 4096
-"""Stretches of the record whose sums stand for it there."""
 
 
 def _wave(search: JointModel, solution: Solution, k: int, peak: Peak) -> tuple[float, float, float, float]:
@@ -269,40 +265,22 @@ def _echo(entry: Entry, entries: list[Entry]) -> Entry:
     return entry
 
 
-def _slow_noise(x: FloatArray, left: FloatArray, *, at: FloatArray, skip: int) -> tuple[FloatArray, FloatArray]:
-    """Noise at ``at`` (k,) turns of the record, in mm^2 per sample: mean and standard error of its log.
-
-    A power law through the slow lines of ``left`` (n,) over ``x``, drawn on to where no line is; every ``skip``-th line
-    repeats with the pair and is left out. What wanders rises, so the law never falls towards zero.
-    """
-    # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
-    stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
-    total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)
-    turns = np.array([k for k in range(2, SLOW_LINES) if skip == 0 or k % skip])
-    angle = 2.0 * np.pi * np.outer(turns, (np.arange(FITTED_STRETCHES) + 0.5) / FITTED_STRETCHES)
-    power = np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size
-    design = np.stack([np.ones(turns.size), np.log(turns)], axis=1)
-    y = np.log(np.maximum(power, 1e-300)) + np.euler_gamma
-    # The log of an exponential scatters by pi/sqrt(6) whatever its mean.
-    covariance = np.linalg.inv(design.T @ design) * (np.pi**2 / 6.0)
-    law = np.linalg.lstsq(design, y, rcond=None)[0]
-    if law[1] > 0.0:
-        law = np.array([float(np.mean(y)), 0.0])
-    where = np.stack([np.ones(at.size), np.log(at)], axis=1)
-    return where @ law, np.sqrt(np.einsum("ij,jk,ik->i", where, covariance, where))
-
-
 def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
-    """What the slow curve of recording ``k`` (ramp, bow, S) says beyond what the noise wanders."""
+    """What the slow curve of recording ``k`` (ramp, bow, S, or more) says beyond what the noise wanders."""
     s = search.states[k]
     if s.jumps and not has_drift(search, k, solution):
         return None
     beta = solution.beta[search.places[k]["slow"][1:]]
-    degree = np.arange(1, beta.size + 1)
     x = s.data.u if s.data.time_s is None else s.data.time_s
+    curve = s.slow[:, 1:] @ beta
+    bent = s.slow.shape[1] > SLOW
+    if bent:
+        beta = of_degrees(x, curve)[1:]
+    degree = np.arange(1, beta.size + 1)
     # A Legendre polynomial of degree j turns half j times over the record.
     skip = s.noise.cycles
-    level, doubt = _slow_noise(x, solution.left[k], at=np.asarray(0.5 * degree, dtype=np.float64), skip=skip)
+    at, beside = np.asarray(0.5 * degree, dtype=np.float64), degree.size + 1
+    level, doubt = slow_noise(x, solution.left[k], at=at, skip=skip, beside=beside)
     few = next((peak for peak in s.orders if peak.few), None)
     if few is not None and wave_entry(search, solution, k, few) is None:
         few = None  # What does not stand out itself takes nothing of the drift.
@@ -311,12 +289,13 @@ def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     ratio = size[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
     tail = np.asarray(chdtrc(1, ratio)) @ (weights / np.sum(weights))
     p = float(np.min(tail)) * degree.size * len(search.states)
-    curve = s.slow[:, 1:] @ beta
     values = s.data.residual
     # Beside waves of a few turns curves may cancel one another: a drift is what the whole mismatch has of it.
     if float(np.ptp(curve)) > float(np.ptp(values)):
         curve = s.slow[:, 1:] @ np.linalg.lstsq(s.slow, values, rcond=None)[0][1:]
     amplitude = 0.5 * min(float(np.ptp(curve)), float(np.ptp(values)))
+    if bent:
+        p = min(p, SHARES.drift)  # a course that bends so often was asked for before
     if p > SHARES.drift or amplitude < search.floor:
         return None
     best = int(np.argmin(tail))

@@ -24,7 +24,7 @@ from gearpoly.compare.jumps import (
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import DENSE_SAMPLES, Solution
-from gearpoly.compare.slow import SLOW, slow_curves
+from gearpoly.compare.slow import FINE_TERMS, SLOW, slow_curves
 from gearpoly.compare.sudden import sudden, took
 from gearpoly.units import FloatArray, IntArray
 
@@ -33,10 +33,6 @@ STAYS = 1.0
 
 DRIFTS = float(chdtri(SLOW - 1, SHARES.drift))
 """Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
-
-FINE_TERMS = 12
-"""Terms of the slow curves beside which a jump has to stand where there is any drift: warming up is no cubic, but five
-waves in a record it does not make. They leave a third of what is told from a cubic."""
 
 AS_MODELLED = 1e9
 """Lines that noise is known from where its model is taken at its word."""
@@ -173,7 +169,8 @@ def weigh_jump(
     for at in others:
         barred |= np.abs(u - u[at]) < turns
     curves = slow_curves(u if s.data.time_s is None else s.data.time_s, FINE_TERMS)
-    rest = left.without(slow) if alone else left.beside(left.noise.whitened(curves[:, SLOW:]))
+    finer = curves[:, s.slow.shape[1] :]
+    rest = left.without(slow) if alone else left.beside(left.noise.whitened(finer)) if finer.size else left
     steps = weigh_steps(rest, low=low, high=high, barred=barred)
     colour = (1.0, AS_MODELLED)
     if but is not None:

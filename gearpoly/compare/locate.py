@@ -46,7 +46,7 @@ class Located:
     ``maps`` per recording of the residual without its slow curve; ``as_built`` (2 z_1 + 2 z_2,) in mm on the drive
     flank (driving pitch, driving slope, driven pitch, driven slope) and its ``as_built_std``; ``left`` what nothing
     explains, in mm; ``residual_rms`` and ``repeatable_rms`` (``None`` without whole cycles) in mm of the residuals as
-    given."""
+    given. ``slow_terms`` of each recording's slow curve."""
 
     entries: tuple[Entry, ...]
     where: tuple[Entry, ...]
@@ -59,6 +59,7 @@ class Located:
     left: tuple[FloatArray, ...]
     residual_rms: float
     repeatable_rms: float | None
+    slow_terms: tuple[int, ...]
 
     @property
     def division(self) -> Division:
@@ -127,6 +128,7 @@ def locate(
         left=tuple(read_only(left) for left in solution.left),
         residual_rms=math.sqrt(sum(squares) / sum(sizes)),
         repeatable_rms=_repeatable_rms(noises),
+        slow_terms=tuple(s.slow.shape[1] for s in search.states),
     )
 
 

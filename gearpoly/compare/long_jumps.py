@@ -10,14 +10,14 @@ import numpy as np
 
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.jump_search import AS_MODELLED, FINE_TERMS, STAYS
+from gearpoly.compare.jump_search import AS_MODELLED, STAYS
 from gearpoly.compare.jumps import Left, weigh_steps
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import NoiseEstimator
 from gearpoly.compare.reduce import SAMPLES, shortening
 from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
-from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.slow import FINE_TERMS, slow_curves
 from gearpoly.compare.sudden import sudden
 from gearpoly.units import UM, BoolArray, FloatArray
 

@@ -26,7 +26,7 @@ from gearpoly.compare.regression import Solution, Stack, solve
 from gearpoly.compare.sampling import Sampling, sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried
-from gearpoly.compare.slow import SLOW, slow_curves
+from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.teeth import BEYOND, ToothFind
 from gearpoly.units import UM, FloatArray, IntArray
 
@@ -199,7 +199,8 @@ class JointModel:
             places: dict[str, IntArray] = {}
 
             u, t = s.data.u, s.data.time_s
-            own_parts: list[tuple[str, SomeColumns, FloatArray]] = [("slow", Dense(columns=s.slow), np.zeros(SLOW))]
+            free = np.zeros(s.slow.shape[1])
+            own_parts: list[tuple[str, SomeColumns, FloatArray]] = [("slow", Dense(columns=s.slow), free)]
             if s.data.nuisance is not None:
                 own_parts.append(("nuisance", Dense(columns=s.data.nuisance), np.ones(s.data.nuisance.shape[1])))
             for z, columns in ends.items():

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.compare.courses import follow_courses
 from gearpoly.compare.faint import faint_waves
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.jump_search import next_jump, put_in_sudden, standing_only
@@ -248,8 +249,10 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
             best_wave = best = max((peaks[0].gain for peaks in waves if peaks), default=0.0)
             # A train of pulses comes first: the one of its lines that stands out would be taken for a wave.
             if best == 0.0:
-                solution, unmasked = next_masked(search, solution)
-                if unmasked:
+                solution, more = next_masked(search, solution)
+                if not more:  # last, since curves that bend so often would take slow waves as well
+                    solution, more = follow_courses(search, solution)
+                if more:
                     continue
         largest = max(largest, best)
         if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.slow import SLOW
 from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.linear import Linear, whole_effect
@@ -197,7 +196,7 @@ def held_places(search: Fit) -> list[int]:
     """Parameters that no part of the recordings tells the other: of what goes on over a whole recording and never
     repeats (slow claims, and wandering), and the shapes of single teeth."""
     layout, claims = search.linear.layout, search.model.claims
-    wandering = (SLOW - 1) * sum(search.model.scope.wanders)
+    wandering = sum(search.model.scope.wanders)
     slow = [p for k, claim in enumerate(claims) if claim.physics.slow for p in layout.places(k)]
     last = layout.foreign.stop - wandering - search.model.slow_courses
     return [*range(last, layout.foreign.stop), *slow, *shaped_teeth(search)]

@@ -53,8 +53,8 @@ def foreign(comparison: Comparison, model: Model, entries: Found) -> list[FloatA
         np.concatenate(each, axis=1) for each in zip(foreign_waves(comparison, entries), _come_back(model), strict=True)
     ]
     slow = [
-        slow_curves(one.samples.along)[:, 1:] if wanders else np.zeros((one.samples.size, 0))
-        for one, wanders in zip(model.observed, model.scope.wanders, strict=True)
+        slow_curves(one.samples.along, terms + 1)[:, 1:]
+        for one, terms in zip(model.observed, model.scope.wanders, strict=True)
     ]
     columns = sum(one.shape[1] for one in slow)
     out, at = [], 0

@@ -14,6 +14,7 @@ from gearpoly.assemble import stated_limits
 from gearpoly.compare.among import means_compare
 from gearpoly.compare.beside import Aligned, Beside
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
+from gearpoly.compare.slow import SLOW
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.diagnose.model import Model, Observed
@@ -87,7 +88,9 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         finest=_finest(observed, averaged=any(one.averaged for one in beside.aligned)),
         stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
-        wanders=tuple(r.computed and not one.whole for r, one in zip(recordings, observed, strict=True)),
+        wanders=tuple(
+            SLOW - 1 if r.computed and not one.whole else 0 for r, one in zip(recordings, observed, strict=True)
+        ),
     )
     return Model(
         declared=declared,

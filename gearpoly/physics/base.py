@@ -63,9 +63,10 @@ class Scope:
     ranges: tuple[float, ...] = ()
     """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
 
-    wanders: tuple[bool, ...] = ()
-    """Whether each recording may wander by itself: a transmission error whose way through the rig nobody knows, too
-    short to show what repeats. There a slow change is no more than the slow end of the noise."""
+    wanders: tuple[int, ...] = ()
+    """Terms, beyond the mean, of the slow course that is free in each recording: 0 where a drift is asked for its
+    cause. It is free in a transmission error whose way through the rig nobody knows, too short to show what repeats,
+    where a slow change is no more than the slow end of the noise; and where the course bends more than a cubic."""
 
     smooth: frozenset[tuple[int, int]] = frozenset()
     """Gears and whole orders of their shafts at which a smooth wave of another part of the drive is fitted."""
