@@ -380,6 +380,30 @@ def test_counters_with_an_index_and_drop_outs(tmp_path: Path) -> None:
     assert "driven: " not in "".join(recording.remarks)
 
 
+@pytest.mark.parametrize("stated", [False, True])
+@pytest.mark.parametrize("down", [False, True])
+def test_a_counter_that_begins_anywhere_and_is_set_by_the_index(tmp_path: Path, down: bool, stated: bool) -> None:
+    """The readings before the first index are left out; those after it are what the shaft turned."""
+    t, theta = rotation(6.0)
+    t, theta = t[::100], theta[::100]
+    whole = np.floor(theta * 4096.0 / TURN)
+    index, begins = 700.0, 1234.0
+    set_ = whole >= index
+    count = np.where(set_, np.mod(whole - index, 4096.0), whole + begins)
+    count = -count if down else count
+    columns = {"time_s": t, "driving_count": count, "driven_angle_deg": np.degrees(RATIO * theta)}
+    condition: dict[str, object] = {"driving_lines": 1024, "driving_counts_per_line": 4}
+    condition |= {"driving_direction": -1} if down else {}
+    recording = read(tmp_path, columns, condition | ({"driving_count_modulus": 4096} if stated else {}))
+    _, theta_1, _ = angles(recording)
+    good = np.isfinite(theta_1)
+    np.testing.assert_array_equal(good, set_)
+    turned = (whole - whole[set_][0])[set_] * (TURN / 4096.0) * (-1.0 if down else 1.0)
+    np.testing.assert_allclose(theta_1[good] - theta_1[good][0], turned, rtol=0.0, atol=1e-9)
+    row = int(np.argmax(set_)) + 1
+    assert any(f"set to 0 by the index in row {row} for the first time" in one for one in recording.remarks)
+
+
 def test_unwrap_counter_knows_both_ways() -> None:
     up = np.array([250.0, 254.0, 2.0, math.nan, 10.0])
     got = unwrap_counter(up, 256.0)

@@ -112,6 +112,33 @@ def test_a_unit_that_means_two_things_is_asked_for(tmp_path: Path) -> None:
         assert UNITS["angle"][unit].size == per
 
 
+def test_counts_that_the_index_sets_to_zero_for_the_first_time(tmp_path: Path) -> None:
+    """Either counter begins anywhere; what it read before the index came is left out."""
+    turned_deg = {name: np.unwrap(RUN[f"{name}_angle_deg"], period=360.0) for name in ("driving", "driven")}
+    whole = {name: np.floor(one / 360.0 * 4096.0) for name, one in turned_deg.items()}
+    set_ = {name: one >= one[0] + 500.0 + 9.0 * k for k, (name, one) in enumerate(whole.items())}
+    held = [
+        np.where(after, np.mod(one - one[after][0], 4096.0), one - one[0] + 2345.0)
+        for one, after in zip(whole.values(), set_.values(), strict=True)
+    ]
+    lines = "".join(
+        f'columns.{name}_angle_deg = {{ from = "{column}", unit = "rev", scale = {1.0 / 4096.0!r}, wraps = 4096 }}\n'
+        for name, column in zip(whole, ("B", "C"), strict=True)
+    )
+    file = written(tmp_path, table([RUN["time_s"], *held], ("Zeit [s]", "B", "C"), digits=6))
+    recording = read_recording(file, chart=chart(tmp_path, lines))
+    good = set_["driving"] & set_["driven"]
+    assert 0 < int(np.sum(~good)) < len(good) // 2
+    for name, angle in (("driving", recording.driving_angle_rad), ("driven", recording.driven_angle_rad)):
+        assert angle is not None
+        one = whole[name]
+        turned = (one - one[good][0])[good] * (360.0 * DEGREE / 4096.0)
+        np.testing.assert_array_equal(np.isfinite(angle), set_[name])
+        np.testing.assert_allclose(angle[good] - angle[good][0], turned, rtol=0.0, atol=1e-9)
+    told = [one for one in recording.remarks if "set to 0 by the index" in one]
+    assert [int(np.argmax(one)) + 1 for one in set_.values()] == [int(re.findall(r"row (\d+)", one)[0]) for one in told]
+
+
 def test_scale_sign_zero_and_wraps(tmp_path: Path) -> None:
     """4096 counts a turn that begin again at 65536 and fall as the shaft turns; torque in volts, with a tare."""
     turned = np.degrees(np.unwrap(np.radians(RUN["driving_angle_deg"])))

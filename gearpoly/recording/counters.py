@@ -3,7 +3,8 @@
 A counter of 16 or 32 bits goes round at 65 536 or 4 294 967 296, others once a turn of the shaft or at any number; one
 that is set to 0 by the index goes round there too, but for counts that were lost. All of them are undone by taking
 from sample to sample the step that is nearest to none, modulo what the counter goes round at. Readings below zero are
-no matter.
+no matter. A counter that begins anywhere is set to 0 where the index comes first, by less than a turn: what was read
+before has no known place.
 """
 
 from __future__ import annotations
@@ -39,6 +40,9 @@ NEAR = 4.0
 """Usual steps by which a jump may be off what a counter goes round at: the shaft turned on by one meanwhile, at a speed
 of its own."""
 
+FEWEST = 16
+"""Readings from which it is told where the index set a counter: its usual step has to be known."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Counter:
@@ -57,6 +61,8 @@ def counted(counter: Counter, raw: FloatArray, remarks: list[str]) -> FloatArray
     Raises ``InputFileError`` where steps are so large that the direction is open, and where the counter jumps by what
     no counter goes round at.
     """
+    if counter.modulus in (None, counter.per_turn):
+        raw = from_the_index(counter.name, raw, counter.per_turn, remarks)
     good = np.isfinite(raw)
     steps = np.diff(raw[good])
     if not steps.size:
@@ -89,6 +95,35 @@ def counted(counter: Counter, raw: FloatArray, remarks: list[str]) -> FloatArray
         f"{counter.name}_modulus = {in_full(modulus)} to be sure"
     )
     return count
+
+
+def from_the_index(name: str, raw: FloatArray, turn: float, remarks: list[str]) -> FloatArray:
+    """Readings (n,) of a counter with those left out (``nan``) that came before the index first set it to 0, told in
+    ``remarks``; as they are where it goes round once a ``turn`` from the beginning, or does not."""
+    good = np.flatnonzero(np.isfinite(raw))
+    if good.size < FEWEST:
+        return raw
+    held = raw[good]
+    steps = np.diff(held)
+    usual = float(np.median(steps))
+    near = max(NEAR * float(np.quantile(np.abs(steps), 0.95)), 1.0)
+    set_ = np.flatnonzero(np.abs(steps - usual) > near)
+    if set_.size < 2 or abs(held[set_[0]] - held[0]) > turn:
+        return raw
+    whole = np.abs(np.abs(steps[set_] - usual) - turn) <= near
+    # Counting down it goes on below the counts of a turn, or below 0.
+    after = held[set_[0] + 1]
+    at_zero = min(abs(after), abs(abs(after) - turn)) <= near
+    if whole[0] or not whole[1:].all() or not at_zero:
+        return raw
+    row = int(good[set_[0] + 1])
+    out = raw.copy()
+    out[:row] = np.nan
+    remarks.append(
+        f"{name} is set to 0 by the index in row {row + 1} for the first time: the readings before it, of less than a "
+        "turn, have no known place and are left out"
+    )
+    return out
 
 
 def _jumps(steps: FloatArray, samples: IntArray, per_turn: float) -> BoolArray:

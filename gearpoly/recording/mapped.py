@@ -11,6 +11,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.by_readings import are_whole_turns, contradicting, counter_modulus, since_1970
+from gearpoly.recording.counters import from_the_index
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.map_lines import entry, quoted
@@ -135,8 +136,11 @@ def put(out: Table, times: dict[str, FloatArray], column: str, one: Channel, sou
     factor = source.scale * unit.size / column_unit(column).size
     values = one.values
     if source.wraps is not None:
-        read = np.isfinite(values)
         values = values.copy()
+        once = source.wraps * factor < 540.0 and are_whole_turns(source.wraps * factor)
+        if column in ANGLE_COLUMNS and once:  # as a counter does that the index sets to 0
+            values = from_the_index(quoted(shorten(source.channel)), values, source.wraps, out.remarks)
+        read = np.isfinite(values)
         values[read] = np.unwrap(values[read], period=source.wraps)
     if column == "time_s" and (counted := since_1970(values)) is not None and counted.size == factor:
         values = values - values[np.isfinite(values)][0]  # small, so that no digit is lost where it is used

@@ -139,7 +139,7 @@ def fault_of(file: Path, section: GuidingSection) -> InputFileError | None:
         found = f"a declination of {known['declination']:g} deg"
         return InputFileError(file, where=where, found=found, wish=wish)
     if all(math.isnan(frame.offset) for frame in section.frames):
-        wish = "want RARawDistance in the frames: calibrate PHD2, and guide again"
+        wish = "want RARawDistance in the frames: choose a star that PHD2 does not lose, calibrate, and guide again"
         return InputFileError(file, where=where, found="no frame with a star", wish=wish)
     return None
 

@@ -189,6 +189,12 @@ CURES = [
     ),
     sheet("second table", "want one of each", edited(("rechte Zahnflanke", "linke Zahnflanke")), curves()),
     sheet("table of fewer", "each once; measure all teeth", edited((ROW + "\n", "")), curves()),
+    sheet(
+        "table of more",
+        "put its number of teeth right where it is stated",
+        edited((line_of("Zähnezahl"), line_of("Zähnezahl").replace("17", "16"))),
+        curves(),
+    ),
     sheet("not measured", "want every tooth measured, in um", edited((ROW, "    1   -9999.0 -9999.0 0.0")), curves()),
     sheet("fp against Fp", "want Fp(n) - Fp(n-1) = fp(n)", edited((ROW, "    1   99.0 0.0 0.0")), curves()),
     sheet(

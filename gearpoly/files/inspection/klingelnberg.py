@@ -117,6 +117,8 @@ class _Gear:
     def places(self, table: PitchTable) -> tuple[float, ...]:
         want = f"want teeth 1 to {self.z}, each once; measure all teeth"
         if sorted(table.rows) != list(range(1, self.z + 1)):
+            if sorted(table.rows) == list(range(1, len(table.rows) + 1)) and len(table.rows) > self.z:
+                want = f"want {self.z}, as the gear has; or put its number of teeth right where it is stated"
             raise self.fault(table.line, f"a pitch table of {len(table.rows)} teeth", want)
         columns = {name: [table.rows[n][k] for n in range(1, self.z + 1)] for k, name in enumerate(table.names)}
         for name in ("fp", "Fp"):
