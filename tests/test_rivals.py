@@ -13,7 +13,7 @@ import pytest
 from gearpoly.diagnose.contest import Refitted
 from gearpoly.diagnose.earned import _doubted
 from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT
-from gearpoly.diagnose.judge import Judged, _as_far_as_simulated, _behind, _told_apart
+from gearpoly.diagnose.judge import Judged, _as_far_as_simulated, _as_other_tips, _behind, _told_apart
 from gearpoly.diagnose.trial import Trial
 from gearpoly.infer.posterior import Explanation, Posterior
 from gearpoly.physics import catalogue
@@ -154,3 +154,30 @@ def test_a_head_is_likelier_than_not_or_one_of_several() -> None:
     )
     # What has no rival is not one of anything.
     assert replace(one, probability=0.27, rivals=()).says == alone
+
+
+@pytest.mark.parametrize(
+    ("physics", "values", "inspected", "flanks", "open_"),
+    [
+        ("tip_relief", (10.0, 0.3), False, 1, True),  # 0.15 of a module of 2 mm
+        ("tip_relief", (10.0, 0.3), False, 2, True),
+        ("tip_relief", (10.0, 0.3), True, 1, False),
+        ("tip_relief", (10.0, 0.6), False, 1, False),
+        ("centre_distance", (30.0,), False, 1, True),
+        ("centre_distance", (30.0,), False, 2, False),
+        ("centre_distance", (30.0,), True, 1, False),
+        ("wear", (10.0,), False, 1, False),
+    ],
+)
+def test_tips_that_nobody_measured_do_what_little_off_a_tip_does(
+    physics: str, values: tuple[float, ...], inspected: bool, flanks: int, open_: bool
+) -> None:
+    """A tip circle that is off moves where pairs take over on both flanks alike, and so does a relief of a few tenths
+    of a mm; a longer one is seen on its own way up the flank."""
+    gear = None if physics == "centre_distance" else 0
+    one = Claim(physics=catalogue()[physics], place=Place(gear=gear), values=values)
+    model: Any = SimpleNamespace(
+        scope=SimpleNamespace(inspected=(inspected, inspected), gears=(SimpleNamespace(m=2.0),) * 2),
+        as_built=SimpleNamespace(flanks=("drive", "coast")[:flanks]),
+    )
+    assert _as_other_tips(model, one) is open_

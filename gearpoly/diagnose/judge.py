@@ -24,6 +24,7 @@ from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import (
     ABSENT,
     AS_WRONG_KEYS,
+    AT_THE_EDGE,
     LEAST_SHARE,
     PRESENT,
     SHAPED_BY_KEYS,
@@ -133,10 +134,9 @@ def judge(
         likelier = log_size(claim.values[0], WRONG_UM) - log_size(claim.values[0], usual)
         weight = WRONG_KEY * (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
         explanations.append(Explanation(claim=None, log_evidence=mine + likelier, weight=weight))
-        told = len(model.as_built.flanks) > 1 or all(model.scope.inspected)
-        if claim.physics.name in AS_WRONG_KEYS and not told:
-            as_likely = (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
-            explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
+    if _as_other_tips(model, claim):
+        as_likely = (1.0 - share) / share * common.get(claim.physics.name, LEAST_SHARE)
+        explanations.append(Explanation(claim=None, log_evidence=mine, weight=TIPS * as_likely))
     # Where all fits better without than straight lines tell, whatever stands there has gained so much less.
     less = 0.5 * min(0.0, rise) / trial.dispersion
     beside_form = gain_beside_form(model, scenes, linear, k, gain)
@@ -146,6 +146,15 @@ def judge(
     explanations = _told_apart(trial, claim, explanations, effect=effect, deflection=deflection)
     in_vain = weighed([*known, *vain], unknown_share=share, places=places).unknown
     return Judged(gain=gain, posterior=weighed(explanations, unknown_share=share, places=places), in_vain=in_vain)
+
+
+def _as_other_tips(model: Model, claim: Claim) -> bool:
+    """Whether tips that nobody measured do what a ``claim`` does: on one flank of uninspected gears what sets axes or
+    flanks apart, and anywhere what takes so little off a tip."""
+    scope, gear = model.scope, claim.place.gear or 0
+    if claim.physics.name == "tip_relief":
+        return not scope.inspected[gear] and claim.values[1] < AT_THE_EDGE * scope.gears[gear].m
+    return claim.physics.name in AS_WRONG_KEYS and len(model.as_built.flanks) == 1 and not all(scope.inspected)
 
 
 def _by_scale(model: Model, linear: Linear, claim: Claim, gain: float) -> float:
