@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,20 @@ def test_few_turns_have_no_course_but_a_cubic() -> None:
     """Of eight turns of the slower shaft twelve curves would take what comes once per turn."""
     one, _ = found(1, kind="ar", course="settles", cycles=8.0 / 18.0)
     assert one.slow_terms == (SLOW,)
+
+
+def test_a_run_back_settles_at_its_beginning_too() -> None:
+    """The film of a recording from its end, told to be one: a sixtieth of it, at the end of its angles. Its noise is
+    modelled from the other end, which tells a few parts in a thousand."""
+    rng = np.random.default_rng(2)
+    u, t = samples(rng, z_1=18, z_2=25, cycles=2.0, per_mesh=6)
+    values = noise(rng, u.size, "white", 3e-4) + 10.0 * UM * np.exp(-60.0 * (t - t[0]) / (t[-1] - t[0]))
+    forth = residual(u, t, values, z_1=18, z_2=25)
+    back = replace(residual(-u[::-1], -t[::-1], values[::-1], z_1=18, z_2=25), backward=True)
+    found_so = [locate([one], gears=(GearKnown(z=18), GearKnown(z=25))) for one in (forth, back)]
+    first, second = ([entry for entry in one.entries if entry.drift] for one in found_so)
+    assert second[0].amplitude_um == pytest.approx(first[0].amplitude_um, rel=0.01)
+    assert found_so[1].noise_level == pytest.approx(found_so[0].noise_level, rel=0.01)
 
 
 @pytest.mark.slow

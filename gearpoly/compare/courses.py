@@ -42,7 +42,7 @@ def follow_courses(search: JointModel, solution: Solution) -> tuple[Solution, bo
         return solution, False
     for k in bent:
         s, left = search.states[k], solution.left[k]
-        s.slow = slow_curves(s.data.u if s.data.time_s is None else s.data.time_s, ALL_TERMS)
+        s.slow = slow_curves(_along(s), ALL_TERMS)
         # So slow a wave was a part of the course, and beside these curves it has no size.
         s.orders = [one for one in s.orders if not _slow(s, one)]
         s.times = [one for one in s.times if not _slow(s, one)]
@@ -64,7 +64,7 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     u = s.data.u
     if s.jumps or known == ALL_TERMS or float(np.ptp(u)) < TURNS * max(search.z_1, search.z_2):
         return False
-    x = u if s.data.time_s is None else s.data.time_s
+    x = _along(s)
     curves, left = slow_curves(x, ALL_TERMS), solution.left[k]
     waves = _of_slow_waves(s, solution.beta, search.places[k])
     if waves:
@@ -81,6 +81,12 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     each = ratio[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
     tail = np.asarray(chdtrc(1, each)) @ (weights / np.sum(weights))
     return float(np.min(tail)) * degree.size * len(search.states) < SHARES.drift
+
+
+def _along(s: State) -> FloatArray:
+    """What a course goes over (n,), the way it was recorded: a rig settles at the beginning of a run back as well."""
+    x = s.data.u if s.data.time_s is None else s.data.time_s
+    return -x if s.data.backward else x
 
 
 def _slow(s: State, wave: Peak) -> bool:
