@@ -12,7 +12,7 @@ from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.slow import ALL_TERMS, FINE_TERMS, SLOW, slow_curves
+from gearpoly.compare.slow import ALL_TERMS, FINE_TERMS, SLOW, course_curves, slow_curves
 from gearpoly.units import FloatArray, IntArray
 
 SLOW_LINES = 25
@@ -22,27 +22,27 @@ FITTED_STRETCHES = 4096
 """Stretches of the record whose sums stand for it there."""
 
 MORE_LINES = 60
-"""The same where more curves than a cubic's have taken the slowest of these lines: of the 25, the law was known to a
-factor of 9 where a recording holds two hunting cycles."""
+"""The same where curves that settle have taken a part of the slowest: from the fourth line on 25 tell the law to a
+factor of 9 only, where a recording holds two hunting cycles."""
 
 A_WAVE = 3
 """Freedoms of a wave: cosine, sine and frequency."""
 
-TURNS = FINE_TERMS
-"""Turns of the slower shaft from which on it is asked: ``FINE_TERMS`` curves go to and fro half as often, and must not
-be taken for what comes once per turn."""
+TURNS = 12
+"""Turns of the slower shaft from which on it is asked: of fewer, what falls within a seventh of them looks like a part
+of what comes once per turn. A judgement."""
 
 
 def follow_courses(search: JointModel, solution: Solution) -> tuple[Solution, bool]:
-    """Everything fitted again with ``ALL_TERMS`` slow curves for the recordings whose course a cubic does not follow,
-    and whether there is one. What settles within an eighth of a recording left 9 times the noise on a
-    cubic, and nothing beside it had a name."""
+    """Everything fitted again with what settles for the recordings whose slow course a cubic does not follow, and
+    whether there is one. What settles within an eighth of a recording left 9 times the noise on a cubic, and nothing
+    beside it had a name."""
     bent = [k for k in range(len(search.states)) if _bends(search, solution, k)]
     if not bent:
         return solution, False
     for k in bent:
         s, left = search.states[k], solution.left[k]
-        s.slow = slow_curves(_along(s), ALL_TERMS)
+        s.slow = course_curves(_along(s), ALL_TERMS)
         # So slow a wave was a part of the course, and beside these curves it has no size.
         s.orders = [one for one in s.orders if not _slow(s, one)]
         s.times = [one for one in s.times if not _slow(s, one)]
@@ -65,7 +65,7 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     if s.jumps or known == ALL_TERMS or float(np.ptp(u)) < TURNS * max(search.z_1, search.z_2):
         return False
     x = _along(s)
-    curves, left = slow_curves(x, ALL_TERMS), solution.left[k]
+    curves, left = course_curves(x, ALL_TERMS), solution.left[k]
     waves = _of_slow_waves(s, solution.beta, search.places[k])
     if waves:
         whole = left + s.slow @ solution.beta[search.places[k]["slow"]] + np.sum(waves, axis=0)
@@ -75,7 +75,7 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     course = curves @ np.linalg.lstsq(curves, left, rcond=None)[0]
     degree = np.arange(known, FINE_TERMS)
     at = np.asarray(0.5 * degree, dtype=np.float64)
-    level, doubt = slow_noise(x, left - course, at=at, skip=s.noise.cycles, beside=FINE_TERMS)
+    level, doubt = slow_noise(x, left - course, at=at, skip=s.noise.cycles, beside=ALL_TERMS)
     ratio = of_degrees(x, course)[known:] ** 2 * u.size / (2.0 * degree + 1.0)
     nodes, weights = np.polynomial.hermite_e.hermegauss(24)
     each = ratio[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
@@ -125,10 +125,10 @@ def slow_noise(
     """Noise at ``at`` (k,) turns of the record, in mm^2 per sample: mean and standard error of its log.
 
     A power law through the slow lines of ``left`` (n,) over ``x``, drawn on to where no line is; every ``skip``-th line
-    repeats with the pair and is left out, and so are those that are as slow as curves beyond a cubic, ``beside`` of
-    which it was left. What wanders rises, so the law never falls towards zero.
+    repeats with the pair and is left out, and so are the first ones where it was left ``beside`` more curves than a
+    cubic's. What wanders rises, so the law never falls towards zero.
     """
-    first, last = (2, SLOW_LINES) if beside <= SLOW else (beside // 2 + 1, MORE_LINES)
+    first, last = (2, SLOW_LINES) if beside <= SLOW else (4, MORE_LINES)
     # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
     stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
     total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)

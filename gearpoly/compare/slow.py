@@ -16,22 +16,28 @@ FINE_TERMS = 12
 """Polynomials among the slow curves where a cubic is not enough: warming up is no cubic, but five waves in a record it
 does not make. They leave a third of a jump that is told from a cubic."""
 
-SETTLES = (1.0 / 20.0, 1.0 / 60.0)
-"""Parts of a recording in which what settles at its beginning falls to 1/e, one curve each beside ``FINE_TERMS``. 10 um
-that settled in a sixteenth left 0.4 um for 0.3 um of noise beside twelve polynomials."""
+SETTLES = (1.0 / 7.0, 1.0 / 20.0, 1.0 / 60.0)
+"""Parts of a recording in which what settles at its beginning falls to 1/e, one curve each beside a cubic: what falls
+within a fortieth to a tenth lies between two of them, and so does what creeps with the logarithm of time."""
 
-ALL_TERMS = FINE_TERMS + len(SETTLES)
-"""All slow curves together."""
+ALL_TERMS = SLOW + len(SETTLES)
+"""A cubic and what settles."""
 
 
 def slow_curves(x: FloatArray, terms: int = SLOW, *, span: tuple[float, float] | None = None) -> FloatArray:
     """Legendre polynomials (n, terms) over the span of ``x`` (n,), or over ``span`` (low, high) of which ``x`` is a
-    part; of more than ``FINE_TERMS`` terms the last ones settle at the beginning."""
+    part."""
     low, high = (float(np.min(x)), float(np.max(x))) if span is None else span
     along = (2.0 * x - low - high) / max(high - low, 1e-300)
-    curves = np.polynomial.legendre.legvander(along, min(terms, FINE_TERMS) - 1)
-    settles = [np.exp(-0.5 * (along + 1.0) / part) for part in SETTLES[: max(0, terms - FINE_TERMS)]]
-    return np.column_stack((curves, *settles)) if settles else np.asarray(curves, dtype=np.float64)
+    return np.asarray(np.polynomial.legendre.legvander(along, terms - 1), dtype=np.float64)
+
+
+def course_curves(x: FloatArray, terms: int) -> FloatArray:
+    """The curves (n, terms) of a slow course over ``x`` (n,), up to ``SLOW`` or ``ALL_TERMS``: polynomials, and what
+    settles at the beginning."""
+    along = (x - np.min(x)) / max(float(np.ptp(x)), 1e-300)
+    settles = [np.exp(-along / part)[:, None] for part in SETTLES[: max(0, terms - SLOW)]]
+    return np.concatenate((slow_curves(x, min(terms, SLOW)), *settles), axis=1)
 
 
 class Slow:

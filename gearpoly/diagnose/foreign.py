@@ -11,7 +11,7 @@ from scipy.special import gammaincc
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.long_jumps import sample_of
-from gearpoly.compare.slow import slow_curves
+from gearpoly.compare.slow import course_curves
 from gearpoly.compare.spectrum import Grid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
@@ -53,7 +53,7 @@ def foreign(comparison: Comparison, model: Model, entries: Found) -> list[FloatA
         np.concatenate(each, axis=1) for each in zip(foreign_waves(comparison, entries), _come_back(model), strict=True)
     ]
     slow = [
-        slow_curves(one.samples.along, terms + 1)[:, 1:]
+        course_curves(one.samples.along, terms + 1)[:, 1:]
         for one, terms in zip(model.observed, model.scope.wanders, strict=True)
     ]
     columns = sum(one.shape[1] for one in slow)
