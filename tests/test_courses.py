@@ -81,7 +81,7 @@ def test_a_run_back_settles_at_its_beginning_too() -> None:
 @pytest.mark.slow
 def test_what_settles_hides_no_name(tmp_path: Path) -> None:
     """10 um that settle within an eighth of the recording: on a cubic they left 9 times the noise, and an eccentricity
-    of 9 um and a low tooth lost their names. `compare` has the drift to 0.02 um; beside teeth as built it was 0.12 less.
+    of 9 um and a low tooth lost their names. Compared it is known the drift to 0.02 um; beside teeth as built 0.12 less.
     """
     lines = (SHIPPED / "rec_0.csv").read_text(encoding="utf-8").splitlines()
     head = next(k for k, line in enumerate(lines) if not line.startswith("#"))
