@@ -81,8 +81,8 @@ def test_a_run_back_settles_at_its_beginning_too() -> None:
 @pytest.mark.slow
 def test_what_settles_hides_no_name(tmp_path: Path) -> None:
     """10 um that settle within an eighth of the recording: on a cubic they left 9 times the noise, and an eccentricity
-    of 9 um and a low tooth lost their names. Compared it is known the drift to 0.02 um; beside teeth as built 0.12 less.
-    """
+    of 9 um and a low tooth lost their names. The drift comes out to 0.02 um at first, 0.12 um less beside teeth as
+    built."""
     lines = (SHIPPED / "rec_0.csv").read_text(encoding="utf-8").splitlines()
     head = next(k for k, line in enumerate(lines) if not line.startswith("#"))
     rows = np.array([line.split(",") for line in lines[head + 1 :]], dtype=np.float64)
