@@ -156,17 +156,19 @@ another and to powers of two, and these a factor of two apart."""
 
 def counter_modulus(values: FloatArray) -> int | None:
     """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
-    they fill, or ``None``."""
+    they fill, from 0 on or to both sides of it, or ``None``."""
     held = first_read(values, ENOUGH)
-    if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or held.min() < 0.0 or np.any(held != np.rint(held)):
+    if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or np.any(held != np.rint(held)):
         return None
-    top, steps = float(held.max()), np.abs(np.diff(held))
+    low, top, steps = float(held.min()), float(held.max()), np.abs(np.diff(held))
     usual = float(np.median(steps))
-    power = next((1 << bits for bits in COUNTERS if top < 2**bits), None)
-    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if top < one]
+    least = max(top, -2.0 * low - 0.5, 2.0 * top if low < 0.0 else 0.0)
+    power = next((1 << bits for bits in COUNTERS if least < 2**bits), None)
+    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if least < one]
     for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
         jumps = steps > 0.5 * modulus
-        if top < share * modulus or not 1 <= np.sum(jumps) <= held.size // 4:
+        filled = min(top, -low) >= (share - 0.5) * modulus if low < 0.0 else top >= share * modulus
+        if not filled or not 1 <= np.sum(jumps) <= held.size // 4:
             continue
         # What a jump and the step that it took the place of make together; 30 000 counts nearly fill 32 768 too.
         if abs(float(np.median(steps[jumps])) + usual - modulus) <= max(1.0, float(np.max(steps[~jumps]))):
