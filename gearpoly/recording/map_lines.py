@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.recording.by_readings import are_counts, are_levels, begins_again_at, counter_modulus, wrapped_unit
+from gearpoly.recording.by_readings import (
+    are_counts,
+    are_levels,
+    begins_again_about,
+    begins_again_at,
+    counter_modulus,
+    wrapped_unit,
+)
 from gearpoly.recording.deeds import in_full
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
@@ -93,8 +101,26 @@ def analog_entries(column: str, channel: str, values: FloatArray, *, stated: str
         return (entry(column, channel, UNITS[ANGLE]["rev"]),)
     modulus = counter_modulus(values) or begins_again_at(values)
     if modulus is None:
-        return (entry(column, channel, None, *(["scale = 1.0"] if stated else [])),)
+        return doubtful_entries(column, channel, values, stated=stated)
     return counter_entries(column, channel, modulus, stated=bool(stated))
+
+
+def doubtful_entries(column: str, channel: str, values: FloatArray, *, stated: str = "") -> tuple[str, ...]:
+    """The lines that give an angle's ``column`` to readings (n,) that leave in doubt at what they begin again."""
+    about = begins_again_about(values)
+    if about is None:
+        return (entry(column, channel, None, *(["scale = 1.0"] if stated else [])),)
+    shaft, told = column.partition("_")[0], told_about(*about)
+    if np.any(values != np.rint(values), where=np.isfinite(values)):
+        return (entry(column, channel, UNITS[ANGLE]["rev"], 'scale = "1 / wraps"', f'wraps = "{told}"'),)
+    lines = counts_entries(shaft, channel, stated=bool(stated))
+    return (lines[0], lines_entry(shaft, f", its counts begin again at {told}"), *lines[2:])
+
+
+def told_about(middle: float, doubt: float) -> str:
+    """A number with its doubt, to the digits that this allows."""
+    places = max(0, -math.floor(math.log10(max(doubt, 1e-9))))
+    return f"about {middle:.{places}f} +- {math.ceil(doubt * 10**places) / 10**places:.{places}f}"
 
 
 def counter_entries(column: str, channel: str, modulus: float, *, stated: bool = False) -> tuple[str, ...]:
@@ -107,10 +133,10 @@ def counter_entries(column: str, channel: str, modulus: float, *, stated: bool =
     return (line,)
 
 
-def lines_entry(shaft: str) -> str:
+def lines_entry(shaft: str, more: str = "") -> str:
     """The line of a map for the lines of a ``shaft``'s encoder, which no file tells. It holds words, so that a map that
     is not filled in is refused: the same number of both shafts would fit any pair."""
-    return f'keys.{shaft}_lines = "those on its label"'
+    return f'keys.{shaft}_lines = "those on its label{more}"'
 
 
 def turn_of_counts(values: FloatArray) -> int | None:
