@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.by_readings import begins_again_at, swings
+from gearpoly.recording.by_readings import begins_again_about, begins_again_at, swings
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
 from tests.made_texts import DEGREE, chart, run, same, table, written
@@ -73,6 +73,55 @@ def test_what_begins_again_nowhere_has_no_such_number() -> None:
     assert begins_again_at(np.arange(2000.0)) is None
     assert begins_again_at(np.sin(np.arange(2000) / 10.0)) is None
     assert begins_again_at(np.random.default_rng(1).standard_normal(2000)) is None
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.6, 0.9])
+@pytest.mark.parametrize("modulus", [3_600_000, 360_000, 777_777, 2**20, 4_000_037])
+@pytest.mark.parametrize("low", [0, 1])
+def test_what_counts_begin_again_at_is_not_told_wrong(share: float, modulus: int, low: int) -> None:
+    """Wraps come at one place of the shaft, here where its speed changes most or little: 3 599 990 was told for
+    3 600 000, since the jumps agreed to two counts. Any number is told in full only if it is right, else with a doubt
+    that holds it."""
+    time = np.arange(12_000) / 100.0
+    turned = 0.5 * time
+    turned = turned + 4e-6 * np.sin(18.0 * 2.0 * np.pi * (turned + share))
+    counts = np.mod(np.floor(turned * modulus) + low * modulus // 2, modulus) - low * modulus // 2
+    about = begins_again_about(counts)
+    assert about is not None
+    assert abs(about[0] - modulus) <= about[1] <= 2e-5 * modulus
+    told = begins_again_at(counts)
+    assert told == (None if modulus in (777_777, 4_000_037) else modulus)
+
+
+def test_doubtful_counts_are_offered_with_the_lines_to_fill_in(tmp_path: Path) -> None:
+    """777 777 counts a turn were offered as 777 776: half a degree lost in 1400 turns."""
+    time = np.arange(6000) / 100.0
+    turned = [0.5 * time + 4e-6 * np.sin(18.0 * np.pi * time + 1.0), 0.36 * time]
+    counts = [np.mod(np.floor(one * 777_777), 777_777) for one in turned]
+    file = made(tmp_path, ("t [s]", "c1", "c2"), time, *counts, digits=(3, 0, 0))
+    wish = asked(file).wish
+    assert "wraps" not in wish
+    lines = LINE.findall(wish)
+    for line in lines:
+        if told := re.search(r"begin again at about (\d+) \+- (\d+)", line):
+            assert abs(int(told[1]) - 777_777) <= int(told[2]) <= 20
+    text = re.sub(r'lines = "those on its label[^"]*"', "lines = 777777", "\n".join(lines)).replace("= 4", "= 1")
+    assert text.count("777777") == 2
+    read = read_recording(file, chart=chart(tmp_path, text))
+    for angle, turns in zip((read.driving_angle_rad, read.driven_angle_rad), turned, strict=True):
+        assert angle is not None
+        assert np.max(np.abs(angle / (2.0 * np.pi) - (turns - turns[0]))) <= 1.01 / 777_777
+
+
+def test_volts_of_no_round_number_are_offered_with_their_doubt(tmp_path: Path) -> None:
+    """9.8765 V a turn were offered as 9.88 V, a tenth of a degree too much each turn."""
+    time = np.arange(6000) / 100.0
+    volts = [np.mod(one * 9.8765, 9.8765) for one in (0.5 * time, 0.36 * time + 4e-5 * np.sin(30.0 * time))]
+    file = made(tmp_path, ("t [s]", "Input angle [V]", "Output angle [V]"), time, *volts, digits=5)
+    wish = asked(file).wish
+    told = re.findall(r'scale = "1 / wraps", wraps = "about ([\d.]+) \+- ([\d.]+)"', wish)
+    assert len(told) == 2
+    assert all(abs(float(middle) - 9.8765) <= float(doubt) for middle, doubt in told)
 
 
 def test_a_and_b_of_one_encoder_are_told_as_such(tmp_path: Path) -> None:

@@ -161,14 +161,15 @@ def test_times_are_offered_as_no_angle(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", ["{:d}", "0x{:04X}"])
-def test_counts_that_go_round_are_offered_as_turns(tmp_path: Path, form: str) -> None:
-    """An angle in deg that begins again after 65536 would be one that trembles by 16 deg."""
+def test_counts_that_go_round_at_a_width_are_asked_for_their_lines(tmp_path: Path, form: str) -> None:
+    """65536 may be a turn, or the width of the counter. An angle in deg that begins again there would be one that
+    trembles by 16 deg."""
     held = [counts(one, 2**16) for one in (DRIVING, DRIVEN)]
     text = "time_ms,in,out\n" + "".join(
         f"{10 * k},{form.format(int(a))},{form.format(int(b))}\n" for k, a, b in zip(ROWS, *held, strict=True)
     )
     file = written(tmp_path, text)
-    holds(cured(file, tmp_path), half=360.0 / 2**16 * 1.01)
+    holds(cured(file, tmp_path, ('"those on its label"', "16384")), half=360.0 / 2**16 * 1.01)
     lines = "\n".join(f'columns.{c} = {{ from = "{n}", unit = "deg" }}' for c, n in
                       (("driving_angle_deg", "in"), ("driven_angle_deg", "out")))  # fmt: skip
     with pytest.raises(InputFileError, match="counts that begin again after 65536") as caught:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import numpy as np
 
 from gearpoly.recording.agreement import rounding
 from gearpoly.recording.finite import first_read
 from gearpoly.recording.quantities import ANGLE, TIME, UNITS, Unit, unit_written
-from gearpoly.units import BoolArray, FloatArray
+from gearpoly.units import FloatArray
 
 SERIAL_DAYS = (20_000.0, 80_000.0)
 """Days by which spreadsheets count dates, from 1954 to 2119."""
@@ -111,8 +112,40 @@ def _jumps(values: FloatArray) -> tuple[Unit | None, int]:
 
 
 def begins_again_at(values: FloatArray) -> float | None:
-    """The number at which readings (n,) of any unit begin again, by jumps that agree, or ``None``: to three digits, and
-    of whole numbers to as many as the jumps tell."""
+    """The number at which readings (n,) of any unit begin again, by jumps that agree, or ``None`` where they do not or
+    leave it in doubt (``begins_again_about``): a power of two or a round number, the one within the doubt."""
+    found = begins_again_about(values)
+    if found is None:
+        return None
+    middle, doubt = found
+    power = 2.0 ** round(math.log2(middle))
+    near = (10.0**k * round(middle / 10.0**k) for k in range(math.floor(math.log10(middle)), -PLACES_MOST, -1))
+    rounds = [one for one in (float(f"{one:.12g}") for one in near) if one > 0.0]
+    told = [power] if middle >= 2.0 ** COUNTERS[0] and doubt <= ROUNDNESS * power else []
+    told += [one for one in rounds if doubt <= ROUNDNESS * _roundness(one)]
+    span = float(np.ptp(first_read(values, ENOUGH)))
+    return next((one for one in told if abs(one - middle) <= doubt and one > span - doubt), None)
+
+
+PLACES_MOST = 6
+"""Decimal places of a number at which readings begin again: those of a voltage to a millionth."""
+
+ROUNDNESS = 0.05
+"""Part of its last digit's size, up to which doubt leaves a round number certain: one number in ten of any kind has
+such a one within its doubt, and counts of a turn are seldom of any kind."""
+
+
+def _roundness(number: float) -> float:
+    """The size of the last digit of a ``number`` that is not 0."""
+    return 10.0 ** int(Decimal(f"{number:.12g}").normalize().as_tuple().exponent)
+
+
+def begins_again_about(values: FloatArray) -> tuple[float, float] | None:
+    """The number at which readings (n,) begin again and its doubt, by jumps that agree, or ``None`` without them.
+
+    A jump with the steps beside it is that number but for what the shaft's speed changed meanwhile. Jumps come at one
+    place of the shaft, where it changes alike each time, so no number of jumps makes the doubt less than that change.
+    """
     held = first_read(values, ENOUGH)
     steps = np.diff(held)
     span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
@@ -120,26 +153,20 @@ def begins_again_at(values: FloatArray) -> float | None:
     jumps = np.abs(steps[large])
     if span == 0.0 or not 3 <= jumps.size <= held.size // 8 or np.ptp(jumps) > WRAP_TOLERANCE * 5.0 * span:
         return None
-    modulus = float(f"{np.median(jumps) + np.median(np.abs(steps)):.3g}")
-    if not np.any(held != np.rint(held)):
-        modulus = _whole_modulus(steps, large, float(held.max()) + 1.0)
-    return modulus if 0.95 * modulus < span < 1.01 * modulus else None
+    size = np.abs(steps)
+    beside = 0.5 * (size[:-2] + size[2:])
+    alone = ~(large[:-2] | large[2:])
+    told = (size[1:-1] + beside)[large[1:-1] & alone]
+    change = np.abs(size[1:-1] - beside)[~large[1:-1] & alone]
+    if not told.size or not change.size:
+        return None
+    whole = not np.any(held != np.rint(held))
+    middle, doubt = float(np.median(told)), float(np.quantile(change, CHANGE)) + (0.5 if whole else 0.0)
+    return (middle, doubt) if 0.95 * middle < span < 1.01 * middle else None
 
 
-DIGITS = range(1, 11)
-"""Digits that a number of counts is rounded to, the fewest that the jumps allow."""
-
-
-def _whole_modulus(steps: FloatArray, jumps: BoolArray, least: float) -> float:
-    """What counts go round at, some of whose ``steps`` (n,) are ``jumps``: the roundest number from ``least`` on that
-    these and the steps beside them tell, within three of their standard errors and a half."""
-    inner = np.flatnonzero(jumps[1:-1]) + 1
-    beside = 0.5 * (np.abs(steps[inner - 1]) + np.abs(steps[inner + 1]))
-    told = np.abs(steps[inner]) + beside
-    middle = float(np.median(told))
-    error = 0.5 + 3.0 * float(np.std(told)) / math.sqrt(max(1, told.size))
-    round_ones = (float(f"{middle:.{digits}g}") for digits in DIGITS)
-    return next((one for one in round_ones if abs(one - middle) <= error and one >= least), max(middle, least))
+CHANGE = 0.99
+"""Share of the changes of speed that the doubt of a jump holds; the rest are readings that are missing or wrong."""
 
 
 COUNTERS = range(8, 33)
@@ -156,17 +183,19 @@ another and to powers of two, and these a factor of two apart."""
 
 def counter_modulus(values: FloatArray) -> int | None:
     """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
-    they fill, or ``None``."""
+    they fill, from 0 on or to both sides of it, or ``None``."""
     held = first_read(values, ENOUGH)
-    if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or held.min() < 0.0 or np.any(held != np.rint(held)):
+    if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or np.any(held != np.rint(held)):
         return None
-    top, steps = float(held.max()), np.abs(np.diff(held))
+    low, top, steps = float(held.min()), float(held.max()), np.abs(np.diff(held))
     usual = float(np.median(steps))
-    power = next((1 << bits for bits in COUNTERS if top < 2**bits), None)
-    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if top < one]
+    least = max(top, -2.0 * low - 0.5, 2.0 * top if low < 0.0 else 0.0)
+    power = next((1 << bits for bits in COUNTERS if least < 2**bits), None)
+    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if least < one]
     for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
         jumps = steps > 0.5 * modulus
-        if top < share * modulus or not 1 <= np.sum(jumps) <= held.size // 4:
+        filled = min(top, -low) >= (share - 0.5) * modulus if low < 0.0 else top >= share * modulus
+        if not filled or not 1 <= np.sum(jumps) <= held.size // 4:
             continue
         # What a jump and the step that it took the place of make together; 30 000 counts nearly fill 32 768 too.
         if abs(float(np.median(steps[jumps])) + usual - modulus) <= max(1.0, float(np.max(steps[~jumps]))):

@@ -9,12 +9,14 @@ before has no known place.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from gearpoly.errors import InputFileError
+from gearpoly.recording.by_readings import begins_again_about
 from gearpoly.recording.deeds import in_full
 from gearpoly.recording.pulses import unwrap_counter
 from gearpoly.units import BoolArray, FloatArray, IntArray
@@ -81,9 +83,12 @@ def counted(counter: Counter, raw: FloatArray, remarks: list[str]) -> FloatArray
     modulus = _found(counter.per_turn, steps, jumps)
     row = int(np.flatnonzero(good)[int(np.argmax(jumps)) + 1]) + 1
     if modulus is None:
-        guess = float(np.median(np.abs(steps[jumps] - np.median(steps[~jumps]))))
+        found_about = begins_again_about(raw)
+        guess = f"{float(np.median(np.abs(steps[jumps] - np.median(steps[~jumps])))):.0f}"
+        if found_about is not None:  # the steps beside each jump tell it closer than the usual one
+            guess = f"{found_about[0]:.0f} +- {math.ceil(found_about[1])}"
         wish = (
-            f"want {counter.name}_modulus, about {guess:.0f}, if the counter goes round there, or a recording without "
+            f"want {counter.name}_modulus, about {guess}, if the counter goes round there, or a recording without "
             "a reset"
         )
         found = f"a jump by {in_full(steps[int(np.argmax(jumps))])}"

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable
 
 import numpy as np
 
-from gearpoly.recording.by_readings import are_counts, are_levels, begins_again_at, counter_modulus, wrapped_unit
+from gearpoly.recording.by_readings import (
+    are_counts,
+    are_levels,
+    begins_again_about,
+    begins_again_at,
+    counter_modulus,
+    wrapped_unit,
+)
 from gearpoly.recording.deeds import in_full
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
@@ -75,40 +83,60 @@ def angle_entries(column: str, channel: str, values: FloatArray) -> tuple[str, .
     if are_levels(values):
         return (entry(f"{shaft}_a", channel, None), lines_entry(shaft))
     if modulus is not None:
-        return (counter_entry(column, channel, modulus),)
+        return counter_entries(column, channel, modulus)
     if are_counts(values):
         return counts_entries(shaft, channel)
     unit = wrapped_unit(values)
-    return (entry(column, channel, unit) if unit is not None else analog_entry(column, channel, values),)
+    return (entry(column, channel, unit),) if unit is not None else analog_entries(column, channel, values)
 
 
 TURN_UNITS = ("u", "umdr", "r", "t", "tr", "cyc", "cycle", "cycles", "vuelta", "vueltas")
 """Units of an angle that are likelier turns than anything else, and may be a letter of the owner's own."""
 
 
-def analog_entry(column: str, channel: str, values: FloatArray, *, stated: str = "") -> str:
-    """The line that gives an angle's ``column`` to readings (n,) of no unit, or of another one that is ``stated``, such
+def analog_entries(column: str, channel: str, values: FloatArray, *, stated: str = "") -> tuple[str, ...]:
+    """The lines that give an angle's ``column`` to readings (n,) of no unit, or of another one that is ``stated``, such
     as volts: as turns of what they begin again at, where they do, and else with a scale to be filled in."""
     if stated.strip(" .").lower() in TURN_UNITS:
-        return entry(column, channel, UNITS[ANGLE]["rev"])
-    whole = counter_modulus(values)
-    if whole is not None:
-        return counter_entry(column, channel, whole)
-    modulus = begins_again_at(values)
+        return (entry(column, channel, UNITS[ANGLE]["rev"]),)
+    modulus = counter_modulus(values) or begins_again_at(values)
     if modulus is None:
-        return entry(column, channel, None, *(["scale = 1.0"] if stated else []))
-    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {in_full(modulus)}")
+        return doubtful_entries(column, channel, values, stated=stated)
+    return counter_entries(column, channel, modulus, stated=bool(stated))
 
 
-def counter_entry(column: str, channel: str, modulus: int) -> str:
-    """The line that gives an angle's ``column`` to counts that begin again at a ``modulus``, if that is one turn."""
-    return entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {modulus}")
+def doubtful_entries(column: str, channel: str, values: FloatArray, *, stated: str = "") -> tuple[str, ...]:
+    """The lines that give an angle's ``column`` to readings (n,) that leave in doubt at what they begin again."""
+    about = begins_again_about(values)
+    if about is None:
+        return (entry(column, channel, None, *(["scale = 1.0"] if stated else [])),)
+    shaft, told = column.partition("_")[0], told_about(*about)
+    if np.any(values != np.rint(values), where=np.isfinite(values)):
+        return (entry(column, channel, UNITS[ANGLE]["rev"], 'scale = "1 / wraps"', f'wraps = "{told}"'),)
+    lines = counts_entries(shaft, channel, stated=bool(stated))
+    return (lines[0], lines_entry(shaft, f", its counts begin again at {told}"), *lines[2:])
 
 
-def lines_entry(shaft: str) -> str:
+def told_about(middle: float, doubt: float) -> str:
+    """A number with its doubt, to the digits that this allows."""
+    places = max(0, -math.floor(math.log10(max(doubt, 1e-9))))
+    return f"about {middle:.{places}f} +- {math.ceil(doubt * 10**places) / 10**places:.{places}f}"
+
+
+def counter_entries(column: str, channel: str, modulus: float, *, stated: bool = False) -> tuple[str, ...]:
+    """The lines that give an angle's ``column`` to readings that begin again at a ``modulus``, if that is one turn; as
+    counts of an encoder whose lines are asked for where it may be no more than the counter's width."""
+    if modulus in OF_COUNTERS:
+        shaft = column.partition("_")[0]
+        return (*counts_entries(shaft, channel, stated=stated), f"keys.{shaft}_count_modulus = {in_full(modulus)}")
+    line = entry(column, channel, UNITS[ANGLE]["rev"], f"scale = {1.0 / modulus!r}", f"wraps = {in_full(modulus)}")
+    return (line,)
+
+
+def lines_entry(shaft: str, more: str = "") -> str:
     """The line of a map for the lines of a ``shaft``'s encoder, which no file tells. It holds words, so that a map that
     is not filled in is refused: the same number of both shafts would fit any pair."""
-    return f'keys.{shaft}_lines = "those on its label"'
+    return f'keys.{shaft}_lines = "those on its label{more}"'
 
 
 def turn_of_counts(values: FloatArray) -> int | None:
@@ -119,7 +147,7 @@ def turn_of_counts(values: FloatArray) -> int | None:
     return None if modulus is None or modulus in OF_COUNTERS else int(modulus)
 
 
-OF_COUNTERS = (2**16, 2**24, 2**32)
+OF_COUNTERS = (2**8, 2**16, 2**24, 2**32)
 """What counters of a whole number of bytes go round at, whatever the encoder has."""
 
 

@@ -14,7 +14,7 @@ from gearpoly.recording.by_readings import are_whole_turns, contradicting, count
 from gearpoly.recording.counters import from_the_index
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.map_lines import entry, quoted
+from gearpoly.recording.map_lines import OF_COUNTERS, entry, quoted
 from gearpoly.recording.quantities import COUNT, UNITS, Unit, column_unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.table import Channel, Table
@@ -90,7 +90,8 @@ def _check_unit(chart: RecordingMap, column: str, one: Channel, source: Source, 
     if modulus is not None and not are_whole_turns(modulus * source.scale * unit.size):
         found = f"{unit.name}, and the readings are counts that begin again after {modulus}"
         wish = f'want wraps = {modulus}, and scale: what a count is of a {unit.name}; unit = "rev" and scale = '
-        wish += f"{1.0 / modulus!r} if that is one turn"
+        width = f"1 / (counts of a turn), as {modulus} may be no more than the counter's width"
+        wish += width if modulus in OF_COUNTERS else f"{1.0 / modulus!r} if that is one turn"
         raise InputFileError(chart.file, where=f"columns.{column}", found=found, wish=wish)
     values = one.values * source.scale
     other = contradicting(values, unit)

@@ -28,8 +28,8 @@ from gearpoly.recording.by_readings import (
 from gearpoly.recording.header import COUNTED, header_unit, is_clock
 from gearpoly.recording.map_lines import (
     TEETH_RATIO,
-    analog_entry,
-    counter_entry,
+    analog_entries,
+    counter_entries,
     counts_entries,
     entry,
     likely_time,
@@ -290,8 +290,8 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     modulus = counter_modulus(held.values) if quantity == ANGLE and unit is not None and other is None else None
     if unit is not None and modulus is not None and not are_whole_turns(modulus * unit.size):
         doubt = f"the unit {stated}, and its readings are counts that begin again after {modulus}"
-        ask = (counter_entry(columns[ANGLE], channel, modulus),)
-        return Meaning(channel=channel, column=columns[ANGLE], dimension=ANGLE, why=f'"{name}"', doubt=doubt, ask=ask)
+        asked = counter_entries(columns[ANGLE], channel, modulus, stated=bool(stated))
+        return Meaning(channel=channel, column=columns[ANGLE], dimension=ANGLE, why=f'"{name}"', doubt=doubt, ask=asked)
     of_other = (quantity, shaft) in ((TORQUE, "driving"), (SPEED, "driven"))
     if quantity == TORQUE and shaft == "driving":
         doubts.append(f"a torque of the driving shaft (torque_nm is of the driven one: scale is {TEETH_RATIO})")
@@ -303,7 +303,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     if unit is not None and of_other:
         settled = replace(settled, ask=(entry(columns[quantity], channel, unit, f'scale = "{TEETH_RATIO}"'),))
     if quantity == ANGLE and unit is None:
-        settled = replace(settled, ask=(analog_entry(columns[ANGLE], channel, held.values, stated=stated),))
+        settled = replace(settled, ask=analog_entries(columns[ANGLE], channel, held.values, stated=stated))
     return replace(settled, named=not doubt)
 
 
@@ -313,7 +313,7 @@ def _counted(one: Meaning, shaft: str, values: FloatArray) -> Meaning:
     if modulus is None:
         return replace(one, column=f"{shaft}_count", ask=counts_entries(shaft, one.channel))
     doubt = f"counts of an encoder that begin again after {modulus}, which may be one turn"
-    ask = (counter_entry(f"{shaft}_angle_deg", one.channel, modulus),)
+    ask = counter_entries(f"{shaft}_angle_deg", one.channel, modulus)
     return replace(one, column=f"{shaft}_count", doubt=doubt, ask=ask)
 
 

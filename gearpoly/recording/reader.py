@@ -28,7 +28,7 @@ from gearpoly.recording.clock_set import on_one_clock
 from gearpoly.recording.finite import has_infinite
 from gearpoly.recording.in_name import in_name
 from gearpoly.recording.looks_like import check_units
-from gearpoly.recording.map_lines import counter_entry, entry
+from gearpoly.recording.map_lines import counter_entries, entry
 from gearpoly.recording.pulse_times import angles_from_pulse_times
 from gearpoly.recording.quantities import column_unit
 from gearpoly.recording.raw import angles_from_raw
@@ -163,11 +163,13 @@ def recording_from_table(file: Path, table: Table, *, worm: WormSection | None =
             wish = f"want degrees, or a map with {entry(name, name, other)}"
             found = f"readings that begin again after one turn as in {other.name}"
             raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
-        modulus = counter_modulus(table.columns[name]) if name in table.columns else None
-        if modulus is not None and not are_whole_turns(modulus):
-            wish = f"want degrees, or a map with {counter_entry(name, name, modulus)}"
-            found = f"readings that are counts, and begin again after {modulus}"
-            raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
+    around = {one: counter_modulus(table.columns[one]) for one in ANGLE_COLUMNS if one in table.columns}
+    counts = {one: modulus for one, modulus in around.items() if modulus is not None and not are_whole_turns(modulus)}
+    for name, modulus in counts.items():  # all of them are in the lines, so that one map cures them
+        lines = [line for one, at in counts.items() for line in counter_entries(one, one, at, stated=True)]
+        found = f"readings that are counts, and begin again after {modulus}"
+        wish = f"want degrees, or a map with {' '.join(lines)}"
+        raise InputFileError(file, where=f"column {name}", found=found, wish=wish)
     if "te_urad" in table.columns and "te_arcsec" in table.columns:
         _take_one_error(file, table)
     places = _last_places(table)

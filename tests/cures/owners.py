@@ -114,7 +114,7 @@ CURES = [
         file="log.txt",
         cured="".join(f'columns.{column} = {{ from = "{name}", unit = "deg" }}\n' for column, name in QUICK_FROM),
     ),
-    text("counts under the name of degrees", "wraps = 65536", COUNTED, file="log.txt", cured=OWN_COUNTS),
+    text("counts under the name of degrees", "count_modulus = 65536", COUNTED, file="log.txt", cured=OWN_COUNTS),
     curve("no period", "want the worm's period in s, above 0", CURVE.replace("Period=479", "Period=0")),
     curve("few rows", "want at least 16 rows", "\n".join(CURVE.splitlines()[:9]) + "\n"),
     curve("rows turned", "want rows in their order", CURVE.replace("\n7 ", "\n5 ")),

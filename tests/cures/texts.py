@@ -335,7 +335,7 @@ FOREIGN = [
     text(
         "bad row",
         "or a line of names where another recording begins",
-        LOGGED + "x;1,0\n" + LOGGED.split("\n", 1)[1],
+        LOGGED[: LOGGED.index("\n", len(LOGGED) // 2)] + "\nx;1,0" + LOGGED[LOGGED.index("\n", len(LOGGED) // 2) :],
         LOGGED,
         file="log.txt",
     ),

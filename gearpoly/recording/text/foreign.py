@@ -28,7 +28,7 @@ from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touch
 from gearpoly.recording.text.labview import take_times
 from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
 from gearpoly.recording.text.lines import TextLines
-from gearpoly.recording.text.missing import no_reading, without, without_empty
+from gearpoly.recording.text.missing import no_reading, without, without_empty, without_unnamed
 from gearpoly.recording.text.oscilloscope import take_sequence
 from gearpoly.recording.text.part import TextPart
 from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
@@ -69,7 +69,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
-    lines = without_empty(TextLines(text, inside))
+    lines, left_out = without_unnamed(without_empty(TextLines(text, inside)))
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
         found = f"{len(lines)} lines of {len(text) / len(lines):.1f} characters"
@@ -81,8 +81,8 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         return _recordings(file, cut, replace(writing, separator=PARTED), encoding, footer=footer)
     try:
         tables = _recordings(file, lines, writing, encoding, footer=footer)
-        for table in tables if taken_off else ():
-            table.remarks.append(taken_off)
+        for table in tables:
+            table.remarks += [said for said in (left_out, taken_off) if said]
         return tables
     except InputFileError:
         held = touching(lines) if writing.separator in ("", " ") else None

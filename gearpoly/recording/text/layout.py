@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
@@ -20,6 +20,7 @@ from gearpoly.recording.text.cut import is_data, part_read, split
 from gearpoly.recording.text.headings import bare, completed, heading, words_of_line
 from gearpoly.recording.text.lines import LINES_AT_ONCE, TextLines, are_rows
 from gearpoly.recording.text.missing import closes, holds_cells, no_reading
+from gearpoly.recording.text.restarts import begins_again, restarts
 from gearpoly.recording.text.stamps import is_stamp
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
@@ -118,14 +119,27 @@ def find_blocks(
     before = 0
     for first, end, width in runs:
         above = [k for k in range(before, first) if lines[k].strip()]
+        block = _block(file, lines, above, separator, (first, end, width), header=header, units=units)
         if blocks and not _begins(lines, above, separator, width):
-            raise _bad_line(file, lines, above, separator, blocks[-1], gaps=len(runs) - 1)
-        blocks.append(_block(file, lines, above, separator, (first, end, width), header=header, units=units))
+            rows = ((blocks[-1].rows[0] - 1, before), (first, end))
+            torn = any(separator in lines[k] and is_number(split(lines[k], separator)[0]) for k in above)
+            if torn or len(blocks[-1].names) != width or not begins_again(lines, separator, blocks[-1].names, *rows):
+                raise _bad_line(file, lines, above, separator, blocks[-1], gaps=len(runs) - 1)
+            block = replace(blocks[-1], head=block.head, rows=block.rows)
+        blocks += _parted(lines, separator, block)
         before = end
     tail = [k for k in range(before, len(lines)) if holds_cells(lines[k])]
     if tail and (not footer or _is_row(split(lines[tail[0]], separator), len(blocks[-1].names))):
         raise _bad_line(file, lines, tail, separator, blocks[-1])
     return blocks
+
+
+def _parted(lines: TextLines, separator: str, block: Block) -> list[Block]:
+    """A ``block`` as the recordings that it holds: one begins where the time does so again."""
+    first, end = block.rows[0] - 1, block.rows[1] - 1
+    begins = [first, *restarts(lines, separator, block.names, (first, end)), end]
+    parts = [replace(block, rows=(one + 1, other + 1)) for one, other in itertools.pairwise(begins)]
+    return [parts[0], *(replace(one, head=(one.rows[0], one.rows[0])) for one in parts[1:])]
 
 
 def _runs(lines: TextLines, separator: str) -> list[tuple[int, int, int]]:

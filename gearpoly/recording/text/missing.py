@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from gearpoly.recording.map_lines import quoted
 from gearpoly.recording.text.cells import is_number
 from gearpoly.recording.text.lines import TextLines
+from gearpoly.recording.text.stamps import is_stamp
 from gearpoly.recording.words import tokens
 
 LONGEST_WORD = 40
@@ -76,6 +77,33 @@ def without_empty(lines: TextLines) -> TextLines:
         if mark[0] in begin:
             lines = TextLines(re.sub(rb"(?m)^[%b ]+$" % mark, b"", lines.text), lines.encoding)
     return lines
+
+
+SAMPLE_LINES = 2000
+"""Lines that tell whether rows end in cells without names; the longest head of a logger seen has some hundred."""
+
+
+def without_unnamed(lines: TextLines) -> tuple[TextLines, str]:
+    """The ``lines`` without the empty cells that all rows end in and no line above them names, where there are two or
+    more, and what is to be said of it."""
+    sample = lines[:SAMPLE_LINES]
+    for mark in ";,\t":
+        begun = [(line, line.partition(mark)[0].strip('" ')) for line in sample if mark in line]
+        rows = [line for line, cell in begun if is_number(cell) or is_stamp(cell)]
+        cells = min((len(line) - len(line.rstrip(mark)) for line in rows), default=0)
+        if len(rows) < FEWEST_ROWS or cells < 2:
+            continue
+        named = rows[0].count(mark) + 1 - cells
+        if named < 2 or any(cell.strip() for line in sample for cell in line.split(mark)[named:]):
+            continue
+        text = re.sub(rb"(?m)%b{%d}$" % (mark.encode("ascii"), cells), b"", lines.text)
+        said = f"{cells} empty cells without names at the end of each row left out"
+        return TextLines(text, lines.encoding), said
+    return lines, ""
+
+
+FEWEST_ROWS = 8
+"""Rows from which that is told."""
 
 
 def without(text: str, missing: Sequence[str], separator: str) -> str:
