@@ -35,7 +35,7 @@ test: $(VENV)/.test
 	@mkdir -p out
 	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
 	$(BIN)/python -m tests.ready; \
-	$(BIN)/pytest -n $(JOBS) --dist loadfile --durations=20 -m "not slow"; tests=$$?; \
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 
 test-slow: $(VENV)/.test

@@ -77,6 +77,7 @@ def test_a_healthy_pair_misses_nothing(folder: Path) -> None:
     assert found["fit"]["heldout_rms_um"]["after"] < 0.31
 
 
+@pytest.mark.slow
 @needs_bench
 def test_an_order_that_no_gear_makes_is_located_and_not_named() -> None:
     found = verdict_json(diagnosed(BENCH / "unknown_order"))
