@@ -36,7 +36,7 @@ FIRST = (
     "compare_end_to_end", "diagnosis_page_browser", "align", "api_as_commands", "study_run", "cures", "other_pair",
     "runs", "compare", "jumps", "diagnosis_on_paper", "courses", "locate", "proving_ground",
 )  # fmt: skip
-"""Files that take 15 s or more: begun last, one of them would leave a processor idle for as long."""
+"""Files that take 10 s or more: begun last, one of them would leave a processor idle for as long."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

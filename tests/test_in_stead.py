@@ -147,13 +147,8 @@ def test_parameters_that_are_fixed_leave_a_system_without_them() -> None:
     assert system.fixed_at_zero([]).misfit == pytest.approx(system.misfit, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("deviation", "surely"),
-    [
-        pytest.param(lambda u: -12.0 * u, True, marks=pytest.mark.slow),
-        pytest.param(lambda u: -9.0 * (u > 0.5), False, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("deviation", "surely"), [(lambda u: -12.0 * u, True), (lambda u: -9.0 * (u > 0.5), False)])
 def test_a_tooth_that_leans_as_no_sheet_says_is_no_pit(deviation: Any, surely: bool, tmp_path: Path) -> None:
     """12 um that an inspected flank leans look like a pit whose wall is a mm wide, up to the tip; 9 um off its upper
     half are a pit."""
