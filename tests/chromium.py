@@ -187,6 +187,10 @@ class Chromium:
             self._receive(until)
         self.run("window.started")
 
+    def leave(self) -> None:
+        """Leave the page: one that moves on would take a tenth of a processor from all tests after it."""
+        self.send("Page.navigate", url="about:blank")
+
     def run(self, script: str) -> Any:
         """The JSON value of an expression, promises awaited; raises ``RuntimeError`` where it throws."""
         result = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)

@@ -95,3 +95,4 @@ def fresh(browser: Chromium) -> Iterator[Chromium]:
     yield browser
     assert browser.console == []
     assert all(url.startswith(("file:", "data:")) for url in browser.requests)
+    browser.leave()
