@@ -180,16 +180,19 @@ class Chromium:
 
     def open(self, page: Path) -> None:
         """Open a file and wait until it has loaded and its scripts have started."""
-        self._loaded = False
-        self.send("Page.navigate", url=page.resolve().as_uri())
-        until = time.monotonic() + PATIENCE
-        while not self._loaded:
-            self._receive(until)
+        self._go(page.resolve().as_uri())
         self.run("window.started")
 
     def leave(self) -> None:
         """Leave the page: one that moves on would take a tenth of a processor from all tests after it."""
-        self.send("Page.navigate", url="about:blank")
+        self._go("about:blank")
+
+    def _go(self, url: str) -> None:
+        self._loaded = False
+        self.send("Page.navigate", url=url)
+        until = time.monotonic() + PATIENCE
+        while not self._loaded:
+            self._receive(until)
 
     def run(self, script: str) -> Any:
         """The JSON value of an expression, promises awaited; raises ``RuntimeError`` where it throws."""
