@@ -77,10 +77,7 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     at = np.asarray(0.5 * degree, dtype=np.float64)
     level, doubt = slow_noise(x, left - course, at=at, skip=s.noise.cycles, beside=ALL_TERMS)
     ratio = of_degrees(x, course)[known:] ** 2 * u.size / (2.0 * degree + 1.0)
-    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
-    each = ratio[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
-    tail = np.asarray(chdtrc(1, each)) @ (weights / np.sum(weights))
-    return float(np.min(tail)) * degree.size * len(search.states) < SHARES.drift
+    return float(np.min(chances(ratio, level, doubt))) * degree.size * len(search.states) < SHARES.drift
 
 
 def _along(s: State) -> FloatArray:
@@ -117,6 +114,14 @@ def _of_slow_waves(s: State, beta: FloatArray, places: dict[str, IntArray]) -> l
 def of_degrees(x: FloatArray, course: FloatArray) -> FloatArray:
     """Amplitudes of the polynomials (``FINE_TERMS``,) that make up a slow ``course`` (n,) over ``x``."""
     return np.asarray(np.linalg.lstsq(slow_curves(x, FINE_TERMS), course, rcond=None)[0])
+
+
+def chances(power: FloatArray, level: FloatArray, doubt: FloatArray) -> FloatArray:
+    """Chance (k,) that noise raises a ``power`` (k,) in mm^2 per sample or more, of one freedom each (chi-square); the
+    log of the noise is ``level`` (k,) with a normal ``doubt`` (k,), over which it is averaged (Gauss and Hermite)."""
+    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
+    each = power[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
+    return np.asarray(np.asarray(chdtrc(1, each)) @ (weights / np.sum(weights)))
 
 
 def slow_noise(

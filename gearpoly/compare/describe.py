@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import chdtrc
 
-from gearpoly.compare.courses import of_degrees, slow_noise
+from gearpoly.compare.courses import chances, of_degrees, slow_noise
 from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
@@ -285,9 +284,7 @@ def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     if few is not None and wave_entry(search, solution, k, few) is None:
         few = None  # What does not stand out itself takes nothing of the drift.
     size = beta**2 / ((2.0 * degree + 1.0) / s.data.u.size if few is None else beside_first(s.data.u, s.slow, few))
-    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
-    ratio = size[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
-    tail = np.asarray(chdtrc(1, ratio)) @ (weights / np.sum(weights))
+    tail = chances(size, level, doubt)
     p = float(np.min(tail)) * degree.size * len(search.states)
     values = s.data.residual
     # Beside waves of a few turns curves may cancel one another: a drift is what the whole mismatch has of it.
