@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from gearpoly.assemble import Assembled, with_tip
-from gearpoly.mesh.corner import standing_off
+from gearpoly.mesh.corner import of_rows, standing_off
 from gearpoly.mesh.deflection import Elasticity
 from gearpoly.mesh.loaded import weights
 from gearpoly.mesh.meshing import Meshing, Met
@@ -21,7 +21,7 @@ from gearpoly.mesh.swings import swings_at
 from gearpoly.mesh.transmission import NEAR, FlankContacts
 from gearpoly.physics.samples import Samples
 from gearpoly.touching import TouchingPairs
-from gearpoly.units import UM, FloatArray, IntArray
+from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
 SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
@@ -53,19 +53,35 @@ class Scene(TouchingPairs):
         """Change (n,) in mm of the transmission error when the contacts of one tooth, whole before, at roll lengths
         (k,) in mm stand off by ``off`` (k,) mm more: load is shared anew, and pairs may let go of each other."""
         where, whole = self._whole(gear, tooth)
-        rows, pair = whole._taken_over, whole.pair
-        r = np.hypot(rows.point[:, 0] - gear * pair.a, rows.point[:, 1])
-        ideal = self.gear(gear)
-        mine = (rows.driving if gear == 0 else rows.driven) == tooth
+        rows, mine, roll = whole._of_tooth(gear, tooth)
         by = np.zeros(mine.size)
         # Beyond what was looked at no other pair is known to take over.
-        by[mine] = np.minimum(off(np.sqrt(np.maximum(r[mine] ** 2 - ideal.r_b**2, 0.0))), rows.near)
-        at, _, moved = standing_off(rows, pair, by)
+        by[mine] = np.minimum(off(roll), rows.near)
+        at, _, moved = standing_off(rows, whole.pair, by)
         out = np.zeros(self.samples.size)
         if at.size:
             carried = Met(contacts=moved, load=whole.mesh.carried(moved))
-            out[where[at]] = carried.te * pair.r_b2 - whole.mesh_te[at]
+            out[where[at]] = carried.te * whole.pair.r_b2 - whole.mesh_te[at]
         return out
+
+    def _of_tooth(self, gear: int, tooth: int) -> tuple[FlankContacts, BoolArray, FloatArray]:
+        """All contacts (k,) at the positions at which a tooth has any, which of them are its own, and the roll lengths
+        of these in mm: a tooth is asked about at many sizes, and is in mesh for two pitches of a turn."""
+        if (gear, tooth) not in self._teeth:
+            rows, pair = self._taken_over, self.pair
+            mine = (rows.driving if gear == 0 else rows.driven) == tooth
+            there = np.zeros(rows.theta_2.size, dtype=bool)
+            there[rows.position[mine]] = True
+            held = there[rows.position]
+            near, mine = of_rows(rows, held), mine[held]
+            r2 = (near.point[mine, 0] - gear * pair.a) ** 2 + near.point[mine, 1] ** 2
+            self._teeth[gear, tooth] = near, mine, np.sqrt(np.maximum(r2 - self.gear(gear).r_b ** 2, 0.0))
+        return self._teeth[gear, tooth]
+
+    @cached_property
+    def _teeth(self) -> dict[tuple[int, int], tuple[FlankContacts, BoolArray, FloatArray]]:
+        """Contacts about single teeth, as far as they were asked for."""
+        return {}
 
     def _whole(self, gear: int, tooth: int) -> tuple[IntArray, Scene]:
         """The samples (k,) at which a tooth may be in mesh, and the same there with its tip in place."""

@@ -7,6 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
@@ -21,6 +23,11 @@ BENCH = SHARED / "bench"
 def here(*paths: Path) -> list[Path]:
     """Those of the ``paths`` that are on this machine."""
     return [path for path in paths if path.exists()]
+
+
+def shipped_and_beside(shipped: str, beside: str) -> list[Any]:
+    """A folder of this repository, and, among the slow tests, one of another rig that shows the same."""
+    return [SHIPPED / shipped, *(pytest.param(path, marks=pytest.mark.slow) for path in here(BENCH / beside))]
 
 
 def recordings(folder: Path) -> list[Path]:

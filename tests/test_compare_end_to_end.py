@@ -14,7 +14,7 @@ from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.transmission import contacts
 from gearpoly.units import DEG, UM
-from tests.at_hand import BENCH, SHIPPED, here, truths
+from tests.at_hand import BENCH, shipped_and_beside, truths
 from tests.made_command import Command
 
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the shared bench recordings are not on this machine")
@@ -95,7 +95,7 @@ def test_a_wave_of_no_integer_order_is_located(tmp_path: Path, gearpoly_command:
     assert entry["amplitude_um"] == pytest.approx(0.5, abs=4.0 * entry["std_um"])
 
 
-@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_an_inspected_healthy_pair_raises_nothing(folder: Path, gearpoly_command: Command) -> None:
     found = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")
     assert found["where"] == []
@@ -105,7 +105,7 @@ def test_an_inspected_healthy_pair_raises_nothing(folder: Path, gearpoly_command
     assert found["noise_um"] == pytest.approx(0.3, rel=0.05)
 
 
-@pytest.mark.parametrize("folder", here(SHIPPED / "unknown", BENCH / "unknown_order"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("unknown", "unknown_order"), ids=str)
 def test_an_order_that_no_gear_makes_is_located(folder: Path, gearpoly_command: Command) -> None:
     (wave,) = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")["where"]
     (hidden,) = truths(folder)

@@ -14,7 +14,7 @@ from gearpoly.diagnose.plan import plan
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.recording.read import read_recording
 from gearpoly.report.diagnosis_report import verdict_json
-from tests.at_hand import BENCH, SHARED, SHIPPED, diagnosed, here, recordings, truths
+from tests.at_hand import BENCH, SHARED, SHIPPED, diagnosed, recordings, shipped_and_beside, truths
 from tests.made_command import Command
 
 TELESCOPE = SHARED / "telescope"
@@ -67,7 +67,7 @@ def test_what_is_hidden_is_named_and_nothing_else(case: str) -> None:
     check(case)
 
 
-@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_a_healthy_pair_misses_nothing(folder: Path) -> None:
     found = verdict_json(diagnosed(folder))
     assert found["status"] == "nothing_missing"
@@ -89,7 +89,7 @@ def test_an_order_that_no_gear_makes_is_located_and_not_named() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", here(SHIPPED / "encoder_off_centre", BENCH / "two_at_once"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("encoder_off_centre", "two_at_once"), ids=str)
 def test_the_fitted_file_is_a_pair_file_that_leaves_only_noise(folder: Path, tmp_path: Path) -> None:
     found = diagnosed(folder)
     target = tmp_path / "fitted.toml"

@@ -15,7 +15,7 @@ import pytest
 
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.units import FloatArray
-from tests.at_hand import BENCH, SHIPPED, here
+from tests.at_hand import BENCH, shipped_and_beside
 from tests.made_command import PAIR, Command, Ran, recording
 
 ROOT = Path(__file__).parents[1]
@@ -230,7 +230,7 @@ def residual_um(ran: Ran, zeros: dict[str, float], angles: FloatArray) -> FloatA
     return rest - pitch * np.round(np.median(rest) / pitch)
 
 
-@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_a_healthy_pair_leaves_its_noise(gearpoly_command: Command, tmp_path: Path, folder: Path) -> None:
     file, zeros, angles = thinned(folder / "rec_0.csv", tmp_path, 11)
     ran = gearpoly_command("simulate", folder / "pair.toml", "--at", file, "--csv", "-")
@@ -248,7 +248,7 @@ def test_a_healthy_pair_leaves_its_noise(gearpoly_command: Command, tmp_path: Pa
 WRONG = {"control_inspected": (9.7, 9.0, 2.0, 1.2), "healthy": (12.88, 10.53, 2.48, 0.613)}
 
 
-@pytest.mark.parametrize("folder", here(SHIPPED / "healthy", BENCH / "control_inspected"), ids=str)
+@pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_a_healthy_pair_refuses_other_conventions(gearpoly_command: Command, tmp_path: Path, folder: Path) -> None:
     file, zeros, angles = thinned(folder / "rec_0.csv", tmp_path, 15)
     pair = read_pair(folder / "pair.toml")

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearpoly.mesh.pair import GearPair
 from gearpoly.mesh.transmission import FlankContacts
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 FLANK_PLACES = 400
 """Places along the flank at which the gap is worked out; straight between them it errs by 1e-5 of a module."""
@@ -43,9 +43,10 @@ def corner_gap(pair: GearPair, gear: int, r_tip: float) -> tuple[FloatArray, Flo
 def standing_off(rows: FlankContacts, pair: GearPair, off: FloatArray) -> tuple[IntArray, FloatArray, FlankContacts]:
     """Contacts that stand off by ``off`` (rows,) mm more along the line of action: positions (k,) at which any does,
     the transmission error (k,) in rad of the first touch there, and all contacts there, sorted anew."""
-    at = np.unique(rows.position[off > 0.0])
-    mine = np.isin(rows.position, at)
-    position, gap = np.searchsorted(at, rows.position[mine]), (rows.gap + off)[mine]
+    moves = np.zeros(rows.theta_2.size, dtype=bool)
+    moves[rows.position[off > 0.0]] = True
+    at, mine = np.flatnonzero(moves), moves[rows.position]
+    position, gap = (np.cumsum(moves) - 1)[rows.position[mine]], (rows.gap + off)[mine]
     order = np.lexsort((gap, position))
     where = np.flatnonzero(mine)[order]
     position, gap = position[order], gap[order]
@@ -55,9 +56,17 @@ def standing_off(rows: FlankContacts, pair: GearPair, off: FloatArray) -> tuple[
     te = rows.te[at] - sense * pair.ratio * least / pair.r_b1
     touching = np.zeros(position.size, dtype=bool)
     touching[first] = True
-    return at, te, replace(
-        rows, theta_2=rows.theta_2[at], te=te, position=position, driving=rows.driving[where],
-        driven=rows.driven[where], gap=gap - least[position], point=rows.point[where], normal=rows.normal[where],
-        feature=rows.feature[where], overrun=rows.overrun[where], touching=touching,
-        pairs=np.ones(at.size, dtype=np.int64),
+    moved = replace(
+        of_rows(rows, where), theta_2=rows.theta_2[at], te=te, position=position, gap=gap - least[position],
+        touching=touching, pairs=np.ones(at.size, dtype=np.int64),
+    )  # fmt: skip
+    return at, te, moved
+
+
+def of_rows(rows: FlankContacts, held: IntArray | BoolArray) -> FlankContacts:
+    """Those contacts of ``rows`` that are ``held``, by their numbers or marked, at the same positions."""
+    return replace(
+        rows, position=rows.position[held], driving=rows.driving[held], driven=rows.driven[held], gap=rows.gap[held],
+        point=rows.point[held], normal=rows.normal[held], feature=rows.feature[held], overrun=rows.overrun[held],
+        touching=rows.touching[held],
     )  # fmt: skip
