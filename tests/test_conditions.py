@@ -114,6 +114,7 @@ def test_a_crowning_that_the_other_torque_contradicts_is_taken_back(
     assert not without_dear(search).model.claims
 
 
+@pytest.mark.slow
 def test_what_a_load_shows_against_the_unloaded_flank_is_no_crowning(tmp_path: Path) -> None:
     """No gear bulges under load and is hollow without: the unloaded recording tells how the flank is, within 0.1 um,
     and what the loaded one has beyond every law of compliance is told as a curve without a cause."""

@@ -329,6 +329,7 @@ def test_of_a_pair_that_nothing_places_other_forms_are_tried_in_any_place(
     assert {tuple(one[1:]) for one in asked} == {(("friction", None), ("tooth_pitch", "driven"))}
 
 
+@pytest.mark.slow
 def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken_to_stand(tmp_path: Path) -> None:
     """Three steps further on every place is tried all the same; the right one leaves one per sample."""
     known = rough((12, 16))

@@ -220,6 +220,7 @@ def test_means_compare_where_zeros_are_kept() -> None:
     assert means_compare([computed(te), computed(te - te[0])]) == (False, False)
 
 
+@pytest.mark.slow
 def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> None:
     """Without load a tooth touches here and there only, and where it does not, nothing moves when it moves. Begun once
     more with all alike, a fit that stopped among leaning teeth ends as low as one that never saw them, and stays."""

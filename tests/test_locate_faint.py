@@ -58,6 +58,7 @@ def test_pulses_of_which_no_line_stands_out_are_found_together() -> None:
     assert not entries(with_power(made(1), data.u, 0.83 / 18, 8.0, 0.4))
 
 
+@pytest.mark.slow
 def test_hum_too_faint_for_one_recording_is_found_in_two() -> None:
     def hum(seed: int, phase: float) -> AlignedResidual:
         rng = np.random.default_rng(seed)

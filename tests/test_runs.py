@@ -188,6 +188,7 @@ def test_load_adds_the_deflection_of_both_flanks(tmp_path: Path) -> None:
     assert float(np.mean(lost.simulated - lost.backlash)) > 2.0 * UM
 
 
+@pytest.mark.slow
 def test_runs_of_a_rig_that_computed_the_error_share_their_zero(pair: Pair) -> None:
     """The rig's zero is its own and its driven angle wraps, but both runs have them in common."""
     mesh = pair.made.pair

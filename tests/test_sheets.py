@@ -112,11 +112,12 @@ def written(folder: Path, *, backward: int | None, single: bool, in_csv: bool) -
     ("gear", "single", "in_csv"),
     [
         (0, False, True),
-        pytest.param(1, False, False, marks=pytest.mark.slow),
-        pytest.param(0, True, False, marks=pytest.mark.slow),
-        pytest.param(1, True, True, marks=pytest.mark.slow),
+        (1, False, False),
+        (0, True, False),
+        (1, True, True),
     ],
 )
+@pytest.mark.slow
 def test_a_sheet_counted_backward_from_tooth_0_is_taken_so(
     gear: int, single: bool, in_csv: bool, tmp_path: Path
 ) -> None:

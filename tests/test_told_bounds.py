@@ -44,6 +44,7 @@ def test_no_wave_of_a_short_recording_is_larger_than_all_that_it_holds(turns: fl
         assert (entry.amplitude_um or 0.0) <= whole
 
 
+@pytest.mark.slow
 def test_a_gear_that_stopped_at_every_other_tooth_has_no_grade() -> None:
     """Eleven readings per turn of 22 teeth: what lies between is made up by the fit."""
     theta_2 = np.arange(0.0, 26.0 * 2.0 * np.pi, 2.0 * np.pi / 11.0)
