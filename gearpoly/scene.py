@@ -27,9 +27,9 @@ SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
 
-CERTIFIED_POSITIONS = 5
-"""Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so some 600
-times, so that as many as of a user's fifty simulations are seen."""
+CERTIFIED_POSITIONS = 2
+"""Positions of one recording that the polygon kernel certifies each time it is simulated: a diagnosis does so 300 to
+1600 times, so that as many are seen as of ten to fifty simulations of a user. Five cost a twentieth of all its time."""
 
 TAKEN_OVER = 0.1
 """Modules. How far the next pair lags at most behind one that lets go: 0.075 where 3 mm are missing of a tooth of an
