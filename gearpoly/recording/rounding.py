@@ -13,8 +13,15 @@ from gearpoly.units import FloatArray
 TELLS = 20_000
 """Differences, the first ones, from which the step is read."""
 
-APART = 0.3
-"""Part of the largest distance between neighbouring differences from which a distance is one of steps, no scatter."""
+ANOTHER = 0.9
+"""Part of one distance between neighbouring differences below which the next is another: distances are of one step, of
+two, of three, beside what the decimals of a file leave of each."""
+
+GLANCE = 500
+"""Differences, the first ones that differ, by which a step is tried before all are asked: most fail there."""
+
+ROUNDED = 100.0 * float(np.finfo(np.float64).eps)
+"""Part of an angle below which differences are of its own rounding to 53 bits."""
 
 WHOLE = 0.05
 """Steps by which 99 of 100 differences may miss a whole number: decimals of a file beside the counts of an encoder."""
@@ -26,17 +33,33 @@ SEVERAL = 0.01
 def reading_step(angle: FloatArray) -> float | None:
     """The step of which the continuous readings (n,) are multiples, in their unit, or ``None`` where none shows."""
     differences = np.diff(angle[: TELLS + 1])
-    apart = np.diff(np.sort(differences))
-    largest = float(np.max(apart, initial=0.0))
-    if largest == 0.0:
-        return None
-    usual = float(np.median(apart[apart > APART * largest]))
+    unlike = np.unique(differences)
+    glance = unlike[:: max(1, unlike.size // GLANCE)]
+    # A stop leaves a gap to all that moves, and few counts stand next to each other where speeds differ.
+    distances = _unlike(np.diff(unlike), least=ROUNDED * float(np.max(np.abs(angle), initial=0.0)))
     # The commonest distance may be of two or three steps, where samples are so even that others are rare.
-    for step in sorted({largest, usual, usual / 2.0, usual / 3.0}, reverse=True):
-        number = np.rint(differences / step)
-        if not np.any(number) or np.quantile(np.abs(differences / step - number), 0.99) > WHOLE:
+    parts = sorted((one / many for one in distances for many in (2, 3)), reverse=True)
+    for step in (*distances, *parts):
+        if not _are_whole(glance, step) or not _are_whole(differences, step):
             continue
+        number = np.rint(differences / step)
         common = float(np.max(np.unique(number, return_counts=True)[1])) / number.size
-        if common <= 1.0 - SEVERAL:
+        if np.any(number) and common <= 1.0 - SEVERAL:
             return float(differences @ number) / float(number @ number)
     return None
+
+
+def _unlike(distances: FloatArray, *, least: float) -> list[float]:
+    """The largest of ``distances`` (n,), and each that is another than the one before, falling to the ``least``."""
+    out: list[float] = []
+    falling = np.sort(distances[distances > least])[::-1]
+    while falling.size:
+        out.append(float(falling[0]))
+        falling = falling[falling <= ANOTHER * falling[0]]
+    return out
+
+
+def _are_whole(values: FloatArray, step: float) -> bool:
+    """Whether nearly all ``values`` (n,) are whole multiples of a ``step``."""
+    number = values / step
+    return bool(np.quantile(np.abs(number - np.rint(number)), 0.99) <= WHOLE)
