@@ -7,6 +7,7 @@ them or names the line.
 
 from __future__ import annotations
 
+import io
 import itertools
 import math
 import re
@@ -40,6 +41,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
+from gearpoly.recording.text.broken_off import Until, end_of_rows
 from gearpoly.recording.text.encoding import shown
 from gearpoly.recording.text.foreign import read_foreign
 from gearpoly.recording.text.missing import closes, no_reading
@@ -136,22 +138,27 @@ def read_table(file: Path) -> Table:
                 wish = "want a CSV file in UTF-8 (other formats need their own file name ending)"
                 raise InputFileError(file, found="not a text file", wish=wish)
         _check_lines(file)
-        with file.open(encoding="utf-8-sig") as stream:
+        end, broken = end_of_rows(file)
+        with _opened(file, end) as stream:
             keys, names, head_lines = _read_head(file, stream)
-            with file.open("rb") as whole:
-                size = file.stat().st_size
-                columns = parsed(whole, lines_above=head_lines, columns=len(names), size=size)
+            with io.BufferedReader(Until(file, end)) if broken else file.open("rb") as whole:
+                columns = parsed(whole, lines_above=head_lines, columns=len(names), size=end)
             if columns is None:
-                columns = list(_read_numbers(file, names, head_lines, stream).T)
+                columns = list(_read_numbers(file, names, head_lines, stream, end=end).T)
     except UnicodeDecodeError:
         raise not_utf8(file) from None
     except OSError as error:
         raise unreadable(file, error) from None
-    table = Table(columns=dict(zip(names, columns, strict=True)), keys=keys)
+    table = Table(columns=dict(zip(names, columns, strict=True)), keys=keys, remarks=[broken] if broken else [])
     with file.open(encoding="utf-8-sig") as stream:
         table.remarks += said_radial(itertools.islice(stream, head_lines - 1))
     pass_over(table)
     return table
+
+
+def _opened(file: Path, end: int) -> TextIO:
+    """The text of a file up to so many bytes."""
+    return io.TextIOWrapper(io.BufferedReader(Until(file, end)), encoding="utf-8-sig")
 
 
 def _check_lines(file: Path) -> None:
@@ -205,8 +212,8 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
     )
 
 
-def _read_numbers(file: Path, names: list[str], head_lines: int, stream: TextIO) -> FloatArray:
-    """The table (n, columns) under the header; ``nan`` where a cell is empty."""
+def _read_numbers(file: Path, names: list[str], head_lines: int, stream: TextIO, *, end: int) -> FloatArray:
+    """The table (n, columns) under the header up to so many bytes of the file; ``nan`` where a cell is empty."""
     start = next((line for line in stream if line.strip()), None)
     if start is None:
         raise InputFileError(
@@ -224,7 +231,7 @@ def _read_numbers(file: Path, names: list[str], head_lines: int, stream: TextIO)
         table = None
     if table is not None and table.shape[1] == len(names) and not np.isinf(table).any():
         return np.asarray(table, dtype=np.float64)
-    with file.open(encoding="utf-8-sig") as again:
+    with _opened(file, end) as again:
         return _read_slowly(file, names, head_lines, again)
 
 
@@ -255,7 +262,7 @@ def _read_row(file: Path, names: list[str], number: int, line: str) -> list[floa
         raise InputFileError(file, where=where, found=f"the comment `{shorten(line.strip())}`", wish=wish)
     cells = split_row(line)
     if len(cells) != len(names):
-        comma = ", and decimal points, not commas" if len(cells) > len(names) else ""
+        comma = ", and decimal points, not commas, or semicolons between the cells" if len(cells) > len(names) else ""
         wish = f"want {len(names)}, as in the header{comma}{cut or '; delete the line if it is no row'}"
         raise InputFileError(file, where=where, found=f"{len(cells)} cells", wish=wish)
     row = []
