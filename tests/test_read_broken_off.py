@@ -10,7 +10,9 @@ import pytest
 
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.text import parsed
+from tests.made_guide_log import EQ6, made_log
 from tests.made_texts import DEGREE, GERMAN, OWN, own, run, same, table, written
+from tests.test_periodic_error import ROWS, TURNS, eqmod
 
 RUN = run(300)
 COLUMNS = list(RUN.values())
@@ -98,3 +100,23 @@ def test_an_object_of_json_without_its_end(tmp_path: Path) -> None:
 
 def test_a_text_below_the_rows_is_no_row(tmp_path: Path) -> None:
     assert not said(written(tmp_path, TEXTS["German"] + "\nMittelwert;;;25,00000"), rows=300)
+
+
+def test_the_last_frame_of_a_guide_log(tmp_path: Path) -> None:
+    """Cut behind the duration of its pulse it had no direction, and the whole section could not be used."""
+    text = made_log(frames=200)[0]
+    head, _, last = text.rstrip("\n").rpartition("\nFrame,")
+    begin = text.rstrip("\n").rfind("\n200,")
+    assert head and last and begin > 0 and text[begin:].count(",") == 11
+    for end in range(begin + 2, len(text) - 2):
+        file = written(tmp_path, text[:end], name="log.txt")
+        assert read_recording(file, worm=EQ6).size == (200 if text[begin:end].count(",") == 11 else 199)
+
+
+def test_a_curve_of_periodic_error(tmp_path: Path) -> None:
+    text = eqmod()
+    assert read_recording(written(tmp_path, text[:-1], name="pec.txt"), worm=EQ6).size == TURNS * ROWS
+    for less in (2, 4, 9):
+        recording = read_recording(written(tmp_path, text[:-less], name="pec.txt"), worm=EQ6)
+        assert any("the last line breaks off" in one for one in recording.remarks)
+        assert recording.size == TURNS * (ROWS - 1)
