@@ -29,7 +29,8 @@ from gearpoly.files.traces import (
     unreadable,
 )
 from gearpoly.recording.comments import read_comment, said_radial
-from gearpoly.recording.quantities import TIME
+from gearpoly.recording.header import header_unit
+from gearpoly.recording.quantities import TIME, in_another_unit
 from gearpoly.recording.reader import (
     NAME_CUTOFF,
     RECORDING_LIMIT_BYTES,
@@ -99,14 +100,16 @@ def _check_names(file: Path, table: Table) -> None:
     """Raise ``InputFileError`` where names of a table are nearly the contract's, or all are and do not suffice."""
     known = (*COLUMNS, *PASSED_OVER)
     # A time with a unit, or of time stamps, is one under any name.
-    names = [one.leaf or name for name, one in table.others.items() if not (one.unit and quantity_of(name) == TIME)]
+    held = {name: one for name, one in table.others.items() if not (one.unit and quantity_of(name) == TIME)}
+    names = [one.leaf or name for name, one in held.items()]
+    units = {one.leaf or name: one.unit or header_unit(one.leaf or name)[1] for name, one in held.items()}
     others = [name for name in names if name not in known]
     for name in others:
         if re.fullmatch(r"column \d+", name):
             if np.array_equal(np.diff(table.others[name].values), np.ones(table.others[name].values.size - 1)):
                 continue  # the numbers of the rows, as pandas writes them
             raise InputFileError(file, found=f"{name} has no name", wish="want a name for every column")
-        if close := nearest(name, known, cutoff=NAME_CUTOFF):
+        if (close := nearest(name, known, cutoff=NAME_CUTOFF)) and not in_another_unit(units[name], close):
             raise InputFileError(file, found=f'unknown column "{shorten(name)}"', wish=f'the nearest is "{close}"')
     if not others:
         check_complete(file, "", names)
