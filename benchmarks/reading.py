@@ -1,9 +1,10 @@
 """How fast recordings are read, against each format's own library, and how much memory that takes.
 
 For every format one recording is written, then read in fresh processes: by the format's own library into plain arrays,
-and by ``read_recording``. Printed are the processor times (the least of five; that of a process apart counts too),
-their ratio (goal: at least half the library's speed) and the peak memory beyond the imports, of both processes
-together, over the size of the file's numbers at 8 bytes (goal: at most 5 times). Linux only.
+and by ``read_recording``. CSV is read by pandas, and by ``numpy.loadtxt``. Printed are the processor times (the least
+of five; that of a process apart counts too), their ratio (goal: at least half the library's speed) and the peak memory
+beyond the imports, of both processes together, over the size of the file's numbers at 8 bytes (goal: at most 5 times).
+Linux only.
 Run from the repository's root: python -m benchmarks.reading [samples [format ...]]
 
 Small files: python -m benchmarks.reading first [samples [format ...]] compares whole processes, from their start over
@@ -54,6 +55,10 @@ def by_csv(file: Path) -> Any:
     return importlib.import_module("pandas").read_csv(file, skiprows=len(KEYS), engine="c")
 
 
+def by_numpy(file: Path) -> Any:
+    return np.loadtxt(file, delimiter=",", skiprows=len(KEYS) + 1)
+
+
 def by_parquet(file: Path) -> Any:
     table = importlib.import_module("pyarrow.parquet").read_table(file)
     return [table.column(name).to_numpy() for name in table.column_names]
@@ -99,6 +104,7 @@ def by_uff(file: Path) -> Any:
 
 CASES: dict[str, tuple[str, str, files.Writer, Callable[[Path], Any]]] = {
     "CSV": ("a.csv", "pandas", files.write_csv, by_csv),
+    "CSV, numpy": ("n.csv", "numpy", files.write_csv, by_numpy),
     "CSV, German": ("g.csv", "pandas", write_german, by_text),
     "Parquet": ("a.parquet", "pyarrow", files.write_parquet, by_parquet),
     "HDF5": ("a.h5", "h5py", files.write_hdf5, by_hdf5),

@@ -34,7 +34,7 @@ def pytest_collection() -> Generator[None, object, object]:
 FIRST = (
     "documented_commands", "diagnose_command", "view_browser", "prove_run", "diagnose", "export", "simulate",
     "compare_end_to_end", "diagnosis_page_browser", "align", "api_as_commands", "study_run", "cures", "other_pair",
-    "runs", "compare", "jumps", "diagnosis_on_paper", "courses", "locate", "proving_ground",
+    "runs", "compare", "jumps", "diagnosis_on_paper", "courses", "locate", "proving_ground", "map_commands",
 )  # fmt: skip
 """Files that take 10 s or more: begun last, one of them would leave a processor idle for as long."""
 

@@ -125,3 +125,21 @@ def test_without_mat_io_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(importlib, "import_module", absent)
     with pytest.raises(InputFileError, match=r"pip install gearpoly\[matlab\]; or in MATLAB: S = table2struct\(T"):
         read_recording(file)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("dimension", ["Time", "Zeit", "k"])
+def test_a_map_names_row_times_by_the_dimension_of_their_timetable(
+    tmp_path: Path, version: str, dimension: str
+) -> None:
+    """They are the time without a map, and went by ``time_s`` alone: their own path was no column of the recording."""
+    index = importlib.import_module("pandas").Index(milliseconds(), name=dimension)
+    held = {"rig": {"run": frame(ANGLES | {"x": RUN["torque_nm"]}, index)}, "y": np.arange(5.0)}
+    file = written(tmp_path, {"log": held}, version)
+    for name in (f"log.rig.run.{dimension}", dimension, "time_s"):
+        lines = f'columns.time_s = {{ from = "{name}", unit = "ms" }}\n'
+        recording = read_recording(file, chart=chart(tmp_path, lines))
+        assert recording.time_s is not None
+        np.testing.assert_allclose(recording.time_s, 1e-3 * RUN["time_s"], rtol=0.0, atol=1e-12)
+    with pytest.raises(InputFileError, match=rf'the nearest is "log\.rig\.run\.{dimension}" \(there are: log\.rig'):
+        read_recording(file, chart=chart(tmp_path, f'columns.time_s = {{ from = "log.rig.run.{dimension}s" }}\n'))

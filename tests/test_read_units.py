@@ -15,7 +15,7 @@ from gearpoly.recording.chain import corrected
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.survey import survey
-from tests.made_texts import DEGREE, RATIO, chart, same, table, written
+from tests.made_texts import DEGREE, OWN, RATIO, chart, run, same, table, written
 
 N = 4000
 SIZES = {"deg": 1.0, "rad": 180.0 / np.pi, "rev": 360.0, "gon": 0.9}
@@ -233,3 +233,23 @@ def test_wraps_that_end_by_chance_at_the_top_are_no_two_units(tmp_path: Path) ->
     assert not any("goes on by" in one.says for one in found.doubts)
     read = read_recording(file)
     assert corrected(read, EncoderErrors(), EncoderErrors(), ratio=RATIO, r_b2=23.5) is read
+
+
+@pytest.mark.parametrize("name", ["driving_angle_rad", "driving_angle [rad]", "driving_angle (rad)"])
+@pytest.mark.parametrize("time", ["time_s", "time [s]"])
+def test_a_name_with_another_unit_is_no_slip(tmp_path: Path, name: str, time: str) -> None:
+    """Beside ``time_s`` it was told that ``driving_angle_deg`` is nearest, and degrees would have been read of it."""
+    other = name.replace("driving", "driven")
+    turns = run(700)
+    columns = [turns["time_s"], *(np.radians(turns[one]) for one in OWN[1:3])]
+    text = table(columns, (time, name, other), separator=",", decimal=".", digits=8)
+    recording = read_recording(written(tmp_path, text))
+    same(recording.driving_angle_rad, columns[1], half=0.5e-8)
+    same(recording.driven_angle_rad, columns[2], half=0.5e-8)
+    wrong = table([turns[one] for one in OWN[:3]], (time, name, other), separator=",", decimal=".")
+    with pytest.raises(InputFileError, match="the unit rad, and its readings begin again after one turn as in deg"):
+        read_recording(written(tmp_path, wrong))
+    slip = text.replace(other, "driven_angel_deg")
+    if time == "time_s":
+        with pytest.raises(InputFileError, match="the nearest known column is"):
+            read_recording(written(tmp_path, slip))

@@ -35,6 +35,7 @@ def turning(
         (turning(30.0, stated=None), None),
         (turning(30.0, stated=45.0), "turns at 30 rpm"),
         (turning(0.03, stated=None, column=np.full(400, 30.0)), "are the times in ms?"),
+        (turning(3e4, stated=None, column=np.full(400, 30.0)), "are the times in s?"),
         (turning(30.0, stated=None, column=np.full(400, np.nan)), None),
         (turning(30.0, stated=30.0, scale=math.pi / 180.0), "are the angles in rad?"),
         (turning(30.0, stated=0.5), "is the speed in Hz?"),
@@ -51,10 +52,13 @@ def test_a_speed_that_angles_and_times_contradict_is_told(one: Any, says: str | 
         assert "recording 0" in remarks[0]
 
 
-def test_the_speed_of_the_pair_is_held_against_times_in_ms_alone() -> None:
-    """The pair file may state the speed of other recordings; a thousandth of it is a clock in ms."""
+def test_the_speed_of_the_pair_is_held_against_the_unit_of_times_alone() -> None:
+    """The pair file may state the speed of other recordings; a thousandth of it is a clock in ms, a thousand times as
+    much one in s whose column says ms."""
     (said,) = speed_remarks([turning(0.03, stated=None)], of_pair=30.0)
     assert "is of a pair stated to turn at 30 rpm, but turns at 0.03 rpm" in said and "are the times in ms?" in said
+    (said,) = speed_remarks([turning(3e4, stated=None)], of_pair=30.0)
+    assert "but turns at 3e+04 rpm" in said and "are the times in s?" in said
     assert not list(speed_remarks([turning(45.0, stated=None)], of_pair=30.0))
     assert not list(speed_remarks([turning(30.0, stated=30.0)], of_pair=30000.0))
 

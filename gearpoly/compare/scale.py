@@ -93,7 +93,7 @@ def put_right(
         if abs(ratio / pair.ratio - 1.0) > RATIO_LIMIT:
             nearest = nearest_teeth(ratio, 10.0 * TEETH_TOLERANCE)
             named = f"; the nearest tooth ratio is {nearest.numerator}/{nearest.denominator}"
-            raise InputFileError(first.source, found=_off(ratio, pair) + named, wish=_open(told, ratio))
+            raise InputFileError(first.source, found=_off(ratio, pair) + named, wish=_open(told, ratio, z_1))
         return list(recordings), None
     if best.teeth is not None:
         raise InputFileError(first.source, found=_off(ratio, pair), wish=_another(told))
@@ -245,10 +245,11 @@ def _says(shaft: str, value: float, std: float, ratio: float, pair: GearPair, *,
     )
 
 
-def _open(told: Sequence[Explained], ratio: float) -> str:
-    """What would explain a ratio where nothing in the recording tells which it is."""
+def _open(told: Sequence[Explained], ratio: float, z_1: int) -> str:
+    """What would explain a ratio where nothing in the recording tells which it is; of other teeth those are named that
+    are nearest the ``z_1`` declared ones."""
     scales = " or ".join(f"the {one.shaft} shaft reads {one.scale:.6g} times its turns" for one in told if one.shaft)
-    teeth = [f"{a}/{b}" for a, b in sorted(other_teeth(ratio, 1e-4))[:NAMED]]
+    teeth = [f"{a}/{b}" for a, b in sorted(other_teeth(ratio, 1e-4), key=lambda z: abs(z[0] - z_1))[:NAMED]]
     pairs = f", or the teeth are {' or '.join(teeth)}" if teeth else ""
     return (
         f"want a recording of this pair, with the right counts per turn of both encoders: no order of the teeth shows "

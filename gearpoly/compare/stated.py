@@ -20,8 +20,8 @@ SAME_UNIT = 0.1
 """Relative tolerance within which a mistaken unit is recognised."""
 
 UNITS = (
-    (math.pi / 180.0, "are the angles in rad?"), (1e-3, "are the times in ms?"), (60.0, "is the speed in Hz?"),
-    (30.0 / math.pi, "is the speed in rad/s?"),
+    (math.pi / 180.0, "are the angles in rad?"), (1e-3, "are the times in ms?"), (1e3, "are the times in s?"),
+    (60.0, "is the speed in Hz?"), (30.0 / math.pi, "is the speed in rad/s?"),
 )  # fmt: skip
 """Speed by angles and times over the stated one, where a unit is mistaken."""
 
@@ -89,10 +89,10 @@ def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -
             continue
         units = (*UNITS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
         hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < SAME_UNIT), "")
-        if of_file and hint != TIMES_IN_MS:
+        if of_file and hint not in OF_TIMES:
             continue
         says = f"is of a pair stated to turn at {stated:g} rpm" if of_file else f"states {stated:g} rpm"
         yield f"recording {k} {says}, but turns at {turning:.3g} rpm by its angles and times{hint}"
 
 
-TIMES_IN_MS = f": {UNITS[1][1]}"
+OF_TIMES = tuple(f": {asked}" for _, asked in UNITS[1:3])

@@ -21,7 +21,7 @@ from gearpoly.files.traces import (
 from gearpoly.keys.kinds import NAME_SHOWN
 
 
-def read_gde(path: Path | str) -> GearInspection:
+def read_gde(path: Path | str, *, count: Turn | None = None) -> GearInspection:
     """Read and check one inspection file.
 
     Raises ``InputFileError`` naming the block, what stands there and what would do; also for entities and other XML
@@ -48,7 +48,8 @@ def read_gde(path: Path | str) -> GearInspection:
     tolerances = root.child("tolerances")
     measured = root.needed("inspection")
     measured.check_blocks(("pitch", "tooth_thickness", "profile"))
-    count = measured.choice("tooth_count", ("clockwise", "counterclockwise"))
+    if measured.element.get("tooth_count") is not None or count is None:
+        count = cast(Turn, measured.choice("tooth_count", ("clockwise", "counterclockwise")))
     arc = math.cos(math.radians(geometry["normal_pressure_angle"]))
     pitch: dict[Side, tuple[float, ...]] = {}
     for one in measured.children("pitch"):
@@ -72,7 +73,7 @@ def read_gde(path: Path | str) -> GearInspection:
         name=shown((name.text if name is not None else "") or file.stem, width=NAME_SHOWN),
         geometry=geometry,
         tolerances={} if tolerances is None else tolerances.numbers(TOLERANCES),
-        count=cast(Turn, count),
+        count=count,
         pitch=pitch,
         thickness=None if thick is None else thick.row("um", count=int(z)),
         profiles=profiles,

@@ -86,7 +86,8 @@ def read_apart(reader: Reader, file: Path, *arguments: object) -> Table:
         for k, (path, unit, leaf) in enumerate(answer["others"])
     }
     unread = tuple(answer["unread"]) if answer["unread"] else None
-    return Table(columns=columns, keys=answer["keys"], remarks=answer["remarks"], others=others, unread=unread)
+    said = {key: answer[key] for key in ("keys", "remarks", "paths")}
+    return Table(columns=columns, others=others, unread=unread, **said)
 
 
 class _CrashedError(Exception):
@@ -240,7 +241,8 @@ def _answer(order: dict[str, Any]) -> tuple[dict[str, Any], Table | None]:
         return {"bug": "".join(traceback.format_exception(error))}, None
     sizes = [(name, values.size, _offset(values)) for name, values in _series(table)]
     others = [(path, one.unit, one.leaf) for path, one in table.others.items()]
-    found = {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others, "unread": table.unread}
+    found = {"columns": sizes, "keys": table.keys, "remarks": table.remarks, "others": others}
+    found |= {"unread": table.unread, "paths": table.paths}
     return found, table
 
 

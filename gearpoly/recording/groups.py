@@ -34,3 +34,4 @@ def take_own(file: Path, table: Table) -> None:
             check_unit(file, one.leaf, one.unit)
             check_finite(file, one.leaf, one.values)
             table.columns[one.leaf] = table.others.pop(path).values
+            table.paths[path] = one.leaf

@@ -118,6 +118,7 @@ def take_datasets(
             values = stored(file, name, columns[name])
             # Of mapped numbers no page is touched here: the process that reads them looks whether they are finite.
             table.columns[name] = values if isinstance(values, np.memmap) else numbers(file, name, values)
+            table.paths[joint.join([*(where or "").strip("/").split("/"), name]).lstrip(joint)] = name
         else:
             group, leaf, dataset = others[name]
             said[name] = stated(root, groups, group, leaf)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -28,9 +29,9 @@ SLIP = 0.75
 def take_mapped(table: Table, out: Table, times: dict[str, FloatArray], chart: RecordingMap) -> set[str]:
     """Take what the map says; the names of the channels that need no other meaning."""
     channels = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
-    used = {find(channels, name, chart, "leave_out") for name in chart.leave_out}
+    used = {find(channels, name, chart, "leave_out", paths=table.paths) for name in chart.leave_out}
     sources = {
-        column: (find(channels, source.channel, chart, f"columns.{column}.from"), source)
+        column: (find(channels, source.channel, chart, f"columns.{column}.from", paths=table.paths), source)
         for column, source in chart.columns.items()
     }
     _check_once(chart, used, sources)
@@ -101,18 +102,24 @@ def _check_unit(chart: RecordingMap, column: str, one: Channel, source: Source, 
         raise InputFileError(chart.file, where=f"columns.{column}.unit", found=found, wish=wish)
 
 
-def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str) -> str:
-    """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3").
+def find(
+    channels: Mapping[str, Channel], name: str, chart: RecordingMap, where: str, *, paths: Mapping[str, str]
+) -> str:
+    """The channel that a map calls ``name``: its whole name or path, that without its unit, or its number ("column 3");
+    ``paths`` are those of columns in a file of groups.
 
     Raises ``InputFileError`` of the map where there is none, or more than one.
     """
     if name in channels:
         return name
+    if (path := name.lstrip("/")) in paths or path in channels:
+        return paths.get(path, path)
     bare = [
         path
         for path, one in channels.items()
         if name in (header_unit(path)[0], one.leaf or path.rpartition("/")[2], header_unit(one.leaf)[0])
     ]
+    bare += [column for path, column in paths.items() if re.split(r"[/.]", path)[-1] == name and column not in bare]
     if len(bare) == 1:
         return bare[0]
     number = name.removeprefix("column ")
@@ -120,8 +127,9 @@ def find(channels: Mapping[str, Channel], name: str, chart: RecordingMap, where:
         numbers = {one.number or k: path for k, (path, one) in enumerate(channels.items(), start=1)}
         if int(number) in numbers:
             return numbers[int(number)]
-    close = nearest(name, channels, cutoff=SLIP)
-    there = shorten(", ".join(channels), width=200)
+    called = {column: path for path, column in paths.items() if not path.endswith(column)}
+    there = shorten(", ".join(called.get(one, one) for one in channels), width=200)
+    close = nearest(name, [*channels, *paths], cutoff=SLIP)
     found = f'"{shorten(name)}" is no column of the recording'
     if len(bare) > 1:
         found = f'"{shorten(name)}" is the name of {len(bare)} columns'

@@ -143,6 +143,7 @@ def _read(file: Path, stream: BinaryIO) -> Table:
         array = inside(every[name])
         if name in columns:
             table.columns[name] = numbers(file, name, numbers_of(array))
+            table.paths[f"{where}.{name}" if where else name] = name
         else:
             values = np.ascontiguousarray(numbers_of(array).reshape(-1), dtype=np.float64)
             leaf, unit = _called(file, groups[name.rpartition(".")[0]], others[name][0])

@@ -16,6 +16,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import check_file, shorten, unreadable
 from gearpoly.recording.reader import Reader, check_few
 from gearpoly.recording.table import AXIS_ERROR, WORM_ANGLE, Table
+from gearpoly.recording.text.broken_off import broken_off
 from gearpoly.recording.text.encoding import LOOKED_AT, shown
 from gearpoly.units import FloatArray
 
@@ -39,7 +40,10 @@ def read_table(file: Path) -> Table:
         data = file.read_bytes()
     except OSError as error:
         raise unreadable(file, error) from None
-    lines = data.decode(shown(data[:LOOKED_AT]) or "utf-8", errors="replace").splitlines()
+    text = data.decode(shown(data[:LOOKED_AT]) or "utf-8", errors="replace").rstrip("\0\x1a")
+    lines = text.splitlines()
+    broken = "" if text.endswith(("\n", "\r")) or not lines else broken_off(lines)
+    lines = lines[:-1] if broken else lines
     stated: dict[str, float] = {}
     rows: list[tuple[float, float, float]] = []
     for number, line in enumerate(lines, start=1):
@@ -63,6 +67,7 @@ def read_table(file: Path) -> Table:
     turned = time / period
     by_steps = _by_steps(steps, stated.get("stepsperworm", 0.0), turned)
     remarks = [f"{time.size} rows over {_turns(time, period)} of a worm that turns once in {period:g} s"]
+    remarks += [f"the last line breaks off, {broken}, and is left out"] if broken else []
     if by_steps is None:
         angle, sense = 360.0 * turned, 1.0
         remarks.append("the worm's angle is time, since the motor's steps do not follow it")

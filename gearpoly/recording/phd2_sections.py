@@ -163,7 +163,8 @@ def _number(text: str) -> float:
 def _take_frame(file: Path, number: int, names: list[str], line: str, section: GuidingSection) -> None:
     """Put the frame of a line into its ``section``; a row that was cut off is left out."""
     cells = _cells(names, line, section)
-    if not all(name in cells for name in COLUMNS):
+    broken = not line.endswith("\n") and len(cells) < len(names)
+    if broken or not all(name in cells for name in COLUMNS):
         return
     if cells["mount"] == "AO":
         wish = "want a log without adaptive optics, which moves the star where no gear does"

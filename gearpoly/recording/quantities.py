@@ -166,3 +166,10 @@ def column_unit(column: str) -> Unit:
     if ending not in DIMENSIONS:
         return UNITS[COUNT]["1"]
     return UNITS[DIMENSIONS[ending]]["N.m" if ending == "nm" else ending]
+
+
+def in_another_unit(stated: str, column: str) -> bool:
+    """Whether ``stated`` is a unit of what ``column`` holds, and another one than recordings keep it in."""
+    wanted = column_unit(column)
+    unit = unit_written(stated, wanted.dimension) if stated and wanted.dimension != COUNT else None
+    return unit is not None and unit != wanted

@@ -33,6 +33,7 @@ from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
 from gearpoly.recording.turning import FEWEST, Turning, turning_of
 from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, gaps
+from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
 ASTRAY = 1.0
@@ -229,7 +230,13 @@ def _channels(table: Table, out: Table, found: list[Meaning], time: FloatArray |
     meant = {one.channel: one for one in found}
     given = {channel: column for column, channel in out.taken_from.items()}
     held = {**{name: Channel(values=values) for name, values in table.columns.items()}, **table.others}
-    return [_seen(name, one, meant.get(name), given.get(name, ""), table, out, time) for name, one in held.items()]
+
+    def seen(name: str) -> Seen:
+        return _seen(name, held[name], meant.get(name), given.get(name, ""), table, out, time)
+
+    # How each of two shafts turned takes as long as half of the reading of a large file.
+    large = any(one.values.size > CLEANED_MOST for one in held.values())
+    return each(seen, held) if large else [seen(name) for name in held]
 
 
 def _seen(

@@ -80,7 +80,8 @@ class Table:
     longer show it. ``unread`` is what else the file holds and was not read, and the cure. ``worm_period_s`` is that of
     a telescope's worm, where the file states it, else 0. ``units`` are those that columns were in, ``mapped`` the
     columns that a map gives. ``jumps`` is what a map says of jumps of the time, ``entries`` the lines of a map that
-    give columns as they were taken.
+    give columns as they were taken. ``paths`` are the columns' own places in a file of groups, by which a map may name
+    them: a column by its path.
     """
 
     columns: dict[str, FloatArray]
@@ -97,3 +98,4 @@ class Table:
     mapped: set[str] = field(default_factory=set)
     jumps: str = ""
     entries: dict[str, str] = field(default_factory=dict)
+    paths: dict[str, str] = field(default_factory=dict)

@@ -17,8 +17,9 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.asked import SETTLE, angles_known, ask, wish_for
 from gearpoly.recording.map_file import RecordingMap, Source
-from gearpoly.recording.mapped import put, take_mapped
+from gearpoly.recording.mapped import put, stated_unit, take_mapped
 from gearpoly.recording.meaning import Meaning, meanings
+from gearpoly.recording.quantities import in_another_unit
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, TE_COLUMNS
 from gearpoly.recording.sources import put_on_one_axis
@@ -87,8 +88,10 @@ def _check_names(file: Path, table: Table, left: Iterable[str]) -> None:
     if not {*table.columns, *(one.leaf or name for name, one in table.others.items())} & set(COLUMNS) - {"time_s"}:
         return
     for name in left:
-        own = table.others[name].leaf or name
-        if own not in COLUMNS and (close := nearest(own, COLUMNS, cutoff=NAME_CUTOFF)):
+        one = table.others[name]
+        own = one.leaf or name
+        close = "" if own in COLUMNS else nearest(own, COLUMNS, cutoff=NAME_CUTOFF)
+        if close and not in_another_unit(stated_unit(name, one), close):
             wish = f'the nearest known column is "{close}"; rename it, or give or leave it out in a map ({SETTLE})'
             raise InputFileError(file, found=f'unknown column "{shorten(own)}"', wish=wish)
 

@@ -68,6 +68,7 @@ def read_table(file: Path) -> Table:
         if source.file_status.incomplete_final_segment:
             _take_what_is_there(file, properties, values, table.remarks)
         table.columns = {name: values[name] for name in columns}
+        table.paths = {f"{channel.group_name}/{channel.name}": name for name, channel in columns.items()}
         mine = {name: properties[name] for name in columns}
         times = _times(file, mine, {name: values[name] for name in read if name not in columns}, properties)
         for name in read:

@@ -91,7 +91,7 @@ CURES = [
         for says, good in (
             ("the driving shaft reads 1.2 times its turns", PAIR + "[driving.encoder]\nscale = 1.2\n"),
             ("under [driving.encoder] or [driven.encoder], scale", PAIR + f"[driven.encoder]\nscale = {1.0 / 1.2}\n"),
-            ("or 12/20", of_teeth(12, 20)),
+            ("the teeth are 18/30", of_teeth(12, 20)),
         )
     ),
     compare(

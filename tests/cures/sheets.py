@@ -119,7 +119,7 @@ CURES = [
     sheet("stage", "leave --stage out", curves(), asked=(*ASKED, "--stage", "1"), good_asked=ASKED),
     sheet(
         "count against the probes",
-        "leave --count out; the probed points",
+        "leave --count, or count in the map, out; the probed points",
         curves(),
         asked=(*ASKED, "--count", "counterclockwise"),
         good_asked=ASKED,

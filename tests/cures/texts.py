@@ -70,7 +70,7 @@ OWN = [
         "# flank = 'drive'\n" + BASE,
     ),
     text("cells", "want 4, as in the header", rows(*ROWS[:9], "1.0,2.0", *ROWS[9:]), BASE),
-    text("cut off", "the last line looks cut off, delete it", BASE + "7.0,2.0", BASE),
+    text("cut off", "the last line looks cut off, delete it", rows(*ROWS[:5]) + "7.0,2.0", rows(*ROWS)),
     text(
         "cell",
         "want a finite number (an empty cell or nan for a drop-out)",
@@ -255,6 +255,36 @@ RAW = [
 
 LABELLED = [f"{t:.2f} s,{a:.5f} deg,{b:.5f} deg" for t, a, b in zip(*list(RUN.values())[:3], strict=True)]
 
+UNEVEN = [",".join(f"{v:.6g}".replace(".", ",") for v in row) for row in zip(*RUN.values(), strict=True)]
+
+COMMAS = [
+    text(
+        "commas of decimals among commas",
+        "want semicolons between the cells, or decimal points",
+        "\n".join([",".join(GERMAN), *UNEVEN]) + "\n",
+        foreign(GERMAN, separator=";"),
+    ),
+    text(
+        "commas of decimals among commas, in a map",
+        "want semicolons between the cells, or decimal points",
+        "\n".join([",".join(GERMAN), *(row.replace(",", ",0") for row in UNEVEN)]) + "\n",
+        foreign(GERMAN, separator=",", decimal="."),
+        chart='text.decimal = ","\n',
+        cured="",
+    ),
+    text(
+        "commas of decimals or not",
+        'text.decimal = ","',
+        foreign(GERMAN, separator=",").partition("\n")[2],
+        chart="",
+        cured='text.decimal = ","\n'
+        + "".join(
+            f'columns.{name} = {{ from = "column {k}", unit = "{unit}" }}\n'
+            for k, (name, unit) in enumerate(zip(RUN, ("s", "deg", "deg", "N.m"), strict=True), start=1)
+        ),
+    ),
+]
+
 CLEAN = [
     text(
         "one shaft alone",
@@ -431,4 +461,4 @@ FOREIGN = [
     text("part of several", "#1 to #2", LOGGED + "\n" + LOGGED, file="log.txt#3", to="log.txt#2"),
 ]
 
-CURES = [*OWN, *RAW, *CLEAN, *FOREIGN]
+CURES = [*OWN, *RAW, *COMMAS, *CLEAN, *FOREIGN]

@@ -55,8 +55,8 @@ def read_klingelnberg(file: Path, *, known: Mapping[str, float], count: Turn | N
     build = _Gear(export, header, int(z))
     found, told = counting(export.probes, int(z))
     if found is not None and count is not None and found != count:
-        wish = f"leave --count out; the probed points of left and right flanks run {found}"
-        raise InputFileError(file, found=f"teeth counted {found}, and --count {count}", wish=wish)
+        wish = f"leave --count, or count in the map, out; the probed points of left and right flanks run {found}"
+        raise InputFileError(file, found=f"teeth counted {found}, and {count} is stated", wish=wish)
     arcs, profiles = build.arcs(), build.profiles()
     shapes, sizes = build.shapes(), build.sizes()
     if not (arcs or profiles or shapes or sizes):

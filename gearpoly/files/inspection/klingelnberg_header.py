@@ -37,7 +37,7 @@ def gear_header(export: Export, known: Mapping[str, float]) -> dict[str, float]:
     file, header = export.file, _found(export)
     for key, value in known.items():
         if key not in RANGE:
-            _agree(file, key, header.get(key), value)
+            check_agrees(file, key, header.get(key), value)
     _refuse_units(export, known)
     # Where profiles run is the machine's to say, and yours where it says it otherwise.
     header = {**known, **header, **{key: known[key] for key in RANGE if key in known}}
@@ -58,7 +58,8 @@ def gear_header(export: Export, known: Mapping[str, float]) -> dict[str, float]:
     return header
 
 
-def _agree(file: Path, key: str, found: float | None, stated: float) -> None:
+def check_agrees(file: Path, key: str, found: float | None, stated: float) -> None:
+    """Raise ``InputFileError`` where a sheet states another number than is stated beside it."""
     if found is not None and abs(found - stated) > 1e-3 * max(abs(stated), 0.1):
         wish = f"want one gear: correct {key} in the pair file or the map, or name another sheet"
         raise InputFileError(file, where=key, found=f"{found:g}, and {stated:g} is stated beside it", wish=wish)

@@ -20,8 +20,10 @@ from gearpoly.recording.comments import read_comment, said_radial
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
-from gearpoly.recording.table import WORDS, Channel, Doubt, Table
+from gearpoly.recording.table import Channel, Doubt, Table
+from gearpoly.recording.text.broken_off import without_broken_off
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
+from gearpoly.recording.text.commas import commas
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touching
@@ -31,7 +33,7 @@ from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import no_reading, without, without_empty, without_unnamed
 from gearpoly.recording.text.oscilloscope import take_sequence
 from gearpoly.recording.text.part import TextPart
-from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
+from gearpoly.recording.text.rewritten import rewritten, say_rewritten, without_torn
 from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.wrapped import unwrapped
 from gearpoly.recording.text.writing import Writing
@@ -69,6 +71,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     """
     check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
+    text, broken = without_broken_off(text, inside)
     lines, left_out = without_unnamed(without_empty(TextLines(text, inside)))
     if LINE_BYTES * len(lines) > memory_limit(file):
         wish = "want rows of numbers; take empty lines out, or split the file"
@@ -76,14 +79,28 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
         raise InputFileError(file, found=found, wish=wish)
     del text
     lines, taken_off = unwrapped(lines)
+    tables = _parted(file, lines, writing, encoding, footer=footer)
+    for table in tables:
+        table.remarks += [said for said in (left_out, taken_off) if said]
+    tables[-1].remarks += [broken] if broken else []
+    return tables
+
+
+def _parted(file: Path, lines: TextLines, writing: Writing, encoding: str, *, footer: bool) -> list[Table]:
+    """Every recording in the lines of a text, by whatever parts its cells."""
     if writing.widths:
         cut = by_widths(lines, writing.widths)
         return _recordings(file, cut, replace(writing, separator=PARTED), encoding, footer=footer)
-    try:
-        tables = _recordings(file, lines, writing, encoding, footer=footer)
+    both = commas(file, lines, writing)
+    if both is not None:
+        how = replace(writing, separator=PARTED, decimal=",")
+        tables = _recordings(file, both.lines, how, encoding, footer=footer, parted_by=",")
         for table in tables:
-            table.remarks += [said for said in (left_out, taken_off) if said]
+            table.remarks.insert(1, both.said)
+            table.doubts[:0] = [both.doubt] if both.doubt is not None else []
         return tables
+    try:
+        return _recordings(file, lines, writing, encoding, footer=footer)
     except InputFileError:
         held = touching(lines) if writing.separator in ("", " ") else None
         if held is None:
@@ -94,8 +111,10 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
     return tables
 
 
-def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *, footer: bool) -> list[Table]:
-    """Every recording in the lines of a text."""
+def _recordings(
+    file: Path, lines: TextLines, writing: Writing, encoding: str, *, footer: bool, parted_by: str = ""
+) -> list[Table]:
+    """Every recording in the lines of a text, whose cells were ``parted_by`` another mark in the file."""
     beside = rewritten(file, lines, separator=writing.separator)
     lines, torn = beside.lines, 0
     separator = writing.separator or find_separator(file, lines)
@@ -107,17 +126,18 @@ def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
     shared = _keys(file, lines, blocks[0])
-    parting = "their widths" if writing.widths else SEPARATORS.get(separator, shorten(separator))
+    mark = parted_by or separator
+    parting = "their widths" if writing.widths else SEPARATORS.get(mark, shorten(mark))
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
-        _say_rewritten(table, block, beside)
+        say_rewritten(table, block, beside)
         if torn:
             table.remarks.append(f"{torn} torn lines left out, as the map says")
         own = shared if block is blocks[0] else {**shared, **_keys(file, lines, block)}
         table.keys.update(own)
         table.remarks += said_radial(lines[block.head[0] - 1 : (block.header or block.rows[0]) - 1])
-        ways = {"widths": str(list(writing.widths))} if writing.widths else {"separator": separator}
+        ways = {"widths": str(list(writing.widths))} if writing.widths else {"separator": mark}
         table.layout = {"encoding": encoding, **ways, **table.layout}
         table.remarks.insert(
             0,
@@ -129,31 +149,6 @@ def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *
             table.remarks.append(f"names are in another encoding: a map may state it, as text.encoding = {others}")
         tables.append(table)
     return tables
-
-
-def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
-    """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
-    for k, word in beside.words.items():
-        name = block.names[k] if k < len(block.names) else ""
-        if name in table.others and not np.isfinite(table.others[name].values).any():
-            del table.others[name]
-            words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
-            table.remarks.append(f"{words}: not read")
-            table.unread = (f"{words}, a column {WORDS}", "want numbers in the columns that are to be read")
-    for k, (label, unit) in enumerate(beside.labels):
-        name = block.names[k] if k < len(block.names) else ""
-        if name not in table.others:
-            continue
-        called = label if label and not block.stated[k] and label not in table.others else name
-        one = replace(table.others[name], unit=table.others[name].unit or unit)
-        table.others = {called if key == name else key: held for key, held in (table.others | {name: one}).items()}
-    if beside.labels:
-        table.remarks.append("labels and units stand beside the numbers of each row")
-    for k in sorted(beside.degrees):
-        name = block.names[k] if k < len(block.names) else ""
-        if name in table.others:
-            table.others[name] = replace(table.others[name], unit="deg")
-            table.remarks.append(f'"{shorten(name)}": degrees with minutes, taken as decimal degrees')
 
 
 def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:

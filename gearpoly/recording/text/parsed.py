@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Collection
+from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy.typing as npt
@@ -20,7 +21,7 @@ LARGE_BYTES = 2**22
 
 
 def parsed(
-    stream: BinaryIO | bytes,
+    stream: Path | BinaryIO | bytes,
     *,
     columns: int,
     size: int,
@@ -29,9 +30,9 @@ def parsed(
     decimal: str = ".",
     texts: Collection[int] = (),
 ) -> list[npt.NDArray[Any]] | None:
-    """The columns (n,) of a text in UTF-8, a stream of about ``size`` bytes or a piece of so large a one, below so many
-    ``lines_above``, with ``nan`` where a cell is empty; of the columns of these numbers that are ``texts`` the
-    characters (n, length), short ones filled up with zeros.
+    """The columns (n,) of a text in UTF-8, a file or a stream of about ``size`` bytes or a piece of so large a one,
+    below so many ``lines_above``, with ``nan`` where a cell is empty; of the columns of these numbers that are
+    ``texts`` the characters (n, length), short ones filled up with zeros.
 
     ``None`` where it is small, pyarrow is missing, or any row is not one of ``columns`` finite numbers: whoever reads
     it line by line says which.
@@ -49,7 +50,7 @@ def parsed(
     pool = arrow.system_memory_pool() if piece else arrow.default_memory_pool()
     try:
         table = csv.read_csv(
-            arrow.BufferReader(stream) if piece else stream,
+            arrow.BufferReader(stream) if piece else arrow.OSFile(str(stream)) if isinstance(stream, Path) else stream,
             memory_pool=pool,
             read_options=csv.ReadOptions(skip_rows=lines_above, column_names=names, use_threads=not piece),
             parse_options=csv.ParseOptions(delimiter=separator),

@@ -11,14 +11,18 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+
+from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import ANGLE
+from gearpoly.recording.table import WORDS, Table
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.cut import is_data, split
 from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
-from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS
+from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, Block
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
@@ -93,6 +97,31 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
     if words:
         lines = _without_words(lines, mark, words)
     return Rewritten(lines=lines, words=words, degrees=degrees)
+
+
+def say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
+    """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
+    for k, word in beside.words.items():
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others and not np.isfinite(table.others[name].values).any():
+            del table.others[name]
+            words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
+            table.remarks.append(f"{words}: not read")
+            table.unread = (f"{words}, a column {WORDS}", "want numbers in the columns that are to be read")
+    for k, (label, unit) in enumerate(beside.labels):
+        name = block.names[k] if k < len(block.names) else ""
+        if name not in table.others:
+            continue
+        called = label if label and not block.stated[k] and label not in table.others else name
+        one = replace(table.others[name], unit=table.others[name].unit or unit)
+        table.others = {called if key == name else key: held for key, held in (table.others | {name: one}).items()}
+    if beside.labels:
+        table.remarks.append("labels and units stand beside the numbers of each row")
+    for k in sorted(beside.degrees):
+        name = block.names[k] if k < len(block.names) else ""
+        if name in table.others:
+            table.others[name] = replace(table.others[name], unit="deg")
+            table.remarks.append(f'"{shorten(name)}": degrees with minutes, taken as decimal degrees')
 
 
 def _of_degrees(rows: Sequence[Sequence[str]], heads: Sequence[Sequence[str]]) -> frozenset[int]:
