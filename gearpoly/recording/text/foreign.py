@@ -20,19 +20,19 @@ from gearpoly.recording.comments import read_comment, said_radial
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.quantities import ANGLE, unit_written
 from gearpoly.recording.reader import check_few, check_numbers, memory_limit
-from gearpoly.recording.table import WORDS, Channel, Doubt, Table
+from gearpoly.recording.table import OF_WORDS, Channel, Doubt, Table
 from gearpoly.recording.text.cells import BadCellError, Marks, is_missing, marks_confirmed, marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touching
 from gearpoly.recording.text.labview import take_times
-from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
+from gearpoly.recording.text.layout import SEPARATOR_NAMES, RecordingLines, find_blocks, find_separator
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import no_reading, without, without_empty, without_unnamed
 from gearpoly.recording.text.oscilloscope import take_sequence
 from gearpoly.recording.text.part import TextPart
 from gearpoly.recording.text.rewritten import Rewritten, rewritten, without_torn
-from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
+from gearpoly.recording.text.stamps import DATE_ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.wrapped import unwrapped
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -56,7 +56,7 @@ CELL_BYTES = 80
 LINE_BYTES = 64
 """Memory that a line takes beside its characters."""
 
-TEXT_LIMIT_BYTES = 2**30
+RECORDING_TEXT_LIMIT_BYTES = 2**30
 """Largest text file that is held as lines, which take three times its size; the contract's own CSV is read as a stream
 up to 4 GB."""
 
@@ -67,7 +67,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
 
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
-    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
+    check_file(file, limit_bytes=RECORDING_TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
     lines, left_out = without_unnamed(without_empty(TextLines(text, inside)))
     if LINE_BYTES * len(lines) > memory_limit(file):
@@ -107,7 +107,7 @@ def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *
     columns = sum((one.rows[1] - one.rows[0]) * len(one.names) for one in blocks)
     check_numbers(file, columns)
     shared = _keys(file, lines, blocks[0])
-    parting = "their widths" if writing.widths else SEPARATORS.get(separator, shorten(separator))
+    parting = "their widths" if writing.widths else SEPARATOR_NAMES.get(separator, shorten(separator))
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
@@ -131,7 +131,7 @@ def _recordings(file: Path, lines: TextLines, writing: Writing, encoding: str, *
     return tables
 
 
-def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
+def _say_rewritten(table: Table, block: RecordingLines, beside: Rewritten) -> None:
     """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
     for k, word in beside.words.items():
         name = block.names[k] if k < len(block.names) else ""
@@ -139,7 +139,7 @@ def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
             del table.others[name]
             words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
             table.remarks.append(f"{words}: not read")
-            table.unread = (f"{words}, a column {WORDS}", "want numbers in the columns that are to be read")
+            table.unread = (f"{words}, a column {OF_WORDS}", "want numbers in the columns that are to be read")
     for k, (label, unit) in enumerate(beside.labels):
         name = block.names[k] if k < len(block.names) else ""
         if name not in table.others:
@@ -156,7 +156,7 @@ def _say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
             table.remarks.append(f'"{shorten(name)}": degrees with minutes, taken as decimal degrees')
 
 
-def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
+def _keys(file: Path, lines: Sequence[str], block: RecordingLines) -> dict[str, object]:
     """The keys in the comment lines above a recording."""
     keys: dict[str, object] = {}
     places: dict[str, str] = {}
@@ -170,7 +170,7 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     return keys
 
 
-def _table(file: Path, lines: TextLines, block: Block, separator: str, writing: Writing) -> Table:
+def _table(file: Path, lines: TextLines, block: RecordingLines, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
     part = TextPart(file=file, lines=lines, block=block, separator=separator, writing=writing)
     sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
@@ -337,7 +337,7 @@ def _marks(part: TextPart, sample: Sequence[Sequence[str]], numbers: Sequence[in
     return Marks(decimal=mark, why="for the time being")
 
 
-def _is_degrees(block: Block, k: int) -> bool:
+def _is_degrees(block: RecordingLines, k: int) -> bool:
     """Whether the column is an angle in deg by its name and unit."""
     name, unit = header_unit(block.stated[k])
     stated = unit_written(block.units[k] or unit, ANGLE)
@@ -352,8 +352,8 @@ def _order(part: TextPart, cells: Sequence[str], table: Table) -> str:
         says = f'the date in "{shorten(first)}" may begin with the day or the month'
         ask = ('text.dates = "day first"', 'or text.dates = "month first"')
         table.doubts.append(Doubt(says=says, ask=ask))
-        return ORDERS["day first"]
-    called = next(name for name, letters in ORDERS.items() if letters == order)
+        return DATE_ORDERS["day first"]
+    called = next(name for name, letters in DATE_ORDERS.items() if letters == order)
     if called != "year first":
         table.layout["dates"] = called
         table.remarks.append(f"dates have the {called}: {why}")
