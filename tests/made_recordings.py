@@ -16,7 +16,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
-from gearpoly.mesh.transmission import NEAR, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, contacts
 from gearpoly.recording.recording import Flank, Recording
 from gearpoly.units import DEG, NM, UM, FloatArray
 
@@ -72,7 +72,7 @@ def te_of(made: Assembled, theta_2: FloatArray, *, flank: Flank, torque_nm: floa
     if made.elasticity is None or torque_nm == 0.0:
         return contacts(made.pair, theta_2, flank=flank, near=0.0, fast=True).te
     bends = pair_compliance(made.pair, made.elasticity, flank=flank)
-    near = NEAR + load_reach(bends, torque_nm * NM)
+    near = NEAR_PAIR_MM + load_reach(bends, torque_nm * NM)
     found = contacts(made.pair, theta_2, flank=flank, near=near, fast=True)
     return loaded(found, bends, torque=torque_nm * NM).te
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from gearpoly.arguments import SECONDS
+from gearpoly.arguments import SECONDS_OF_WORK
 from gearpoly.diagnose.budget import USUAL
 from gearpoly.options import MapsOption, PairArgument, RecordingsArgument
 
@@ -30,7 +30,8 @@ def diagnose(
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
     within: Annotated[
-        float, typer.Option(min=SECONDS.least, metavar="SECONDS", help="Look no longer than so many seconds of work.")
+        float,
+        typer.Option(min=SECONDS_OF_WORK.least, metavar="SECONDS", help="Look no longer than so many seconds of work."),
     ] = USUAL,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""

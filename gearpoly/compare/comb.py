@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.describe import GEARS
+from gearpoly.arguments import GEARS
 from gearpoly.compare.entries import Entry, named
 from gearpoly.units import FloatArray
 

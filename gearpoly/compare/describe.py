@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.courses import chances, of_degrees, slow_noise
 from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
@@ -22,8 +23,6 @@ from gearpoly.compare.sampling import SLOWEST
 from gearpoly.compare.slow import SLOW
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM
-
-GEARS: tuple[Gear, Gear] = ("driving", "driven")
 
 COMPANION = 0.2
 """A second-order companion is at most this part of the wave it comes with: the squares of a deviation over lengths of

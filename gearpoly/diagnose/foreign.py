@@ -17,7 +17,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.keys.also_turns import Part
 from gearpoly.mesh.shafts import runs_up as speeds_of
-from gearpoly.physics.encoder_interpolation import HIGHEST
+from gearpoly.physics.encoder_interpolation import HIGHEST_ERRORS_PER_TURN
 from gearpoly.units import FloatArray
 
 STANDS = 3.5
@@ -159,12 +159,13 @@ def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dic
 
 
 def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> FloatArray:
-    """The same (``HIGHEST`` + 1,) of the orders of a shaft above half the sampling rate of any recording."""
-    out = np.zeros(HIGHEST + 1)
+    """The same (``HIGHEST_ERRORS_PER_TURN`` + 1,) of the orders of a shaft above half the sampling rate of any
+    recording."""
+    out = np.zeros(HIGHEST_ERRORS_PER_TURN + 1)
     slowest = 0.0
     for one, rest in zip(comparison.aligned, left, strict=True):
         turns = one.estimated[gear] / (2.0 * math.pi)
-        out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST + 1).transform(rest)) ** 2 / rest.size
+        out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST_ERRORS_PER_TURN + 1).transform(rest)) ** 2 / rest.size
         slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
     out[: math.ceil(slowest)] = 0.0
     return out

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.diagnose.budget import Step
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
@@ -23,7 +24,7 @@ from gearpoly.diagnose.tooth_forms import has_forms, with_forms, with_open_forms
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.infer.unknown import mesh_curves
-from gearpoly.keys.edit import GEARS, gear_section, on_gear
+from gearpoly.keys.edit import gear_section, on_gear
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 from gearpoly.units import FloatArray

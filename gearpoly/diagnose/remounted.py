@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.fit import Fit, better_of, settled
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
-from gearpoly.keys.edit import GEARS
 from gearpoly.physics.samples import Samples
 from gearpoly.units import UM, FloatArray
 

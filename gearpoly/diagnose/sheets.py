@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtri
 
+from gearpoly.arguments import GEARS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import FEW, shortened
@@ -21,7 +22,7 @@ from gearpoly.diagnose.teeth_scale import COARSEST
 from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import Inspection, PairFile
-from gearpoly.keys.edit import GEARS, changed, gear_section, on_gear
+from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.physics.sheet import column
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Cause, Entry, Gear
+from gearpoly.compare.entries import Cause, Entry
 from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
@@ -30,8 +31,6 @@ ONE_TORQUE = 2.0
 """Factor on what laws are doubted by where bending that nobody declared was found under one load, which tells no law; a
 length is then doubted too. Of 28 reliefs of 14 pairs at the torque of their design seven were off by more than twice
 the plain error, four lengths as well, by up to 0.08 of themselves."""
-
-GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 
 def explained(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
@@ -57,7 +56,7 @@ def causes_of(search: Fit, found: Posterior) -> tuple[Cause, ...]:
     return tuple(
         Cause(
             physics=claim.physics.name,
-            gear=None if claim.place.gear is None else GEAR_NAMES[claim.place.gear],
+            gear=None if claim.place.gear is None else GEARS[claim.place.gear],
             probability=right * chance,
             parameters=tuple(
                 (name, value)

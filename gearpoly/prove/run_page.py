@@ -8,7 +8,7 @@ from gearpoly.prove.side import known, table
 from gearpoly.prove.words import MEANING, UNLISTED, missing_unknown, percent, value
 from gearpoly.proving.ground import CALLED
 
-MARKS = {True: "reached", False: "**missed**", None: "not judged"}
+PAGE_MARKS = {True: "reached", False: "**missed**", None: "not judged"}
 
 
 def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) -> list[str]:
@@ -76,7 +76,7 @@ def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) 
 def _missed(rows: list[dict[str, Any]]) -> list[str]:
     """Every goal that a case misses, whether or not enough others reach it."""
     missed = [
-        [row["text"], value(row), row["goal"], MARKS[row["reached"]], ", ".join(row["cases"])]
+        [row["text"], value(row), row["goal"], PAGE_MARKS[row["reached"]], ", ".join(row["cases"])]
         for row in rows
         if row["goal"] and row["cases"]
     ]

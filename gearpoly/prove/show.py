@@ -14,7 +14,7 @@ from gearpoly.prove.reliability import NAME, PLACE
 from gearpoly.prove.words import EXPERT, UNLISTED, missing_unknown, number, percent, short_percent, value
 from gearpoly.proving.ground import CALLED
 
-MARKS: dict[bool | None, Text] = {
+TERMINAL_MARKS: dict[bool | None, Text] = {
     True: Text("reached", style="green"), False: Text("missed", style="red"), None: Text(""),
 }  # fmt: skip
 
@@ -24,7 +24,9 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     table = _table("goals", ("figure", "found (95 % interval)", "goal", ""))
     for row in board["rows"]:
         note = f" ({row['note']})" if row["note"] else ""
-        table.add_row(Text.assemble(row["text"], (note, "dim")), value(row), row["goal"], MARKS[row["reached"]])
+        table.add_row(
+            Text.assemble(row["text"], (note, "dim")), value(row), row["goal"], TERMINAL_MARKS[row["reached"]]
+        )
     console.print(table)
     sizes = _table("single effects by size over the theoretical limit", ("size", "reported", "named", "in the set"))
     for one in board["by_size"]:
