@@ -10,7 +10,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from gearpoly.assemble import Assembled
-from gearpoly.compare.beside import Beside
+from gearpoly.compare.beside import BesideSimulation
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
@@ -151,7 +151,7 @@ def off_deg(found: float | None, true: float) -> float:
     return math.remainder(found - true, TURN) / DEG
 
 
-def errors(beside: Beside, rig: Rig) -> tuple[float, float]:
+def errors(beside: BesideSimulation, rig: Rig) -> tuple[float, float]:
     """Errors of both zeros in deg."""
     zeros = beside.alignment.zeros
     return off_deg(zeros.driving, rig.zero_1), off_deg(zeros.driven, rig.zero_2)

@@ -20,7 +20,7 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.sampling import SLOWEST
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM
 
@@ -271,7 +271,7 @@ def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     beta = solution.beta[search.places[k]["slow"][1:]]
     x = s.data.u if s.data.time_s is None else s.data.time_s
     curve = s.slow[:, 1:] @ beta
-    bent = s.slow.shape[1] > SLOW
+    bent = s.slow.shape[1] > SLOW_CURVE_TERMS
     if bent:
         beta = of_degrees(x, curve)[1:]
     degree = np.arange(1, beta.size + 1)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.compare.also_turns import SAME_ORDER_SIGMAS, relative_std
-from gearpoly.compare.beside import Beside
+from gearpoly.compare.beside import BesideSimulation
 from gearpoly.compare.entries import Entry
 from gearpoly.keys.also_turns import HALF_A_LINE, LOW_ORDERS_OF_PART, PART_MESH_ORDERS, Part, lines_at
 from gearpoly.recording.worm import worm_period
@@ -91,7 +91,7 @@ class Sky:
         return ", ".join(parts)
 
 
-def sky_of(beside: Beside) -> Sky | None:
+def sky_of(beside: BesideSimulation) -> Sky | None:
     """The sky that recordings were made on; ``None`` where the pair file states no worm."""
     if beside.worm is None:
         return None

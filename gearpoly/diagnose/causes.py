@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import EVERY_MESH, Entry
+from gearpoly.compare.entries import EVERY_MESH_KINDS, Entry
 from gearpoly.diagnose.at_place import at_place
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.foreign import wave_in_each
@@ -77,7 +77,7 @@ def _at(search: Fit, entry: Entry, tooth: int | None) -> list[tuple[Physics, Pla
             same = {
                 "tooth": entry.kind == "tooth" and (place.gear, place.tooth) == (gear, tooth),
                 "wave": order is not None and (place.gear, order_of(claim)) == (gear, int(order)),
-                "mesh": entry.kind in EVERY_MESH,
+                "mesh": entry.kind in EVERY_MESH_KINDS,
                 "means": entry.kind == "condition",
                 "slow": entry.drift,
             }[kind]

@@ -18,7 +18,7 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import Step, compare
 from gearpoly.compare.describe import ECHO_WAVE
-from gearpoly.compare.division import CLEARLY, HELD, LEAST, holds
+from gearpoly.compare.division import LARGEST_ORDERS_LISTED, LARGEST_ORDERS_SIGMAS, LEAST_MISMATCH_PART, holds
 from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import before_claims
@@ -214,11 +214,17 @@ def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[b
         laid = comparison.aligned[entry.recordings[0]]
         return holds(entry, z=z, time_s=laid.time_s, theta_1=laid.theta_1)
 
-    clear = [one for one in before.values() if (one.amplitude_um or 0.0) > CLEARLY * (one.std_um or math.inf)]
-    foremost = sorted((one for one in clear if one.companion_of is None), key=lambda one: -held(one))[:HELD]
+    clear = [
+        one for one in before.values() if (one.amplitude_um or 0.0) > LARGEST_ORDERS_SIGMAS * (one.std_um or math.inf)
+    ]
+    foremost = sorted((one for one in clear if one.companion_of is None), key=lambda one: -held(one))[
+        :LARGEST_ORDERS_LISTED
+    ]
     for one in before.values():
         largest = max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
-        strong = not any(repeats[k] for k in one.recordings) or held(one) > LEAST * largest or one in foremost
+        strong = (
+            not any(repeats[k] for k in one.recordings) or held(one) > LEAST_MISMATCH_PART * largest or one in foremost
+        )
         if one.of_the_pair and (one.parts or (strong and one.companion_of is None)):
             out.append(replace(one, as_built=True, companion_of=None))
     return tuple(sorted(out, key=lambda one: -held(one)))

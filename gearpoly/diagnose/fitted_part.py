@@ -17,14 +17,14 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.fast import BELOW
 from gearpoly.compare.noise import spacing_of
-from gearpoly.compare.reduce import SAMPLES, Shortening, shortening
+from gearpoly.compare.reduce import SAMPLES_SEARCHED, Shortening, shortening
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.foreign import columns_of, is_foreign
 from gearpoly.mesh.shafts import runs_up
 from gearpoly.recording.deeds import Deed
 from gearpoly.units import FloatArray
 
-LONG = 2 * SAMPLES
+LONG = 2 * SAMPLES_SEARCHED
 """Samples of a recording beyond which it is shortened: of 80 000 samples of 60 teeth the columns of a fit take 0.4 GB,
 and means are less exact where pairs take over."""
 

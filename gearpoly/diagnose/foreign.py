@@ -12,7 +12,7 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.slow import course_curves
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.keys.also_turns import Part
@@ -165,7 +165,11 @@ def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> 
     slowest = 0.0
     for one, rest in zip(comparison.aligned, left, strict=True):
         turns = one.estimated[gear] / (2.0 * math.pi)
-        out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST_ERRORS_PER_TURN + 1).transform(rest)) ** 2 / rest.size
+        out += (
+            2.0
+            * np.abs(FrequencyGrid(turns, step=1.0, count=HIGHEST_ERRORS_PER_TURN + 1).transform(rest)) ** 2
+            / rest.size
+        )
         slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
     out[: math.ceil(slowest)] = 0.0
     return out

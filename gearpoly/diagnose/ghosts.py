@@ -14,7 +14,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.slow import SLOW, slow_curves
+from gearpoly.compare.slow import SLOW_CURVE_TERMS, slow_curves
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import number_of
 from gearpoly.diagnose.model import Model, Observed
@@ -49,13 +49,13 @@ def slow_ghosts(comparison: Comparison, model: Model) -> list[FloatArray]:
     that turned once in five and a half turns gave 60 teeth forms of their own, and these hid 18 um of a spall."""
     drifts = {k for one in comparison.located.entries if one.drift for k in one.recordings}
     asked = [k in drifts and not wanders for k, wanders in enumerate(model.scope.wanders)]
-    many = (SLOW - 1) * sum(asked)
+    many = (SLOW_CURVE_TERMS - 1) * sum(asked)
     out, at = [], 0
     for one, mine in zip(model.observed, asked, strict=True):
         columns = np.zeros((one.samples.size, many))
         if mine:
-            columns[:, at : at + SLOW - 1] = slow_curves(one.samples.along)[:, 1:]
-            at += SLOW - 1
+            columns[:, at : at + SLOW_CURVE_TERMS - 1] = slow_curves(one.samples.along)[:, 1:]
+            at += SLOW_CURVE_TERMS - 1
         out.append(columns)
     return out
 

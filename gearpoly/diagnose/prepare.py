@@ -12,9 +12,9 @@ import numpy as np
 
 from gearpoly.assemble import stated_limits
 from gearpoly.compare.among import means_compare
-from gearpoly.compare.beside import Aligned, Beside
+from gearpoly.compare.beside import Aligned, BesideSimulation
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.diagnose.model import Model, Observed
@@ -52,7 +52,7 @@ BLOCKS = 8
 one."""
 
 
-def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
+def prepare(file: PairFile, beside: BesideSimulation, *, path: Path) -> Model:
     """The working state before any physics is claimed."""
     declared = known_file(file)
     pair = beside.assembled.pair
@@ -89,7 +89,8 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(
-            SLOW - 1 if r.computed and not one.whole else 0 for r, one in zip(recordings, observed, strict=True)
+            SLOW_CURVE_TERMS - 1 if r.computed and not one.whole else 0
+            for r, one in zip(recordings, observed, strict=True)
         ),
     )
     return Model(
@@ -253,7 +254,7 @@ def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> G
     )
 
 
-def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:
+def _observed(one: Aligned, number: int, beside: BesideSimulation, *, counted: bool) -> Observed:
     zeros, recording = beside.alignment.zeros, one.cleaned.recording
     pair = beside.assembled.pair
     read_1, read_2 = one.estimated

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
@@ -188,7 +188,7 @@ def _likely_orders(
         for scene, noise, white in zip(scenes, linear.noises, linear.system.left, strict=True):
             s = scene.samples
             turns = (s.theta_1 if gear == 0 else s.theta_2) / (2.0 * math.pi)
-            sums = Grid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
+            sums = FrequencyGrid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
             gains += 2.0 * np.abs(sums) ** 2 / (s.size * _enlarged(noise, turns))
         places = {place.order for physics, place in asked if physics.wavelike and (place.gear or 0) == gear}
         there = [k for k in places if k is not None and k <= HIGHEST_ORDER and gains[k] > FAINT_WAVE]
@@ -208,7 +208,7 @@ def _enlarged(noise: Noise, turns: FloatArray) -> FloatArray:
     out = np.full(HIGHEST_ORDER + 1, float(taps @ taps))
     for late in range(1, many + 1):
         apart = turns[late:] - turns[:-late]
-        alike = Grid(apart, step=1.0, count=HIGHEST_ORDER + 1).transform(np.ones(apart.size)).real / apart.size
+        alike = FrequencyGrid(apart, step=1.0, count=HIGHEST_ORDER + 1).transform(np.ones(apart.size)).real / apart.size
         out += 2.0 * float(taps[late:] @ taps[: many + 1 - late]) * alike
     return out
 

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.output import write_text
-from gearpoly.files.sheet_csv import SHEET_FLANKS_TEXT
+from gearpoly.files.sheet_csv import SIDES_HELP
 
 PAIR_FILE_PAGE_HEAD = """# The pair file
 
@@ -52,7 +52,7 @@ stand where the mean thickness has them.
 Sizes are turned into the keys that describe the gear: module_mm = 25.4 / diametral_pitch, tip_diameter_mm =
 module_mm (teeth + 2 profile_shift + 2 addendum), root_diameter_mm = module_mm (teeth + 2 profile_shift - 2 dedendum).
 A fitted file has these keys in their place.
-""".replace("{flanks}", SHEET_FLANKS_TEXT.replace("\n# ", "\n").removeprefix("# "))
+""".replace("{flanks}", SIDES_HELP.replace("\n# ", "\n").removeprefix("# "))
 
 KEY_TABLE_COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from gearpoly.files.sheet_csv import SHEET_FLANKS_TEXT
+from gearpoly.files.sheet_csv import SIDES_HELP
 
 TEMPLATE = """# A pair file of gearpoly. It runs as it stands; keys behind a # may be stated.
 # All keys: docs/reference/pair_file.md. Lengths in mm, deviations in um, angles in deg.
@@ -63,4 +63,4 @@ def pair_template(*, sheet: str | None) -> str:
         return text.replace(f"\n# [{name}.inspection]\n", shown)
 
     head, name, rest = TEMPLATE.partition("\nname = ")
-    return f"{head}{SHEET_FLANKS_TEXT}\n{name}{rest}".format(driving=gear("driving"), driven=gear("driven"))
+    return f"{head}{SIDES_HELP}\n{name}{rest}".format(driving=gear("driving"), driven=gear("driven"))

@@ -13,8 +13,8 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.slow import SLOW, slow_curves
-from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, Grid, sample_weights
+from gearpoly.compare.slow import SLOW_CURVE_TERMS, slow_curves
+from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, FrequencyGrid, sample_weights
 from gearpoly.report.lost_motion_report import draw_lost
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import NM, UM, FloatArray
@@ -156,7 +156,7 @@ def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
 def _spectrum(x: FloatArray, rest: FloatArray, span: float, top: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies (k,) in cycles per unit of ``x`` (n,) and amplitudes (k,) in mm of waves in ``rest`` (n,) in mm."""
     step = 1.0 / (SPECTRUM_PLACES_PER_LINE * span)
-    grid = Grid(x, step=step, count=max(2, int(top / step)))
+    grid = FrequencyGrid(x, step=step, count=max(2, int(top / step)))
     # Each sample counts by the stretch it stands for: a strong line then does not spill over the others.
     weight = sample_weights(x)
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
@@ -174,7 +174,7 @@ def _parted(one: Aligned) -> tuple[FloatArray, list[tuple[float, float]]]:
     waves = [wave(order * one.theta_1) for order in orders for wave in (np.cos, np.sin)]
     columns = np.column_stack([slow_curves(one.theta_2), *waves])
     beta = np.linalg.lstsq(columns, one.residual, rcond=None)[0]
-    sizes = np.hypot(beta[SLOW::2], beta[SLOW + 1 :: 2])
+    sizes = np.hypot(beta[SLOW_CURVE_TERMS::2], beta[SLOW_CURVE_TERMS + 1 :: 2])
     return one.residual - columns @ beta, list(zip(orders, sizes.tolist(), strict=True))
 
 

@@ -17,7 +17,7 @@ from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, Grid, sample_weights
+from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, FrequencyGrid, sample_weights
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
@@ -141,7 +141,7 @@ def spectrum(u: FloatArray, values: FloatArray, *, top: float) -> tuple[FloatArr
     (n,) meshes, through a Hann window: a strong line then does not spill over the others."""
     weight = window(u)
     step = 1.0 / (SPECTRUM_PLACES_PER_LINE * float(np.ptp(u)))
-    grid = Grid(u, step=step, count=max(2, int(top / step)))
+    grid = FrequencyGrid(u, step=step, count=max(2, int(top / step)))
     mean = float(np.sum(weight * values) / np.sum(weight))
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
     return frequency, 2.0 * np.abs(grid.transform(weight * (values - mean))) / float(np.sum(weight))
