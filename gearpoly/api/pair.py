@@ -24,7 +24,7 @@ from gearpoly.api.viewed import Viewed, view_of
 from gearpoly.api.words import told_in_python
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.course import along, over_turns
-from gearpoly.diagnose.budget import USUAL
+from gearpoly.diagnose.budget import USUAL_WORK_S
 from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
@@ -232,7 +232,7 @@ class Pair:
         return Compared(comparison=compare_as_built(self.file, read, path=self.source))
 
     @told_in_python()
-    def diagnose(self, recordings: Recorded, *, map: Maps = None, within: float = USUAL) -> Diagnosed:
+    def diagnose(self, recordings: Recorded, *, map: Maps = None, within: float = USUAL_WORK_S) -> Diagnosed:
         """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
         ``within`` seconds of work. Raises ``InputFileError`` as the command does, ``OutOfRangeError`` for less
         than 1 s."""

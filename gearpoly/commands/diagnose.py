@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from gearpoly.arguments import SECONDS_OF_WORK
-from gearpoly.diagnose.budget import USUAL
+from gearpoly.diagnose.budget import USUAL_WORK_S
 from gearpoly.options import MapsOption, PairArgument, RecordingsArgument
 
 ORDER = 30
@@ -32,7 +32,7 @@ def diagnose(
     within: Annotated[
         float,
         typer.Option(min=SECONDS_OF_WORK.least, metavar="SECONDS", help="Look no longer than so many seconds of work."),
-    ] = USUAL,
+    ] = USUAL_WORK_S,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run

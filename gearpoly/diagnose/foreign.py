@@ -24,21 +24,21 @@ STANDS = 3.5
 """Standard errors by which a foreign wave stands out beside everything else, to be looked for again; most are located
 at more only."""
 
-ONE_WAVE = 0.5
+ONE_WAVE_LINES = 0.5
 """Independent lines within which waves of two recordings are one."""
 
 LARGER, LITTLE = 1.5, 0.25
 """How much more an order above half the sampling rate must explain than any wave, for waves to be its images; and the
 part of a wave's power that may be left of an image without it."""
 
-SWELLS = 0.5
+RUN_UP_SPREAD_ORDERS = 0.5
 """Orders of a shaft beside the mesh's within which a run-up spreads what it takes through a resonance: a swing that
 lasts two turns or more."""
 
-WHOLE = 1e-9
+WHOLE_ORDER_ROUNDING = 1e-9
 """Orders by which a whole one may be off by rounding."""
 
-FREE = 10.0
+FADED_WAVES_MISFIT = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
 
 
@@ -114,7 +114,7 @@ def _meshes(comparison: Comparison, parts: Sequence[Part], found: Found) -> Foun
     out: Found = []
     for order in (order for part in parts for order in part.meshes()):
         own = round(order / z_2) * z_2
-        if order < finest and all(abs(order - one) * shortest >= ONE_WAVE for one in (own, *taken)):
+        if order < finest and all(abs(order - one) * shortest >= ONE_WAVE_LINES for one in (own, *taken)):
             taken.append(order)
             wave = Entry(kind="shaft_order", gear="driven", order=order, p_value=1.0, recordings=())
             out += [(k, wave) for k in range(len(comparison.aligned))]
@@ -188,7 +188,7 @@ def _all_foreign(comparison: Comparison) -> Found:
             out += [(k, entry) for k in entry.recordings]
             continue
         driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
-        if all(abs(driving - other) * turns >= ONE_WAVE for other in orders):
+        if all(abs(driving - other) * turns >= ONE_WAVE_LINES for other in orders):
             orders.append(driving)
             out += [(k, entry) for k in range(len(comparison.aligned))]
     return out
@@ -203,7 +203,7 @@ def smooth_orders(entries: Found, *, z: tuple[int, int]) -> frozenset[tuple[int,
             continue
         gear, order = 0 if one.gear == "driving" else 1, one.order
         for which, own in ((gear, order), (1 - gear, order * z[1 - gear] / z[gear])):
-            if abs(own - round(own)) < WHOLE:
+            if abs(own - round(own)) < WHOLE_ORDER_ROUNDING:
                 out.add((which, round(own)))
     return frozenset(out)
 
@@ -239,7 +239,7 @@ def swells_by(entry: Entry, z_1: int, z_2: int) -> bool:
     if entry.kind != "shaft_order" or entry.order is None:
         return False
     z = z_1 if entry.gear == "driving" else z_2
-    return entry.order > SWELLS and abs(math.remainder(entry.order, z)) < SWELLS
+    return entry.order > RUN_UP_SPREAD_ORDERS and abs(math.remainder(entry.order, z)) < RUN_UP_SPREAD_ORDERS
 
 
 def _width(entry: Entry) -> int:
@@ -324,7 +324,7 @@ def faded(system: System, waves: Sequence[Sequence[int]], foreign: slice) -> lis
     weak = [k for k, wave in enumerate(waves) if not stands(system, [foreign.start + column for column in wave])]
     while weak:
         gone = [foreign.start + column for k in weak for column in waves[k]]
-        if system.without(gone).misfit - system.misfit < 2.0 * len(gone) + FREE:
+        if system.without(gone).misfit - system.misfit < 2.0 * len(gone) + FADED_WAVES_MISFIT:
             return weak
         # Waves so near each other that either could go are weak one by one, and not together.
         weak = weak[: len(weak) // 2]

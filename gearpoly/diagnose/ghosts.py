@@ -28,7 +28,7 @@ from gearpoly.infer.unknown import IMAGES, waves
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM, FloatArray
 
-PART = 0.5
+GHOST_AMPLITUDE_PART = 0.5
 """Part of the amplitude at a ghost order that a claim has to make there, to be what is there. Lines of an encoder,
 0.29 um as they were sampled, had left 0.03 um of an undulation, which was named. A judgement."""
 
@@ -97,7 +97,8 @@ def left_to_ghosts(search: Fit, comparison: Comparison) -> Fit:
 
 
 def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator[Entry]:
-    """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than ``PART``."""
+    """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than
+    ``GHOST_AMPLITUDE_PART``."""
     z, own = [one.z for one in search.model.scope.gears], claim.place.gear or 0
     effect = search.model.change(search.scenes, claim, claim.values, but=claim)
     per_mesh = (order_of(claim) or 0) / z[own]
@@ -110,7 +111,7 @@ def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator
         made = max(
             _amplitude(one, at * scene.samples.theta_2 * z[1]) for scene, one in zip(search.scenes, effect, strict=True)
         )
-        if made < PART * (entry.amplitude_um or 0.0) * UM:
+        if made < GHOST_AMPLITUDE_PART * (entry.amplitude_um or 0.0) * UM:
             yield entry
 
 

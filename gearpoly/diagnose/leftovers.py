@@ -16,7 +16,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import EVEN
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.diagnose.weigh import as_sudden, beyond_chance
 from gearpoly.infer.load_wave import LOAD_WAVE
@@ -97,7 +97,7 @@ def with_causes(
             # How large a wave is was told before anything was claimed of it.
             place = next((entry for entry in comparison.located.entries if same_place(entry, place)), place)
         there = None if one.posterior is None else 1.0 - one.posterior.nothing
-        if not same and (one.seen or (there is not None and there < 1.0 - EVEN)):
+        if not same and (one.seen or (there is not None and there < 1.0 - UNCLAIMED_PROBABILITY)):
             continue
         if not same:
             out.append(place)

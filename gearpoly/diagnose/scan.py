@@ -35,10 +35,10 @@ FAINT_WAVE = 10.0
 """Gain of a wave below which its order is not looked at more closely: chance makes one in 150 as large, and none of
 thousands is significant below twice as much."""
 
-LIKELY = 40
+LIKELY_ORDERS_PER_SHAFT = 40
 """Orders per shaft that are looked at closely: the strongest lines, of which one is taken at a time."""
 
-KNOWN = 1e-6
+LEAST_INFORMATION_PART = 1e-6
 """Part of a column's information that must be left beside everything else, or it is told from nothing."""
 
 KNOWN_BEFOREHAND = 1e-9
@@ -192,7 +192,7 @@ def _likely_orders(
             gains += 2.0 * np.abs(sums) ** 2 / (s.size * _enlarged(noise, turns))
         places = {place.order for physics, place in asked if physics.wavelike and (place.gear or 0) == gear}
         there = [k for k in places if k is not None and k <= HIGHEST_ORDER and gains[k] > FAINT_WAVE]
-        out.append(set(sorted(there, key=lambda k: (-gains[k], k))[:LIKELY]))
+        out.append(set(sorted(there, key=lambda k: (-gains[k], k))[:LIKELY_ORDERS_PER_SHAFT]))
     return out[0], out[1]
 
 
@@ -242,7 +242,7 @@ def _weigh(
         index = np.arange(at, at + q)
         at += q
         physics = claim.physics
-        known = KNOWN_BEFOREHAND if physics.whole_gear else KNOWN
+        known = KNOWN_BEFOREHAND if physics.whole_gear else LEAST_INFORMATION_PART
         if np.any(left[index] <= known * alone[index]) or np.any(alone[index] <= 0.0):
             continue
         gain, amplitude = gain_of(score, information, index[None, :])

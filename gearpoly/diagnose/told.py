@@ -16,14 +16,14 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.residuals import sharp
 from gearpoly.diagnose.search import doubted
-from gearpoly.diagnose.unnamed import EVEN
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import FILE_RIGHT, UNEARNED
 from gearpoly.physics.base import Claim
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
-SHAPE_DOUBT = 4.0
+SHAPE_DOUBT_STEPS = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
 formulas, and another shape would put its edge elsewhere."""
 
@@ -40,11 +40,11 @@ def explained(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> 
     found = zip(entries, causes(search, comparison, entries), strict=True)
     told = (
         one
-        if posterior is None or (posterior.nothing > EVEN and sharp(one))
+        if posterior is None or (posterior.nothing > UNCLAIMED_PROBABILITY and sharp(one))
         else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search, posterior))
         for one, posterior in found
     )
-    return tuple(one for one in told if one.probability is None or one.probability >= EVEN)
+    return tuple(one for one in told if one.probability is None or one.probability >= UNCLAIMED_PROBABILITY)
 
 
 def causes_of(search: Fit, found: Posterior) -> tuple[Cause, ...]:
@@ -77,7 +77,9 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
         by_laws[:a] *= ONE_TORQUE
     else:
         by_laws[a:] = 0.0
-    by_shape = np.array([SHAPE_DOUBT * one.step if k >= a else 0.0 for k, one in enumerate(claim.physics.coordinates)])
+    by_shape = np.array(
+        [SHAPE_DOUBT_STEPS * one.step if k >= a else 0.0 for k, one in enumerate(claim.physics.coordinates)]
+    )
     covariance += np.diag(by_laws**2 + by_shape**2)
     found = claim.physics.report(claim.place, np.array(claim.values), covariance)
     scale = found.pop("compliance_scale", None)
