@@ -67,7 +67,8 @@ class Setting:
 def plain_recipe(
     entry: CaseEntry, pair: str, conditions: tuple[RecordedCondition, ...], chain: Chain,
     effects: tuple[Effect, ...] = (), *, grade: int = 6, inspected: bool = False, deflect: bool = False,
-    background: tuple[Effect, ...] = (), background_over: tuple[float, ...] = (), fixed: bool = False, concealed_by: str = "",
+    background: tuple[Effect, ...] = (), background_over: tuple[float, ...] = (), fixed: bool = False,
+    concealed_by: str = "",
 ) -> Recipe:  # fmt: skip
     """A recipe with the fields that real life does not vary left as they are."""
     return Recipe(
